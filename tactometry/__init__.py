@@ -1,0 +1,3 @@
+"""Tactometry: psychophysics on touch. The way of a value through the house is in the README."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,233 @@
+"""What a protocol may ask of a rig, each with the type of its answer.
+
+A request *describes*: it names a stimulus and a level, never samples. `put_to` calls the one method of the rig that
+answers this request, so that no loop and no rig branches on a kind.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Protocol
+
+from tactometry.trial import Trial
+
+if TYPE_CHECKING:
+    from tactometry.rigs.rig import Rig
+
+
+@dataclass(frozen=True)
+class Done:
+    """The answer of a request that has nothing to report but its time (s since the session's start)."""
+
+    at_s: float
+
+
+@dataclass(frozen=True)
+class Played:
+    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples."""
+
+    onset_s: float
+    level_delivered: float | None
+    digest: str
+
+
+@dataclass(frozen=True)
+class Touched:
+    """What a finger did while a stimulus played, and what was emitted.
+
+    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band. `valid` is false if the
+    touch broke its conditions or the experimenter asked for a repetition: the protocol then asks again.
+    """
+
+    onset_s: float
+    level_delivered: float | None
+    digest: str | None
+    force_mean_n: float | None = None
+    force_sd_n: float | None = None
+    force_in_band: float | None = None
+    speed_mean_m_per_s: float | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One of the options that were offered; `latency_s` from the onset of the question."""
+
+    option: int
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Rated:
+    """A point of a scale, or a number."""
+
+    value: float | None
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+
+
+@dataclass(frozen=True)
+class Adjusted:
+    """The level that the participant left standing."""
+
+    level: float
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+
+
+class Request(Protocol):
+    """One thing asked of the rig."""
+
+    answer: ClassVar[type]
+
+    def put_to(self, rig: "Rig") -> object: ...
+
+
+@dataclass(frozen=True)
+class Play:
+    """Emit a stimulus, with no condition on the finger."""
+
+    stimulus: str
+    level: float | None
+    duration_s: float
+    interval: int | None = None
+
+    answer: ClassVar[type] = Played
+
+    def put_to(self, rig: "Rig") -> Played:
+        return rig.play(self)
+
+
+@dataclass(frozen=True)
+class Press:
+    """Hold `target_n` within `tolerance` (relative) for `hold_s`, then feel `level` while the force is held.
+
+    `level` None is a blank: the same course with nothing emitted. `timeout_s` bounds the wait for the held force.
+    """
+
+    stimulus: str
+    level: float | None
+    duration_s: float
+    target_n: float
+    tolerance: float
+    hold_s: float
+    timeout_s: float
+    interval: int | None = None
+
+    answer: ClassVar[type] = Touched
+
+    def put_to(self, rig: "Rig") -> Touched:
+        return rig.press(self)
+
+
+@dataclass(frozen=True)
+class Slide:
+    """As `Press`, with a finger that slides at `speed_m_per_s`."""
+
+    stimulus: str
+    level: float | None
+    duration_s: float
+    target_n: float
+    tolerance: float
+    hold_s: float
+    timeout_s: float
+    speed_m_per_s: float
+    interval: int | None = None
+
+    answer: ClassVar[type] = Touched
+
+    def put_to(self, rig: "Rig") -> Touched:
+        return rig.slide(self)
+
+
+@dataclass(frozen=True)
+class Choose:
+    """Ask for one of `options`; `question` names a message, e.g. ``"felt"`` or ``"which_interval"``."""
+
+    question: str
+    options: tuple[int, ...]
+    labels: tuple[str, ...]
+
+    answer: ClassVar[type] = Chosen
+
+    def put_to(self, rig: "Rig") -> Chosen:
+        return rig.choose(self)
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Ask for a point between `low` and `high` in `steps` (None: continuous), with a word at each end."""
+
+    item: str
+    low: float
+    high: float
+    steps: int | None
+    low_label: str
+    high_label: str
+
+    answer: ClassVar[type] = Rated
+
+    def put_to(self, rig: "Rig") -> Rated:
+        return rig.rate(self)
+
+
+@dataclass(frozen=True)
+class Adjust:
+    """Let the participant set the level of a stimulus, from `start` in steps of `step` within the bounds."""
+
+    stimulus: str
+    start: float
+    step: float
+    low: float
+    high: float
+
+    answer: ClassVar[type] = Adjusted
+
+    def put_to(self, rig: "Rig") -> Adjusted:
+        return rig.adjust(self)
+
+
+@dataclass(frozen=True)
+class Wait:
+    """Let time pass."""
+
+    duration_s: float
+
+    answer: ClassVar[type] = Done
+
+    def put_to(self, rig: "Rig") -> Done:
+        return rig.wait(self)
+
+
+@dataclass(frozen=True)
+class Show:
+    """Show a page and wait until it is left. `message` names a text of the study; `values` fill it."""
+
+    message: str
+    values: Mapping[str, str | int | float] = field(default_factory=dict)
+
+    answer: ClassVar[type] = Done
+
+    def put_to(self, rig: "Rig") -> Done:
+        return rig.show(self)
+
+
+@dataclass(frozen=True)
+class Record:
+    """A finished trial. Once it is answered, the row is on the disk."""
+
+    trial: Trial
+
+    answer: ClassVar[type] = Done
+
+    def put_to(self, rig: "Rig") -> Done:
+        return rig.record(self)
+
+
+REQUESTS: Mapping[str, type[Request]] = {
+    kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Adjust, Wait, Show, Record)
+}

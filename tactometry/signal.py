@@ -1,0 +1,76 @@
+"""Samples with a rate and a unit, and the stimulus that makes them from a level."""
+
+import hashlib
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """What an output plays.
+
+    Parameters
+    ----------
+    samples : (n_channels, n_samples) array of float
+        Finite values in `unit`. The array is made read-only.
+    rate_hz : float
+        Samples per second, above 0.
+    unit : str
+        The unit of the samples, e.g. ``"V"``.
+
+    Raises
+    ------
+    InvalidParameter
+        If the shape, a value or the rate is not as stated.
+    """
+
+    samples: NDArray[np.float64]
+    rate_hz: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        samples = np.array(self.samples, dtype=np.float64)
+        if samples.ndim != 2 or samples.shape[0] == 0:
+            raise InvalidParameter(
+                f"Signal.samples: found shape {samples.shape}, expected (n_channels, n_samples) with a channel"
+            )
+        if not np.isfinite(samples).all():
+            channel, sample = np.argwhere(~np.isfinite(samples))[0]
+            raise InvalidParameter(
+                f"Signal.samples[{channel}, {sample}]: found {samples[channel, sample]}, expected a finite number"
+            )
+        if not (np.isfinite(self.rate_hz) and self.rate_hz > 0):
+            raise InvalidParameter(f"Signal.rate_hz: found {self.rate_hz}, expected a finite rate above 0")
+        samples.setflags(write=False)
+        object.__setattr__(self, "samples", samples)
+
+    @property
+    def duration_s(self) -> float:
+        return self.samples.shape[1] / self.rate_hz
+
+    @property
+    def peak(self) -> float:
+        """The largest absolute sample in `unit`; 0 for an empty signal."""
+        return float(np.max(np.abs(self.samples), initial=0.0))
+
+    def digest(self) -> str:
+        """The first 16 hexadecimal digits of the SHA-256 of the samples (little-endian), shape, rate and unit."""
+        what = hashlib.sha256(f"{self.samples.shape} {self.rate_hz!r} {self.unit}\n".encode())
+        what.update(self.samples.astype("<f8", copy=False).tobytes())
+        return what.hexdigest()[:16]
+
+
+class Stimulus(Protocol):
+    """A family of signals ordered by level."""
+
+    @property
+    def level_unit(self) -> str:
+        """The unit of a level, e.g. ``"dB re 1 V"``."""
+
+    def at(self, level: float) -> Signal:
+        """The signal of this level."""
