@@ -1,0 +1,27 @@
+"""What is asked, and when: procedures, tasks, blocks and their order."""
+
+from tactometry.protocols.block import Block, Condition, Track, session
+from tactometry.protocols.constant_stimuli import ConstantStimuli
+from tactometry.protocols.forced_choice import ForcedChoice
+from tactometry.protocols.order import counterbalanced, williams_square
+from tactometry.protocols.procedure import Ending, Procedure
+from tactometry.protocols.staircase import Staircase
+from tactometry.protocols.touch import Pressing, Sliding
+from tactometry.protocols.yes_no import YesNo
+
+__all__ = [
+    "Block",
+    "Condition",
+    "ConstantStimuli",
+    "Ending",
+    "ForcedChoice",
+    "Pressing",
+    "Procedure",
+    "Sliding",
+    "Staircase",
+    "Track",
+    "YesNo",
+    "counterbalanced",
+    "session",
+    "williams_square",
+]

@@ -1,0 +1,76 @@
+"""The method of constant stimuli."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
+
+
+@dataclass(frozen=True)
+class ConstantStimuli:
+    """Each of `levels` is presented `repeats` times, in an order that no response changes.
+
+    Without `shuffled` the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The
+    Fundamentals, 3rd ed. (1997), chapter 3.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no level, a level is not finite or stands twice, or `repeats` is below 1.
+
+    >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
+    >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
+    (1.0, 2.0, True)
+    """
+
+    levels: tuple[float, ...]
+    repeats: int
+    order: tuple[float, ...] = ()
+    n_done: int = 0
+
+    name = "constant_stimuli"
+
+    def __post_init__(self) -> None:
+        if not self.levels:
+            raise InvalidParameter("ConstantStimuli.levels: found no level, expected at least one")
+        for n, level in enumerate(self.levels):
+            if not math.isfinite(level):
+                raise InvalidParameter(f"ConstantStimuli.levels[{n}]: found {level}, expected a finite number")
+            if level in self.levels[:n]:
+                raise InvalidParameter(
+                    f"ConstantStimuli.levels[{n}]: found {level:g} twice, expected each level once; raise repeats to "
+                    "present it more often"
+                )
+        if self.repeats < 1:
+            raise InvalidParameter(f"ConstantStimuli.repeats: found {self.repeats}, expected at least 1")
+        if not self.order:
+            object.__setattr__(self, "order", tuple(self.levels) * self.repeats)
+
+    def shuffled(self, rng: np.random.Generator) -> Self:
+        """Block-randomised: within each repeat every level comes once, in random order."""
+        blocks: Sequence[np.ndarray] = [rng.permutation(self.levels) for _ in range(self.repeats)]
+        return replace(self, order=tuple(float(level) for block in blocks for level in block))
+
+    @property
+    def level(self) -> float:
+        return self.order[min(self.n_done, len(self.order) - 1)]
+
+    @property
+    def finished(self) -> bool:
+        return self.n_done >= len(self.order)
+
+    @property
+    def ended(self) -> Ending | None:
+        return "trials" if self.finished else None
+
+    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+        """The next presentation; neither argument changes the order."""
+        del delivered
+        checked_response(response, "ConstantStimuli")
+        refuse_finished(finished=self.finished, procedure="ConstantStimuli")
+        return replace(self, n_done=self.n_done + 1)

@@ -1,0 +1,61 @@
+"""The columns of a trials table, in their order, with what they hold."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column's name, meaning and unit (empty: none)."""
+
+    name: str
+    description: str
+    unit: str = ""
+
+
+FIRST = (
+    Column("participant", "Code of the participant"),
+    Column("session", "Number of the session of this participant, from 1"),
+    Column("study", "Name of the study"),
+    Column("block", "Number of the block within the session, from 1"),
+    Column("trial", "Number of the trial within the session, from 1; attempts of one trial share it"),
+)
+ALWAYS = (
+    Column("procedure", "Rule that chose the level"),
+    Column("level", "Level that was asked for; empty for a catch trial"),
+    Column("level_unit", "Unit of all levels"),
+    Column(
+        "task",
+        "One of yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, "
+        "preference, measurement",
+    ),
+    Column("response", "1 or 0 for yes/no detection, else the chosen interval or item value; empty: no answer"),
+    Column("correct", "1 correct, 0 wrong, empty: no answer or not defined"),
+    Column("onset_s", "Onset of the (first) stimulus since the start of the session", "s"),
+    Column("latency_s", "From the onset of the question to the answer", "s"),
+    Column("force_mean_n", "Mean applied force during the stimulus", "N"),
+    Column("force_sd_n", "Standard deviation of the applied force during the stimulus", "N"),
+    Column("force_in_band", "Part (0 to 1) of the stimulus in which the running mean force was in the target band"),
+    Column("valid", "1 valid, 0 not: the touch broke its conditions; such a trial is asked again"),
+    Column("timestamp_utc", "Coordinated universal time of the answer, ISO 8601; empty in simulated time"),
+)
+OPTIONAL = (
+    Column("track", "Interleaved procedure that the trial belongs to"),
+    Column("attempt", "Number of the attempt at this trial, from 1"),
+    Column("catch", "1: catch trial without stimulus, 0: not"),
+    Column("item", "Item of a questionnaire, or first of a pair"),
+    Column("level_delivered", "Level that was delivered, in level_unit; empty for a catch trial"),
+    Column("level_measured", "Level that was measured, in level_unit"),
+    Column("speed_target_m_per_s", "Target speed of the finger", "m/s"),
+    Column("speed_mean_m_per_s", "Mean speed of the finger during the stimulus", "m/s"),
+    Column("target", "Interval or alternative that held the stimulus, from 1"),
+    Column("standard_level", "Level of the standard, in level_unit"),
+    Column("item_b", "Second item of a pair"),
+    Column("practice", "1: practice, 0: not"),
+)
+RESERVED = frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+
+
+def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
+    """All columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
+    return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))

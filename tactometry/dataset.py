@@ -1,0 +1,258 @@
+"""A data set on disk, after Psych-DS: one journal and one trials file per session.
+
+The journal is the truth; the trials file, its description and the data set's description are derived from it and the
+study, and can be rebuilt.
+"""
+
+import csv
+import io
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import msgspec
+
+from tactometry.columns import FIRST, Column
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+from tactometry.journal import Head, Journal, write_atomically, write_whole
+from tactometry.request import Record, Request
+from tactometry.rigs.replay import Replay
+from tactometry.trial import Trial, Value
+
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+
+
+@dataclass(frozen=True)
+class Design:
+    """What the files of a data set say of its study: `study_toml` are the bytes that ran."""
+
+    study: str
+    title: str
+    description: str
+    columns: tuple[Column, ...]
+    study_toml: bytes
+
+
+@dataclass(frozen=True)
+class Session:
+    """One session of one participant.
+
+    Raises
+    ------
+    InvalidParameter
+        If the code is not 1 to 32 letters and digits, or the session number is below 1.
+
+    >>> Session("P01", 1, "electrovibration-threshold").stem
+    'participant-P01_session-1_study-electrovibrationthreshold'
+    """
+
+    participant: str
+    session: int
+    study: str
+
+    def __post_init__(self) -> None:
+        if not PARTICIPANT.fullmatch(self.participant):
+            raise InvalidParameter(
+                f"participant: found {self.participant!r}, expected a code of 1 to 32 letters and digits (A-Z, a-z, "
+                "0-9), such as P01: no names, no paths"
+            )
+        if self.session < 1:
+            raise InvalidParameter(f"session: found {self.session}, expected a number from 1")
+
+    @property
+    def stem(self) -> str:
+        return f"participant-{self.participant}_session-{self.session}_study-{self.study.replace('-', '')}"
+
+    def journal(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}.jsonl"
+
+    def interruptions(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}_interruptions.jsonl"
+
+    def trials(self, root: Path) -> Path:
+        return root / "data" / f"{self.stem}_data.csv"
+
+    def sidecar(self, root: Path) -> Path:
+        return root / "data" / f"{self.stem}_data.json"
+
+
+def cell(value: Value) -> str:
+    """A value as a cell: empty for None, 1/0 for a truth value, the shortest form that reads back for a number.
+
+    >>> cell(True), cell(12.0), cell(0.1), cell(None)
+    ('1', '12', '0.1', '')
+    """
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return str(int(value))
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def row(trial: Trial, session: Session, columns: Sequence[Column]) -> list[str]:
+    """The cells of a trial."""
+    known: dict[str, Value] = {
+        **asdict(session),
+        **{name: value for name, value in vars(trial).items() if name not in ("factors", "extra")},
+        **trial.factors,
+        **trial.extra,
+    }
+    return [cell(known[column.name]) for column in columns]
+
+
+def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
+
+
+def trials_csv(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> bytes:
+    """The trials file of a session."""
+    header = [column.name for column in columns]
+    return csv_bytes([header, *(row(trial, session, columns) for trial in trials)])
+
+
+def _pretty(value: object) -> bytes:
+    return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"
+
+
+def description_json(design: Design) -> bytes:
+    """`dataset_description.json`, as Psych-DS asks for it."""
+    return _pretty(
+        {
+            "@context": "https://schema.org/",
+            "@type": "Dataset",
+            "name": design.title,
+            "description": design.description,
+            "schemaVersion": "Psych-DS 1.5.0",
+            "variableMeasured": [
+                {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
+                for c in design.columns
+            ],
+        }
+    )
+
+
+def sidecar_json(design: Design) -> bytes:
+    """The description of every column of a trials file."""
+    return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in design.columns})
+
+
+def prepare(root: Path, design: Design) -> None:
+    """Make the folders and the files that all sessions share.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder holds another study, or other numbers of this one, or something else.
+    """
+    try:
+        for folder in (root, root / "data", root / "journals"):
+            folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DeviceFailed(f"{root}: cannot make the folder ({error.strerror}), expected room and permission") from None
+    for name, content in (("study.toml", design.study_toml), ("dataset_description.json", description_json(design))):
+        path = root / name
+        if not path.exists():
+            write_atomically(path, content)
+        elif path.read_bytes() != content:
+            raise InvalidFile(
+                f"{path}: found another study or other numbers than those that are to run, expected the same bytes; "
+                "give another --out folder, or run the study.toml of this one"
+            )
+
+
+class OpenSession:
+    """A session that is being recorded: what `tactometry.run.run` writes to.
+
+    With `resume` an interrupted session goes on; what the crash cut off is kept beside the journal, and said in
+    `repaired`.
+    """
+
+    def __init__(self, root: Path, design: Design, session: Session, *, resume: bool) -> None:
+        prepare(root, design)
+        self._design = design
+        self._session = session
+        self.journal = Journal(session.journal(root), resume=resume)
+        try:
+            self.repaired = self._keep_cut(root, self.journal.cut)
+            self._file = self._rebuild(root)
+        except BaseException:
+            self.journal.close()
+            raise
+
+    @property
+    def head(self) -> Head | None:
+        return self.journal.head
+
+    @property
+    def replay(self) -> Replay:
+        return self.journal.replay
+
+    @property
+    def n_trials(self) -> int:
+        return len(self.journal.recording.trials)
+
+    @property
+    def complete(self) -> bool:
+        return self.journal.recording.complete
+
+    def begin(self, head: Head) -> None:
+        self.journal.begin(head)
+
+    def append(self, request: Request, answer: object) -> None:
+        self.journal.append(request, answer)
+        if isinstance(request, Record):
+            line = csv_bytes([row(request.trial, self._session, self._design.columns)])
+            write_whole(self._file, line, self._trials, durable=True)
+
+    def finish(self) -> None:
+        self.journal.finish()
+
+    def close(self) -> None:
+        self.journal.close()
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+    def _rebuild(self, root: Path) -> int:
+        self._trials = self._session.trials(root)
+        write_atomically(self._session.sidecar(root), sidecar_json(self._design))
+        content = trials_csv(self.journal.recording.trials, self._session, self._design.columns)
+        write_atomically(self._trials, content)
+        file = os.open(self._trials, os.O_WRONLY)
+        os.lseek(file, 0, os.SEEK_END)
+        return file
+
+    def _keep_cut(self, root: Path, cut: bytes) -> str | None:
+        if not cut:
+            return None
+        path = self._session.interruptions(root)
+        with path.open("ab") as file:
+            file.write(_cut_line(self.n_trials, cut))
+            file.flush()
+            os.fsync(file.fileno())
+        return (
+            f"the last sitting was cut off after trial {self.n_trials}; {len(cut)} bytes of the trial that was under "
+            f"way are kept in {path.name}, and that trial is asked again"
+        )
+
+
+def _cut_line(n_trials: int, cut: bytes) -> bytes:
+    return msgspec.json.encode({"after_trials": n_trials, "cut": cut.decode("utf-8", "backslashreplace")}) + b"\n"
+
+
+def sessions(root: Path) -> list[Path]:
+    """The journals of a data set, sorted."""
+    return sorted(
+        path for path in (root / "journals").glob("*.jsonl") if not path.name.endswith("_interruptions.jsonl")
+    )
+
+
+def factor_names(columns: Sequence[str]) -> list[str]:
+    """The factors of a table: the columns between `trial` and `procedure`."""
+    return list(columns[len(FIRST) : list(columns).index("procedure")])

@@ -1,0 +1,270 @@
+"""The journal of a session: every request with its answer, in order, append-only, one JSON line each.
+
+Each line ends with the CRC-32 of what stands before it, so that damage is found and named. A trial (a `Record`) is
+flushed and fsynced before `append` returns; an unfinished last line is what a crash leaves, and is cut off on resume.
+"""
+
+import os
+import zlib
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import portalocker
+
+from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
+from tactometry.request import REQUESTS, Record, Request
+from tactometry.rigs.replay import Replay
+from tactometry.trial import Trial
+
+FORMAT = 1
+Fact = str | int | float | bool | None
+Entry = tuple[Request, Any]
+
+
+@dataclass(frozen=True)
+class Head:
+    """The first line: what is needed to ask the same again, and where and on what it was asked."""
+
+    study: str
+    study_sha256: str
+    participant: str
+    session: int
+    number: int
+    seed: int
+    rig: str
+    versions: dict[str, str]
+    facts: dict[str, Fact] = field(default_factory=dict)
+    observer: dict[str, Fact] = field(default_factory=dict)
+    started_utc: str | None = None
+    format: int = FORMAT
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A journal as it was read: `entries` up to the last whole line; `n_torn_bytes` of an unfinished last line."""
+
+    head: Head | None
+    entries: tuple[Entry, ...]
+    complete: bool
+    n_torn_bytes: int = 0
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        return tuple(request.trial for request, _ in self.entries if isinstance(request, Record))
+
+
+def encode(value: dict[str, object]) -> bytes:
+    """One line, with its checksum."""
+    body = msgspec.json.encode(value)[:-1]
+    return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
+
+
+def encode_entry(request: Request, answer: object) -> bytes:
+    """One line of a request and its answer.
+
+    Raises
+    ------
+    DeviceFailed
+        If it would not read back as it was (a number that is not finite).
+    """
+    line = encode({"request": type(request).__name__, "asked": request, "answer": answer})
+    if decode_entry(_decode(line, "journal")) != (request, answer):
+        raise DeviceFailed(
+            f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers; a device gave a "
+            "value that is not a number: check it, then go on with --resume"
+        )
+    return line
+
+
+def decode_entry(value: dict[str, Any]) -> Entry:
+    kind = REQUESTS[value["request"]]
+    return msgspec.convert(value["asked"], kind), msgspec.convert(value["answer"], kind.answer)
+
+
+def _decode(line: bytes, where: str) -> dict[str, Any]:
+    body, mark, tail = line.rstrip(b"\n").rpartition(b',"crc32":"')
+    if not mark or tail != b'%08x"}' % zlib.crc32(body):
+        raise InvalidFile(
+            f"{where}: the line is damaged (its checksum does not fit), expected a line as the journal wrote it; "
+            "restore the file from a copy"
+        )
+    value: dict[str, Any] = msgspec.json.decode(body + b"}")
+    return value
+
+
+def read(path: Path) -> Recording:
+    """Read a journal without changing it.
+
+    Raises
+    ------
+    InvalidFile
+        If a line but an unfinished last one is damaged or out of place, with its number.
+    """
+    *whole, torn = path.read_bytes().split(b"\n")
+    head: Head | None = None
+    entries: list[Entry] = []
+    complete = False
+    for number, value in _lines(whole, path):
+        where = f"{path}, line {number}"
+        if complete:
+            raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
+        try:
+            if number == 1:
+                head = msgspec.convert(value, Head)
+            elif "end" in value:
+                complete = True
+            else:
+                entries.append(decode_entry(value))
+        except (KeyError, msgspec.ValidationError) as error:
+            raise InvalidFile(
+                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request'} of a journal of "
+                f"format {FORMAT}; read it with the version that wrote it"
+            ) from None
+    return Recording(head, tuple(entries), complete, len(torn))
+
+
+def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    for number, line in enumerate(whole, 1):
+        yield number, _decode(line, f"{path}, line {number}")
+
+
+class Journal:
+    """A journal that is open for writing, and locked: a second process is refused.
+
+    With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds; what was cut
+    (the torn line, and the requests of the trial that was under way) is returned by `cut`.
+    """
+
+    def __init__(self, path: Path, *, resume: bool) -> None:
+        self.path = path
+        self._file = _open(path, resume=resume)
+        try:
+            _lock(self._file, path)
+            self.recording, self.cut = self._repair()
+        except BaseException:
+            os.close(self._file)
+            raise
+        self.head = self.recording.head
+
+    def _repair(self) -> tuple[Recording, bytes]:
+        recording = read(self.path)
+        content = self.path.read_bytes()
+        kept = recording if recording.complete else _until_last_trial(recording)
+        n_lines = 0 if kept.head is None else 1 + len(kept.entries) + kept.complete
+        n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[:n_lines])
+        if n_bytes < len(content):
+            os.ftruncate(self._file, n_bytes)
+            os.fsync(self._file)
+        os.lseek(self._file, n_bytes, os.SEEK_SET)
+        return kept, content[n_bytes:]
+
+    @property
+    def replay(self) -> Replay:
+        return Replay(self.recording.entries, str(self.path), first_line=2)
+
+    def begin(self, head: Head) -> None:
+        """Write the first line of a new journal."""
+        self._write(encode(asdict(head)), durable=True)
+        _sync_directory(self.path.parent)
+        self.head = head
+
+    def append(self, request: Request, answer: object) -> None:
+        self._write(encode_entry(request, answer), durable=isinstance(request, Record))
+
+    def finish(self) -> None:
+        """Write the last line, once."""
+        if not self.recording.complete:
+            self._write(encode({"end": "complete"}), durable=True)
+
+    def close(self) -> None:
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+    def _write(self, line: bytes, *, durable: bool) -> None:
+        write_whole(self._file, line, self.path, durable=durable)
+
+
+def _until_last_trial(recording: Recording) -> Recording:
+    n_kept = max((n for n, (request, _) in enumerate(recording.entries, 1) if isinstance(request, Record)), default=0)
+    return Recording(recording.head, recording.entries[:n_kept], complete=False)
+
+
+def _open(path: Path, *, resume: bool) -> int:
+    flags = os.O_RDWR | os.O_CREAT | (0 if resume else os.O_EXCL)
+    try:
+        return os.open(path, flags, 0o644)
+    except FileExistsError:
+        raise InvalidFile(
+            f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
+            "another --session number"
+        ) from None
+
+
+def _lock(file: int, path: Path) -> None:
+    try:
+        portalocker.lock(file, portalocker.LOCK_EX | portalocker.LOCK_NB)
+    except portalocker.LockException:
+        raise SessionInUse(
+            f"{path}: another process is writing this session, expected to be the only one; wait until it ends, or "
+            "give another --session number"
+        ) from None
+
+
+def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
+    """Write all of `line` at the end of the file, or nothing of it.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails; the file then ends with its last whole line.
+    """
+    start = os.lseek(file, 0, os.SEEK_CUR)
+    try:
+        n_written = 0
+        while n_written < len(line):
+            n_written += os.write(file, line[n_written:])
+        if durable:
+            os.fsync(file)
+    except OSError as error:
+        os.ftruncate(file, start)
+        os.lseek(file, start, os.SEEK_SET)
+        raise DeviceFailed(
+            f"{path}: cannot write ({error.strerror}), expected room on the disk; all trials before are safe: make "
+            "room, then go on with --resume"
+        ) from None
+
+
+def _sync_directory(path: Path) -> None:
+    if os.name == "posix":
+        directory = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(directory)
+        finally:
+            os.close(directory)
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace a file by a whole one: a reader sees the old content or the new.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails; the old file stands.
+    """
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with draft.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(path)
+        _sync_directory(path.parent)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise DeviceFailed(
+            f"{path}: cannot write ({error.strerror}), expected room on the disk; make room and try again"
+        ) from None

@@ -1,0 +1,18 @@
+"""What every model of a participant is: a decision rule on sensation levels."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+
+class Observer(Protocol):
+    """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from a nominal level."""
+
+    def detect(self, sensation_db: float, rng: np.random.Generator) -> bool: ...
+
+    def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int: ...
+
+    def answer_time_s(self, rng: np.random.Generator) -> float: ...
+
+    def facts(self) -> dict[str, str | int | float | bool | None]: ...

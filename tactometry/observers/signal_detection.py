@@ -1,0 +1,88 @@
+"""A participant who decides by signal detection, from what the skin receives."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter
+
+
+@dataclass(frozen=True)
+class SignalDetectionObserver:
+    """Equal-variance signal detection on a sensation level in decibels.
+
+    d'(L) = criterion * 10^(exponent (L + sensitivity_db) / 20): at L = -sensitivity_db a stimulus is felt in half of
+    the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
+    transducer. The defaults are unverified choices: the criterion gives 5 % false alarms.
+
+    Parameters
+    ----------
+    criterion : float
+        In units of the internal noise, above 0.
+    exponent : float
+        Of the transducer, above 0.
+    lapse_rate : float
+        Part of the trials that are answered at random, in [0, 1).
+    sensitivity_db : float
+        How much more sensitive than the reference this participant is, in dB of sensation level.
+    between_sd_db : float
+        Standard deviation of `sensitivity_db` between participants (see `participant`).
+    latency_s : float
+        Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its range.
+    """
+
+    criterion: float = 1.645
+    exponent: float = 1.0
+    lapse_rate: float = 0.02
+    sensitivity_db: float = 0.0
+    between_sd_db: float = 5.0
+    latency_s: float = 0.8
+
+    def __post_init__(self) -> None:
+        rules = {
+            "criterion": (0 < self.criterion < math.inf, "above 0"),
+            "exponent": (0 < self.exponent < math.inf, "above 0"),
+            "lapse_rate": (0 <= self.lapse_rate < 1, "from 0 to below 1"),
+            "sensitivity_db": (math.isfinite(self.sensitivity_db), "finite"),
+            "between_sd_db": (0 <= self.between_sd_db < math.inf, "at least 0"),
+            "latency_s": (0 < self.latency_s < math.inf, "above 0"),
+        }
+        for name, (holds, expected) in rules.items():
+            if not holds:
+                raise InvalidParameter(
+                    f"SignalDetectionObserver.{name}: found {getattr(self, name)}, expected a number {expected}"
+                )
+
+    def participant(self, rng: np.random.Generator) -> Self:
+        """One participant of the population that this observer is the mean of."""
+        return replace(self, sensitivity_db=self.sensitivity_db + self.between_sd_db * float(rng.standard_normal()))
+
+    def d_prime(self, sensation_db: float) -> float:
+        """The distance between stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
+        exponent = self.exponent * (sensation_db + self.sensitivity_db) / 20
+        return min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6)
+
+    def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
+        """Whether a stimulus is reported as felt."""
+        noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
+        return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion)
+
+    def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
+        """The index of the interval that is felt most."""
+        felt = np.array([self.d_prime(level) for level in sensations_db]) + rng.standard_normal(len(sensations_db))
+        lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(sensations_db)))
+        return guess if lapses else int(np.argmax(felt))
+
+    def answer_time_s(self, rng: np.random.Generator) -> float:
+        return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))
+
+    def facts(self) -> dict[str, str | int | float | bool | None]:
+        return {"kind": type(self).__name__, **asdict(self)}

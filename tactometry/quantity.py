@@ -1,0 +1,70 @@
+"""Quantities as a human writes them in TOML: a number in SI, or a string with a unit."""
+
+import re
+from collections.abc import Mapping
+
+from tactometry.errors import InvalidParameter, nearest
+
+_PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+_SI = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "a": "A", "m": "m", "pa": "Pa", "kg": "kg", "ohm": "ohm", "m2": "m2"}
+_COMPOUND = {
+    "m_per_s": ("m/s", {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2}),
+    "kg_per_m3": ("kg/m3", {"kg/m3": 1.0, "g/cm3": 1e3}),
+    "ohm_m": ("ohm m", {"ohm m": 1.0, "kohm m": 1e3}),
+    "m2": ("m2", {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6}),
+    "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}),
+    "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
+}
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+
+
+def unit_suffix(name: str) -> str | None:
+    """The unit suffix of a name, or None.
+
+    >>> unit_suffix("speed_m_per_s"), unit_suffix("force_n"), unit_suffix("repeats")
+    ('m_per_s', 'n', None)
+    """
+    fitting = [suffix for suffix in (*_COMPOUND, *_SI) if name.endswith(f"_{suffix}")]
+    return max(fitting, key=len, default=None)
+
+
+def units(suffix: str) -> tuple[str, Mapping[str, float]]:
+    """The SI unit of a suffix, and every unit that may be written for it, in SI units."""
+    if suffix in _COMPOUND:
+        return _COMPOUND[suffix]
+    symbol = _SI[suffix]
+    return symbol, {prefix + symbol: factor for prefix, factor in _PREFIXES.items() if prefix != "c"}
+
+
+def si(text: str, suffix: str, where: str) -> float:
+    """A quantity in SI units.
+
+    Raises
+    ------
+    InvalidParameter
+        If `text` is not a number with a unit of the right dimension; `where` opens the sentence.
+
+    >>> si("50 mm/s", "m_per_s", "speed_m_per_s")
+    0.05
+    """
+    symbol, known = units(suffix)
+    match = _NUMBER.fullmatch(text)
+    unit = match and (match[2] or "")
+    if match is None or unit not in known:
+        raise InvalidParameter(
+            f"{where}: found {text!r}, expected a number in {symbol} or a string such as '1 {symbol}' "
+            f"(one of {', '.join(known)}){nearest(unit or '', known)}"
+        )
+    return float(match[1]) * known[unit]
+
+
+def as_si(value: object, path: str) -> object:
+    """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value."""
+    if isinstance(value, dict):
+        return {key: as_si(item, f"{path}.{key}" if path else str(key)) for key, item in value.items()}
+    suffix = unit_suffix(path.rsplit(".", 1)[-1].split("[")[0])
+    if isinstance(value, list):
+        return [as_si(item, f"{path}[{n}]") for n, item in enumerate(value)]
+    if isinstance(value, str) and suffix is not None:
+        return si(value, suffix, path)
+    return value

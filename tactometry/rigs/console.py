@@ -1,0 +1,170 @@
+"""A terminal that asks: for trying a protocol out, and for devices that a person works by hand."""
+
+import sys
+import time
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from typing import TextIO
+
+from tactometry.errors import Stopped
+from tactometry.limits import Limits
+from tactometry.request import (
+    Adjust,
+    Adjusted,
+    Choose,
+    Chosen,
+    Done,
+    Play,
+    Played,
+    Press,
+    Rate,
+    Rated,
+    Record,
+    Show,
+    Slide,
+    Touched,
+    Wait,
+)
+from tactometry.signal import Signal, Stimulus
+
+
+class Console:
+    """Prints each request to `output` and reads the answers, a line each, from `source`.
+
+    Stimuli are rendered, held against the limits and named by their digest; nothing is emitted. A line that is no
+    answer is asked again; the end of the input stops the session.
+    """
+
+    def __init__(
+        self,
+        bank: Mapping[str, Stimulus],
+        limits: Limits,
+        texts: Mapping[str, str],
+        source: TextIO = sys.stdin,
+        output: TextIO = sys.stdout,
+    ) -> None:
+        self._bank = bank
+        self._limits = limits
+        self._texts = texts
+        self._source = source
+        self._output = output
+        self._zero_s = time.perf_counter()
+        self._n_trials = 0
+
+    def facts(self) -> dict[str, str | int | float | bool | None]:
+        clock = time.get_clock_info("perf_counter")
+        return {
+            "rig": "console",
+            "clock": clock.implementation,
+            "clock_resolution_s": clock.resolution,
+            "terminal": self._source.isatty(),
+        }
+
+    def resume(self, n_trials: int, elapsed_s: float) -> None:
+        self._n_trials = n_trials
+        self._zero_s = time.perf_counter() - elapsed_s
+
+    def close(self) -> None:
+        pass
+
+    def _now_s(self) -> float:
+        return round(time.perf_counter() - self._zero_s, 6)
+
+    def _say(self, text: str) -> None:
+        print(text, file=self._output, flush=True)
+
+    def _ask(self, prompt: str, read: Callable[[str], object]) -> tuple[object, float, float]:
+        """An answer, the onset of its question and its latency."""
+        onset_s = self._now_s()
+        while True:
+            print(prompt, end=" ", file=self._output, flush=True)
+            line = self._source.readline()
+            if not line:
+                raise Stopped(
+                    f"the input ended in trial {self._n_trials + 1}: the {self._n_trials} trials before are safe; go "
+                    "on with --resume"
+                )
+            try:
+                return read(line.strip()), onset_s, round(self._now_s() - onset_s, 6)
+            except ValueError:
+                self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
+
+    def _signal(self, stimulus: str, level: float | None) -> Signal | None:
+        if level is None:
+            return None
+        signal = self._bank[stimulus].at(level)
+        self._limits.check(signal)
+        return signal
+
+    def _present(self, what: str, interval: int | None) -> None:
+        self._say(f"[trial {self._n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
+
+    def play(self, request: Play) -> Played:
+        signal = self._signal(request.stimulus, request.level)
+        self._present(f"play for {request.duration_s:g} s", request.interval)
+        return Played(self._now_s(), request.level, "" if signal is None else signal.digest())
+
+    def press(self, request: Press) -> Touched:
+        return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
+
+    def slide(self, request: Slide) -> Touched:
+        speed_mm_per_s = 1e3 * request.speed_m_per_s
+        return self._touch(
+            request,
+            f"slide with {request.target_n:g} N at {speed_mm_per_s:g} mm/s for {request.duration_s:g} s",
+        )
+
+    def _touch(self, request: Press | Slide, what: str) -> Touched:
+        signal = self._signal(request.stimulus, request.level)
+        self._present(what, request.interval)
+        return Touched(self._now_s(), request.level, None if signal is None else signal.digest())
+
+    def choose(self, request: Choose) -> Chosen:
+        words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, request.labels, strict=True))
+        question = self._texts.get(request.question, request.question)
+        prompt = f"[trial {self._n_trials + 1}] {question} ({words}):"
+        option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request))
+        assert isinstance(option, int)
+        return Chosen(option, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+
+    def rate(self, request: Rate) -> Rated:
+        prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
+        value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
+        assert isinstance(value, float)
+        return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+
+    def adjust(self, request: Adjust) -> Adjusted:
+        prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
+        level, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
+        assert isinstance(level, float)
+        return Adjusted(level, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+
+    def wait(self, request: Wait) -> Done:
+        time.sleep(request.duration_s)
+        return Done(self._now_s())
+
+    def show(self, request: Show) -> Done:
+        values = ", ".join(f"{name} {value}" for name, value in request.values.items())
+        self._say(self._texts.get(request.message, request.message) + (f" [{values}]" if values else ""))
+        return Done(self._now_s())
+
+    def record(self, request: Record) -> Done:
+        del request
+        self._n_trials += 1
+        return Done(self._now_s())
+
+
+def _option(line: str, request: Choose) -> int:
+    by_label = dict(zip(request.labels, request.options, strict=True))
+    option = by_label.get(line.lower())
+    number = int(line) if option is None else option
+    if number not in request.options:
+        raise ValueError(line)
+    return number
+
+
+def _within(line: str, low: float, high: float) -> float:
+    value = float(line)
+    if not low <= value <= high:
+        raise ValueError(line)
+    return value
