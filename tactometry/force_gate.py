@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -77,10 +78,22 @@ class ForceGate:
         return self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
 
 
+VALID_PART = 0.8
+"""The part of a touch that must be in the band for a valid trial (unverified default)."""
+
+
+class Compliance(NamedTuple):
+    """Mean and standard deviation of a force (N), and the part of the time (0..1) that it was in the band."""
+
+    mean_n: float
+    sd_n: float
+    in_band: float
+
+
 def compliance(
     times_s: ArrayLike, forces_n: ArrayLike, target_n: float, tolerance: float, window_s: float = 0.25
-) -> tuple[float, float, float]:
-    """How well a force was kept: its mean (N), its standard deviation (N), the part of the time in the band.
+) -> Compliance:
+    """How well a force was kept.
 
     Parameters
     ----------
@@ -96,7 +109,7 @@ def compliance(
 
     Returns
     -------
-    mean_n, sd_n, in_band : float
+    Compliance
         `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
         running mean lies in the band.
 
@@ -108,12 +121,12 @@ def compliance(
     Examples
     --------
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
-    (1.5, 0.5, 0.5)
+    Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
     _above_zero("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
     times, forces = _trace(times_s, forces_n)
     in_band = np.abs(_running_mean(times, forces, window_s) - target_n) <= tolerance * target_n
-    return float(forces.mean()), float(forces.std()), float(in_band.mean())
+    return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
 
 
 def _running_mean(
