@@ -1,0 +1,117 @@
+# `make demo` and `make test` each work as the only command typed in a fresh clone; `make help` lists the rest.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.ONESHELL:
+.SUFFIXES:
+.DEFAULT_GOAL := help
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+INSTALL := $(PIP) install --quiet --constraint constraints.txt
+
+EXTRAS := window,audio,serial,lsl,cluster,hdf5,dev
+SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2
+PLATFORMS := x86_64-unknown-linux-gnu aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
+PYTHONS := 3.11 3.12
+
+# A shell function: install the named Debian packages that are missing, where the user may; else say which ones.
+define debian
+debian() {
+    local missing="" package
+    for package in "$$@"; do
+        [ "$$(dpkg-query -W -f '$${db:Status-Status}' $$package 2>/dev/null || true)" = installed ] || missing="$$missing $$package"
+    done
+    [ -n "$$missing" ] || return 0
+    local may=""
+    [ "$$(id -u)" = 0 ] || may="sudo -n"
+    if command -v apt-get >/dev/null && { [ -z "$$may" ] || sudo -n true 2>/dev/null; }; then
+        echo "Installing the system packages:$$missing"
+        export DEBIAN_FRONTEND=noninteractive
+        $$may apt-get -qq update
+        $$may apt-get -qq -o Dpkg::Use-Pty=0 install -y --no-install-recommends $$missing >/dev/null
+    else
+        echo "make: these system packages are missing; ask an administrator for: apt-get install --no-install-recommends$$missing" >&2
+        return 1
+    fi
+}
+endef
+
+.PHONY: help demo test soak static check bench constraints platforms clean system
+
+help: ## what can be made
+	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
+
+demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo/
+	@$(BIN)/tactometry demo --out demo
+
+test: $(VENV)/.test system ## all tests with branch coverage; slow ones in reduced form
+	@$(BIN)/python -m pytest --cov $(ARGS)
+
+soak: $(VENV)/.test system ## all tests at full size: hours
+	@TACTOMETRY_SOAK=1 $(BIN)/python -m pytest --timeout 14400 $(ARGS)
+
+static: $(VENV)/.test ## format, lint, strict types, import contracts
+	@$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+
+check: ## the static checks, then the tests
+	@$(MAKE) --no-print-directory static
+	$(MAKE) --no-print-directory test
+
+bench: $(VENV)/.test system ## every benchmark: ratios measured in one run
+	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
+
+constraints: $(VENV)/.python ## write constraints.txt anew: the newest versions that pyproject.toml admits
+	@$(PIP) install --quiet uv
+	pinned=$$(mktemp)
+	$(BIN)/uv pip compile pyproject.toml --quiet --upgrade --universal --python-version 3.11 --all-extras \
+	    --no-annotate --no-header --no-emit-index-url --no-emit-find-links --output-file $$pinned
+	{ echo "# Exact versions for Python 3.11 and 3.12 on every platform. Written by: make constraints"; \
+	    grep -v '^pyobjc-framework-' $$pinned; } > constraints.txt
+	rm $$pinned
+
+platforms: $(VENV)/.python ## resolve every platform with wheels only (esprima has none, and is pure Python)
+	@$(PIP) install --quiet uv
+	for platform in $(PLATFORMS); do for python in $(PYTHONS); do
+	    $(BIN)/uv pip compile pyproject.toml --quiet --python-platform $$platform --python-version $$python \
+	        --all-extras --constraint constraints.txt --only-binary :all: --no-binary esprima --output-file /dev/null >/dev/null \
+	        && echo "$$platform, Python $$python: resolved" || { echo "$$platform, Python $$python: NOT resolved"; exit 1; }
+	done; done
+
+clean: ## remove what was made, but not .venv
+	@rm -rf build dist demo htmlcov *.egg-info .coverage .coverage.* .pytest_cache .mypy_cache .ruff_cache \
+	    .hypothesis .import_linter_cache
+	find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+system:
+	@$(debian)
+	debian $(SYSTEM_PACKAGES)
+
+# The first Python that really runs (a pyenv shim of an inactive version does not) and is 3.11 or 3.12.
+$(VENV)/.python:
+	@$(debian)
+	for python in $(PYTHON) python3.11 python3.12 python3 none; do
+	    $$python -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null && break
+	done
+	[ $$python != none ] || { echo "make: no Python 3.11 or 3.12 found; name one with: make PYTHON=/path/to/python" >&2; exit 1; }
+	if ! $$python -c 'import ensurepip, venv' 2>/dev/null; then
+	    debian $$($$python -c 'import sys; print("python3.%d-venv" % sys.version_info[1])')
+	fi
+	$$python -m venv $(VENV)
+	touch $@
+
+$(VENV)/.core: $(VENV)/.python pyproject.toml setup.py constraints.txt
+	@echo "Installing Tactometry with the packages of its core (about 150 MB to download) ..."
+	$(INSTALL) setuptools wheel
+	$(INSTALL) --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/.test: $(VENV)/.python pyproject.toml setup.py constraints.txt
+	@echo "Installing Tactometry with all that its tests need, PsychoPy too (about 600 MB to download) ..."
+	$(INSTALL) setuptools wheel
+	$(INSTALL) --no-build-isolation --editable '.[$(EXTRAS)]'
+	touch $(VENV)/.core $@
