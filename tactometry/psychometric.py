@@ -1,0 +1,289 @@
+"""The psychometric function: chance of an answer against the level of a stimulus, in log space throughout.
+
+``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is where the
+unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling, Macke and
+Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus another, so that both tails keep
+their digits wherever a float can hold the logarithm.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite, log
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import special
+
+from tactometry.errors import InvalidParameter, nearest
+
+Array = NDArray[np.float64]
+Function = Callable[[Array], Array]
+LEFT, RIGHT = 0.05, 0.95
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A sigmoid S(z) in standard form; every function is elementwise.
+
+    `score` is the derivative of `log_pdf`. `at` is the inverse of S, from log S and log(1 - S).
+    """
+
+    log_cdf: Function
+    log_sf: Function
+    log_pdf: Function
+    score: Function
+    at: Callable[[Array, Array], Array]
+    on_log_levels: bool = False
+
+    @property
+    def z50(self) -> float:
+        return self._quantile(0.5)
+
+    @property
+    def z_width(self) -> float:
+        """The distance between the 0.05 and the 0.95 points of S."""
+        return self._quantile(RIGHT) - self._quantile(LEFT)
+
+    def _quantile(self, probability: float) -> float:
+        return float(self.at(np.array(log(probability)), np.array(np.log1p(-probability))))
+
+
+def log1mexp(x: Array) -> Array:
+    """log(1 - exp(-x)) for x >= 0, exact in both tails (Maechler 2012).
+
+    >>> float(log1mexp(np.array(1e-300)))
+    -690.7755278982137
+    """
+    x = np.asarray(x, dtype=np.float64)
+    with np.errstate(divide="ignore"):
+        return np.where(x < np.log(2), np.log(-np.expm1(-x)), np.log1p(-np.exp(-x)))
+
+
+def _gumbel_log_sf(z: Array) -> Array:
+    with np.errstate(over="ignore"):
+        return -np.exp(z)
+
+
+def _gumbel_log_cdf(z: Array) -> Array:
+    """log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
+    return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
+
+
+def _gumbel_log_pdf(z: Array) -> Array:
+    return z + _gumbel_log_sf(z)
+
+
+def _gumbel_score(z: Array) -> Array:
+    return 1.0 + _gumbel_log_sf(z)
+
+
+def _log_of_minus(log_probability: Array) -> Array:
+    """log(-log p) for log p <= 0."""
+    with np.errstate(divide="ignore"):
+        return np.log(-log_probability)
+
+
+def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
+    return np.where(log_cdf < log_sf, special.ndtri_exp(log_cdf), -special.ndtri_exp(log_sf))
+
+
+_GUMBEL = Shape(
+    log_cdf=_gumbel_log_cdf,
+    log_sf=_gumbel_log_sf,
+    log_pdf=_gumbel_log_pdf,
+    score=_gumbel_score,
+    at=lambda log_cdf, log_sf: _log_of_minus(log_sf),
+)
+
+SHAPES: Mapping[str, Shape] = MappingProxyType(
+    {
+        "normal": Shape(
+            log_cdf=special.log_ndtr,
+            log_sf=lambda z: special.log_ndtr(-z),
+            log_pdf=lambda z: -0.5 * z * z - 0.5 * np.log(2 * np.pi),
+            score=lambda z: -z,
+            at=_normal_at,
+        ),
+        "logistic": Shape(
+            log_cdf=special.log_expit,
+            log_sf=lambda z: special.log_expit(-z),
+            log_pdf=lambda z: special.log_expit(z) + special.log_expit(-z),
+            score=lambda z: -np.tanh(0.5 * z),
+            at=lambda log_cdf, log_sf: log_cdf - log_sf,
+        ),
+        "gumbel": _GUMBEL,
+        "reversed_gumbel": Shape(
+            log_cdf=lambda z: _gumbel_log_sf(-z),
+            log_sf=lambda z: _gumbel_log_cdf(-z),
+            log_pdf=lambda z: _gumbel_log_pdf(-z),
+            score=lambda z: -_gumbel_score(-z),
+            at=lambda log_cdf, log_sf: -_log_of_minus(log_cdf),
+        ),
+        "weibull": Shape(
+            log_cdf=_GUMBEL.log_cdf,
+            log_sf=_GUMBEL.log_sf,
+            log_pdf=_GUMBEL.log_pdf,
+            score=_GUMBEL.score,
+            at=_GUMBEL.at,
+            on_log_levels=True,
+        ),
+    }
+)
+
+
+def shape_named(name: str) -> Shape:
+    """The shape of this name.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is none.
+    """
+    if name not in SHAPES:
+        raise InvalidParameter(
+            f"shape: found {name!r}, expected one of {', '.join(SHAPES)}{nearest(str(name), SHAPES)}"
+        )
+    return SHAPES[name]
+
+
+@dataclass(frozen=True)
+class PsychometricFunction:
+    """The chance of a correct (or "yes") answer against the level.
+
+    Parameters
+    ----------
+    shape : str
+        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel in the
+        natural logarithm of the level.
+    threshold : float
+        The level where the unscaled function is one half, in the unit of the levels; above 0 for ``weibull``.
+    width : float
+        Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the levels;
+        for ``weibull`` in natural logarithms of the level.
+    guess_rate, lapse_rate : float
+        Lower asymptote, and distance of the upper one from 1; each in [0, 1], their sum below 1.
+
+    Raises
+    ------
+    InvalidParameter
+        If a parameter is outside of its range.
+
+    Examples
+    --------
+    >>> f = PsychometricFunction("normal", threshold=20.0, width=8.0, guess_rate=0.5, lapse_rate=0.02)
+    >>> round(float(f.probability(20.0)), 12)
+    0.74
+    >>> round(float(f.level(0.74)), 12)
+    20.0
+    """
+
+    shape: str
+    threshold: float
+    width: float
+    guess_rate: float
+    lapse_rate: float
+
+    def __post_init__(self) -> None:
+        standard = shape_named(self.shape)
+        if not isfinite(self.threshold) or (standard.on_log_levels and self.threshold <= 0):
+            raise InvalidParameter(
+                f"threshold: found {self.threshold}, expected a finite level"
+                + (f" above 0 for the shape {self.shape!r}" if standard.on_log_levels else "")
+            )
+        if not 0 < self.width < np.inf:
+            raise InvalidParameter(f"width: found {self.width}, expected a finite number above 0")
+        for name in ("guess_rate", "lapse_rate"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise InvalidParameter(f"{name}: found {getattr(self, name)}, expected a number from 0 to 1")
+        if self.guess_rate + self.lapse_rate >= 1:
+            raise InvalidParameter(
+                f"guess_rate, lapse_rate: found {self.guess_rate} and {self.lapse_rate}, expected a sum below 1"
+            )
+
+    def probability(self, level: ArrayLike) -> Any:
+        """psi(level), of the shape of `level`.
+
+        Raises
+        ------
+        InvalidParameter
+            If a level is not a number, or not above 0 for the shape ``weibull``.
+        """
+        return np.exp(self.log_probability(level, 1))
+
+    def log_probability(self, level: ArrayLike, response: ArrayLike) -> Any:
+        """log psi where `response` is 1, log(1 - psi) where it is 0; the two broadcast.
+
+        Raises
+        ------
+        InvalidParameter
+            If a level is not a number (or not above 0 for ``weibull``), or a response neither 0 nor 1.
+        """
+        answer = np.asarray(response)
+        if answer.dtype.kind not in "biuf" or not np.isin(answer, (0, 1)).all():
+            raise InvalidParameter(f"response: found {response}, expected 1 or 0")
+        yes, no = self._log_chances(self._z(level))
+        return np.where(answer == 1, yes, no)[()]
+
+    def level(self, probability: ArrayLike) -> Any:
+        """The level where psi is `probability`: the inverse of `probability`, of its shape.
+
+        Raises
+        ------
+        InvalidParameter
+            If a probability is not between the asymptotes.
+        """
+        p = np.asarray(probability, dtype=np.float64)
+        low, high = self.guess_rate, 1 - self.lapse_rate
+        if not ((p > low) & (p < high)).all():
+            raise InvalidParameter(
+                f"probability: found {probability}, expected values between the asymptotes, {low} and {high}"
+            )
+        shape, span = SHAPES[self.shape], 1 - self.guess_rate - self.lapse_rate
+        z = shape.at(np.log((p - low) / span), np.log((high - p) / span))
+        return self._from_z(z)[()]
+
+    def _z(self, level: ArrayLike) -> Array:
+        shape, x = SHAPES[self.shape], _levels(level)
+        if shape.on_log_levels:
+            if not (x > 0).all():
+                raise InvalidParameter(f"level: found {level}, expected levels above 0 for the shape {self.shape!r}")
+            distance = np.log(x) - np.log(self.threshold)
+        else:
+            distance = x - self.threshold
+        return shape.z50 + distance / self.width * shape.z_width
+
+    def _from_z(self, z: Array) -> Array:
+        shape = SHAPES[self.shape]
+        distance = (z - shape.z50) / shape.z_width * self.width
+        return self.threshold * np.exp(distance) if shape.on_log_levels else self.threshold + distance
+
+    def _log_chances(self, z: Array) -> tuple[Array, Array]:
+        shape = SHAPES[self.shape]
+        return log_mixture(shape.log_cdf(z), shape.log_sf(z), self.guess_rate, self.lapse_rate)
+
+
+def log_mixture(
+    log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike
+) -> tuple[Array, Array]:
+    """log psi and log(1 - psi) from log S and log(1 - S); all broadcast.
+
+    >>> yes, no = log_mixture(np.array(-1e4), np.array(0.0), 0.0, 0.0)
+    >>> float(yes), float(no)
+    (-10000.0, 0.0)
+    """
+    guess, lapse = np.asarray(guess_rate, dtype=np.float64), np.asarray(lapse_rate, dtype=np.float64)
+    with np.errstate(divide="ignore"):
+        log_guess, log_lapse, log_span = np.log(guess), np.log(lapse), np.log1p(-guess - lapse)
+    return np.logaddexp(log_guess, log_span + log_cdf), np.logaddexp(log_lapse, log_span + log_sf)
+
+
+def _levels(level: ArrayLike) -> Array:
+    try:
+        x = np.asarray(level, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidParameter(f"level: found {level!r}, expected numbers") from None
+    if np.isnan(x).any():
+        raise InvalidParameter(f"level: found {level!r}, expected numbers, not NaN")
+    return x
