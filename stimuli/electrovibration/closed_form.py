@@ -1,0 +1,87 @@
+"""Voltage across the corneum and force in closed form, without body resistance, in the `sc_layer` law."""
+
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration.relaxation import phi1
+from tactometry.stimuli.electrovibration.skin import Skin
+
+
+def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+    """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
+    return np.asarray(skin.k * voltage_v * np.exp(-_elapsed(t_s, skin)))
+
+
+def step_impulse_ns(voltage_v: float, skin: Skin, area_m2: float) -> float:
+    """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``.
+
+    >>> round(step_impulse_ns(100.0, Skin(), 1e-4) * 1e6, 8)
+    3.3494745
+    """
+    return force_per_square_volt_n(skin, area_m2) * (skin.k * voltage_v) ** 2 * skin.tau_s / 2
+
+
+def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+    """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
+    return skin.k * voltage_v * phi1(_elapsed(rise_s, skin))
+
+
+def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+    """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
+    response = complex(skin.response(frequency_hz))
+    steady = response * np.exp(2j * np.pi * frequency_hz * np.asarray(t_s, dtype=np.float64))
+    return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_elapsed(t_s, skin))))
+
+
+def sine_mean_force_n(
+    frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float
+) -> NDArray[np.float64]:
+    """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
+
+    >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
+    [0.1479612, 1.9583526]
+    """
+    return force_per_square_volt_n(skin, area_m2) * (voltage_v * skin.gain(frequency_hz)) ** 2 / 2
+
+
+def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+    """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
+    half_periods = _elapsed(1 / (2 * np.asarray(frequency_hz, dtype=np.float64)), skin)
+    return 2 * skin.k * voltage_v / (1 + np.exp(-half_periods))
+
+
+def square_mean_force_n(
+    frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float
+) -> NDArray[np.float64]:
+    """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
+    periods = _elapsed(1 / np.asarray(frequency_hz, dtype=np.float64), skin)
+    return (
+        force_per_square_volt_n(skin, area_m2)
+        * square_edge_v(frequency_hz, voltage_v, skin) ** 2
+        * phi1(periods)
+    )
+
+
+def square_harmonic_force_n(
+    n_harmonic: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin, area_m2: float
+) -> NDArray[np.float64]:
+    """Amplitude of the steady force of a square at ``2 n f``, n from 1.
+
+    ``4 b V+^2 (1 - exp(-T/tau))/(T |2/tau + 4 pi i n f|)``.
+    """
+    edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
+    decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
+    rate_per_s: NDArray[np.float64] = np.abs(
+        2 * decay_per_s + 4j * np.pi * np.asarray(n_harmonic) * frequency_hz
+    )
+    charged = -np.expm1(-decay_per_s / frequency_hz)
+    return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
+
+
+def _elapsed(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
+    """Time in units of tau."""
+    t = np.asarray(t_s, dtype=np.float64)
+    return t / skin.tau_s if skin.tau_s > 0 else np.where(t == 0, 0.0, inf)

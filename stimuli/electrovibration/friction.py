@@ -1,0 +1,67 @@
+"""Friction of a sliding finger under an added electrostatic load."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.stimuli.electrovibration import require
+
+
+@dataclass(frozen=True)
+class CoulombFriction:
+    """``F_f = mu (F_n + F_e)`` with ``mu = mu_1 (F_n/1 N)^exponent``.
+
+    A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load.
+
+    >>> float(CoulombFriction(0.5).modulation_n(0.01, force_n=1.0))
+    0.005
+    """
+
+    coefficient: float = 0.5
+    load_exponent: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.non_negative("CoulombFriction", coefficient=self.coefficient)
+        require.finite("CoulombFriction", load_exponent=self.load_exponent)
+
+    def coefficient_at(self, force_n: float) -> float:
+        """The coefficient under a normal force (N); 0 without one."""
+        require.non_negative("CoulombFriction", force_n=force_n)
+        return float(self.coefficient * force_n**self.load_exponent) if force_n > 0 else 0.0
+
+    def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
+        """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
+        return self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class FrictionLag:
+    """First-order low-pass between electrostatic force and friction, ``1/(1 + i f/f_c)``.
+
+    ``f_c = max(floor, f_0 + slope v)``. The slope, 13.8 Hz per mm/s, is published (20 to 100 mm/s, 0.2 to
+    0.6 N); intercept and floor are unverified defaults.
+
+    >>> float(FrictionLag().cutoff_hz(0.1) - FrictionLag().cutoff_hz(0.02)).__round__(6)
+    1104.0
+    """
+
+    slope_hz_per_m_per_s: float = 13_800.0
+    intercept_hz: float = 0.0
+    floor_hz: float = 100.0
+
+    def __post_init__(self) -> None:
+        require.non_negative(
+            "FrictionLag", slope_hz_per_m_per_s=self.slope_hz_per_m_per_s, intercept_hz=self.intercept_hz
+        )
+        require.positive("FrictionLag", floor_hz=self.floor_hz)
+
+    def cutoff_hz(self, speed_m_per_s: float) -> float:
+        """Corner frequency at a sliding speed (m/s, at least 0)."""
+        require.non_negative("FrictionLag", speed_m_per_s=speed_m_per_s)
+        return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
+
+    def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> NDArray[np.float64]:
+        """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
+        ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
+        return 1 / np.hypot(1.0, ratio)

@@ -1,0 +1,109 @@
+"""Sums of first-order high-passes, exact for an input that is linear between its samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
+
+from tactometry.errors import InvalidParameter
+
+BLOCK = 4096
+
+
+@dataclass(frozen=True)
+class Relaxations:
+    """``H(s) = dc_gain + sum_m gain_m s/(s + rate_m)``: what a stack of leaky capacitors does.
+
+    A rate of 0 passes everything, a rate of ``inf`` nothing.
+
+    >>> Relaxations((0.5,), (100.0,)).response([0.0]).tolist()
+    [0j]
+    """
+
+    gains: tuple[float, ...]
+    rates_per_s: tuple[float, ...]
+    dc_gain: float = 0.0
+
+    def response(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
+        """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
+        f_hz = np.asarray(frequency_hz, dtype=np.float64)
+        if not (np.isfinite(f_hz).all() and (f_hz >= 0).all()):
+            raise InvalidParameter(
+                f"frequency_hz: found {frequency_hz!r}, expected finite numbers, at least 0"
+            )
+        s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
+        terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
+        return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
+
+    def sampled(self, voltage_v: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+        """The output at the samples, of the shape (..., n_samples) of the input, from rest.
+
+        The input is linear between its samples and jumps from 0 to its first value at time 0.
+        """
+        steps_v = np.diff(voltage_v, prepend=0.0, axis=-1)
+        terms = (
+            gain * high_passed(steps_v, rate / rate_hz)
+            for gain, rate in zip(self.gains, self.rates_per_s, strict=True)
+        )
+        return np.asarray(sum(terms, start=self.dc_gain * voltage_v))
+
+
+def phi1(x: ArrayLike) -> NDArray[np.float64]:
+    """``(1 - exp(-x))/x``, the mean of an exponential decay over a step; 1 at 0, 0 at inf.
+
+    >>> phi1([0.0, 1e-20, 1.0, float("inf")]).round(6).tolist()
+    [1.0, 1.0, 0.632121, 0.0]
+    """
+    x = np.asarray(x, dtype=np.float64)
+    safe = np.where(x == 0, 1.0, x)
+    return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
+
+
+def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    """``y' = -rate y + v'`` at the samples of a piecewise-linear v, given its increments.
+
+    Parameters
+    ----------
+    steps_v : (..., n_samples) array
+        Increments; the first is a jump, each later one is a ramp over one sample.
+    decay : float
+        ``rate/rate_hz``, the exponent over one sample, 0 to inf.
+
+    Notes
+    -----
+    ``y_n = exp(-decay) y_(n-1) + phi1(decay) step_n``. The recurrence restarts every `BLOCK` samples from
+    a state carried with the exponential of the whole block: else the rounding of ``exp(-decay)`` near 1 adds
+    up (1e-9 over 1e7 samples).
+    """
+    weighted = steps_v * phi1(decay)
+    weighted[..., :1] = steps_v[..., :1] * (0.0 if np.isinf(decay) else 1.0)
+    n = weighted.shape[-1]
+    if n <= BLOCK or decay == 0:
+        return _recurrence(weighted, decay)
+    return _in_blocks(weighted, decay)[..., :n]
+
+
+def _recurrence(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    if decay == 0:
+        return np.cumsum(weighted, axis=-1)
+    return np.asarray(lfilter([1.0], [1.0, -np.exp(-decay)], weighted, axis=-1))
+
+
+def _in_blocks(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    *lead, n = weighted.shape
+    n_blocks = -(-n // BLOCK)
+    padded = np.zeros((*lead, n_blocks * BLOCK))
+    padded[..., :n] = weighted
+    inside = _recurrence(padded.reshape(*lead, n_blocks, BLOCK), decay)
+    ends = _recurrence(inside[..., -1], decay * BLOCK)
+    inside[..., 1:, :] += ends[..., :-1, None] * np.exp(-decay * np.arange(1, BLOCK + 1))
+    return inside.reshape(*lead, n_blocks * BLOCK)
+
+
+def _high_pass(s: NDArray[np.complex128], rate_per_s: float) -> NDArray[np.complex128]:
+    if rate_per_s == 0:
+        return np.ones_like(s)
+    if np.isinf(rate_per_s):
+        return np.zeros_like(s)
+    return s / (s + rate_per_s)

@@ -1,0 +1,190 @@
+"""From samples to a sensation level: thresholds of the model, contact, cache."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    CoulombFriction,
+    ElectrovibrationSensation,
+    FrictionLag,
+    PowerLawArea,
+    Sine,
+    Skin,
+)
+from tactometry.stimuli.electrovibration.closed_form import sine_mean_force_n
+from tactometry.stimuli.perception import sensitivity_db
+
+MODEL = ElectrovibrationSensation()
+NO_LAG = ElectrovibrationSensation(lag=None)
+TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)
+OCTAVES_HZ = [15, 30, 60, 120, 240, 480, 960, 1920]
+
+
+def threshold_db(
+    stimulus: Sine | AmplitudeModulated, model: ElectrovibrationSensation, touch: Contact = TOUCH
+) -> float:
+    return float(brentq(lambda level: model.sensation_db(stimulus.at(level), touch), -20, 120, xtol=1e-6))
+
+
+def sine(frequency_hz: float) -> Sine:
+    return Sine(frequency_hz=frequency_hz)
+
+
+def carrier(frequency_hz: float) -> AmplitudeModulated:
+    return AmplitudeModulated(frequency_hz=frequency_hz, carrier_hz=8_000.0, rate_hz=64_000.0)
+
+
+def test_thresholds_of_sines_relative_to_the_best_one() -> None:
+    found_db = np.array([threshold_db(sine(f), NO_LAG) for f in OCTAVES_HZ])
+    expected_db = [39.82, 26.95, 11.95, 0, 4.90, 28.99, 26.81, 26.04]
+    np.testing.assert_allclose(found_db - found_db.min(), expected_db, atol=0.05)
+
+
+def test_thresholds_of_carriers_relative_to_the_best_one() -> None:
+    found_db = np.array([threshold_db(carrier(f), NO_LAG) for f in OCTAVES_HZ])
+    expected_db = [26.18, 21.99, 15.13, 6.11, 0, 10.27, 38.47, 38.47]
+    np.testing.assert_allclose(found_db - found_db.min(), expected_db, atol=0.05)
+
+
+@pytest.mark.parametrize("corner_hz", [500.0, 1000.0])
+@pytest.mark.parametrize(("kind", "best_hz"), [(sine, 120), (carrier, 240)])
+def test_the_best_frequency_stays_with_a_lag(kind, best_hz: int, corner_hz: float) -> None:
+    model = ElectrovibrationSensation(lag=FrictionLag(slope_hz_per_m_per_s=0.0, floor_hz=corner_hz))
+    thresholds_db = [threshold_db(kind(f), model) for f in OCTAVES_HZ]
+    assert OCTAVES_HZ[int(np.argmin(thresholds_db))] == best_hz
+
+
+def test_the_sensation_of_a_sine_follows_the_closed_forms() -> None:
+    model = ElectrovibrationSensation()
+    area_m2 = float(model.area.area_m2(1.5))
+    force_n = 0.5 * float(sine_mean_force_n(120.0, 10.0, model.skin, area_m2))
+    lag = 1 / np.hypot(1, 240 / 690)
+    expected_db = 20 * np.log10(force_n * lag / model.reference_force_n) - float(sensitivity_db(240.0))
+    assert model.sensation_db(Sine(frequency_hz=120.0).at(20.0), TOUCH) == pytest.approx(
+        expected_db, abs=0.02
+    )
+
+
+def test_the_default_reference_puts_the_best_carrier_at_5_volt() -> None:
+    assert threshold_db(AmplitudeModulated(frequency_hz=240.0), MODEL) == pytest.approx(
+        20 * np.log10(5), abs=0.05
+    )
+
+
+@pytest.mark.parametrize("force_n", [0.5, 1.5, 3.0])
+def test_all_carriers_of_the_study_stay_below_200_volt(force_n: float) -> None:
+    touch = Contact(force_n, 0.05)
+    levels_db = [
+        threshold_db(AmplitudeModulated(frequency_hz=f), MODEL, touch)
+        for f in (30, 60, 120, 180, 240, 320, 480)
+    ]
+    assert max(levels_db) < 20 * np.log10(200)
+    assert int(np.argmin(levels_db)) == 4
+
+
+def test_some_sines_of_the_study_lie_above_200_volt() -> None:
+    assert threshold_db(sine(30.0), MODEL) > 20 * np.log10(200) > threshold_db(sine(60.0), MODEL)
+
+
+def test_threshold_falls_with_force_by_the_absolute_criterion() -> None:
+    stimulus = AmplitudeModulated(frequency_hz=240.0)
+    shift_db = threshold_db(stimulus, MODEL, Contact(2.0, 0.05)) - threshold_db(
+        stimulus, MODEL, Contact(0.5, 0.05)
+    )
+    assert shift_db == pytest.approx(-2.0069, abs=5e-4)
+
+
+def test_doubling_the_voltage_quadruples_the_force() -> None:
+    levels_db = [MODEL.sensation_db(sine(120.0).at(level), TOUCH) for level in (10.0, 10 + 20 * np.log10(2))]
+    assert levels_db[1] - levels_db[0] == pytest.approx(40 * np.log10(2), abs=1e-9)
+
+
+@pytest.mark.parametrize("touch", [Contact(1.5, 0.0), Contact(0.0, 0.05), Contact(0.0, 0.0)])
+def test_nothing_is_felt_at_rest_or_without_contact(touch: Contact) -> None:
+    assert MODEL.sensation_db(sine(120.0).at(40.0), touch) == -np.inf
+
+
+def test_silence_is_not_felt() -> None:
+    assert MODEL.sensation_db(Signal(np.zeros((1, 1000)), 20e3, "V"), TOUCH) == -np.inf
+
+
+def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
+    levels_db = np.linspace(0, 40, 7)
+    touches = [Contact(f, v) for f in (0.5, 3.0) for v in (0.02, 0.1)]
+    once = {(x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for x in levels_db for t in touches}
+    again = {
+        (x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for t in touches[::-1] for x in levels_db[::-1]
+    }
+    assert once == again
+
+
+def test_body_resistance_makes_the_area_more_than_a_factor() -> None:
+    touches = [Contact(0.5, 0.05), Contact(3.0, 0.05)]
+    shifts_db = [
+        np.diff([model.sensation_db(carrier(240.0).at(20.0), touch) for touch in touches])[0]
+        for model in (NO_LAG, ElectrovibrationSensation(skin=Skin(body_resistance_ohm=2e4), lag=None))
+    ]
+    assert shifts_db[0] == pytest.approx(20 / 3 * np.log10(6), abs=1e-9)
+    assert shifts_db[1] < shifts_db[0] - 0.5
+
+
+def test_friction_and_area_act_as_factors() -> None:
+    signal = carrier(240.0).at(20.0)
+    rough = ElectrovibrationSensation(friction=CoulombFriction(1.0))
+    wide = ElectrovibrationSensation(area=PowerLawArea(area_at_1n_m2=2e-4))
+    for model in (rough, wide):
+        gain_db = model.sensation_db(signal, TOUCH) - MODEL.sensation_db(signal, TOUCH)
+        assert gain_db == pytest.approx(20 * np.log10(2), abs=1e-9)
+
+
+def test_lag_at_240_hz_with_a_corner_of_500_hz() -> None:
+    lag = FrictionLag(slope_hz_per_m_per_s=0.0, floor_hz=500.0)
+    assert float(lag.gain(240.0, 0.05)) == pytest.approx(0.901523, abs=5e-7)
+
+
+def test_corner_rises_by_1104_hz_from_20_to_100_mm_per_s() -> None:
+    lag = FrictionLag()
+    assert lag.cutoff_hz(0.1) - lag.cutoff_hz(0.02) == pytest.approx(1104.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: MODEL.sensation_db(Signal(np.zeros((2, 5)), 1e3, "m"), TOUCH),
+            "sensation_db.signal: found 2 channels in 'm', expected one channel in volt ('V')",
+        ),
+        (
+            lambda: ElectrovibrationSensation(law="sc_layers"),
+            "law: found 'sc_layers', expected one of parallel_plate, interface, total_thickness, sc_layer; "
+            "did you mean 'sc_layer'?",
+        ),
+        (
+            lambda: ElectrovibrationSensation(law=None),
+            "law: found none, expected one of parallel_plate, interface, total_thickness, sc_layer; "
+            "their forces differ by a factor near 1000, so name yours",
+        ),
+        (
+            lambda: ElectrovibrationSensation(reference_force_n=0.0),
+            "ElectrovibrationSensation.reference_force_n: found 0.0, expected a finite number above 0",
+        ),
+        (
+            lambda: Skin(insulator_thickness_m=-1e-6),
+            "Skin.insulator_thickness_m: found -1e-06, expected a finite number above 0",
+        ),
+        (
+            lambda: Skin(corneum_resistivity_ohm_m=float("nan")),
+            "Skin.corneum_resistivity_ohm_m: found nan, expected a number, at least 0 (inf: lossless)",
+        ),
+        (lambda: PowerLawArea().area_m2(-1.0), "force_n: found -1.0, expected at least 0 N"),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message

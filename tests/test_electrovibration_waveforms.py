@@ -1,0 +1,148 @@
+"""Sine and amplitude-modulated carrier: levels, ramps, frequencies, clear errors."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
+from tactometry.stimuli.perception import components
+
+STIMULI = [
+    Sine(frequency_hz=60.0),
+    Sine(frequency_hz=333.3, ramp_s=0.0, phase_rad=1.0, duration_s=0.01),
+    *(
+        AmplitudeModulated(frequency_hz=60.0, modulation=m)
+        for m in ("square_root", "full", "suppressed_carrier")
+    ),
+]
+
+
+@pytest.mark.parametrize("stimulus", STIMULI)
+@given(level=st.floats(-200, 300))
+def test_no_sample_passes_the_peak_of_the_level(stimulus: Sine | AmplitudeModulated, level: float) -> None:
+    signal = stimulus.at(level)
+    assert signal.peak <= 10 ** (level / 20)
+    assert signal.peak >= 0.9 * 10 ** (level / 20)
+
+
+@pytest.mark.parametrize("stimulus", STIMULI)
+def test_a_signal_is_one_channel_of_volts(stimulus: Sine | AmplitudeModulated) -> None:
+    signal = stimulus.at(20.0)
+    assert stimulus.level_unit == "dB re 1 V"
+    assert signal.samples.shape == (1, round(stimulus.duration_s * stimulus.rate_hz))
+    assert (signal.rate_hz, signal.unit) == (stimulus.rate_hz, "V")
+
+
+def test_a_level_in_volt_is_the_peak() -> None:
+    assert Sine(frequency_hz=50.0, level_unit="V").at(7.0).peak == pytest.approx(7.0, rel=1e-12)
+
+
+def test_ramps_start_and_end_at_zero_and_are_a_raised_cosine() -> None:
+    stimulus = Sine(frequency_hz=5000.0, rate_hz=20_000.0, phase_rad=0.0)
+    steady = Sine(frequency_hz=5000.0, rate_hz=20_000.0, phase_rad=0.0, ramp_s=0.0)
+    ramped, plain = stimulus.at(0.0).samples[0], steady.at(0.0).samples[0]
+    odd = np.arange(1, 1000, 2)
+    np.testing.assert_allclose(ramped[odd] / plain[odd], np.sin(np.pi * odd / 2000) ** 2, atol=1e-9)
+    np.testing.assert_array_equal(ramped[1000:19000], plain[1000:19000])
+    assert ramped[0] == ramped[-1] == 0
+
+
+@pytest.mark.parametrize(
+    ("modulation", "expected"),
+    [
+        ("square_root", [0.25, 0.25, 0.0]),
+        ("full", [0.1875, 0.25, 0.0625]),
+        ("suppressed_carrier", [0.25, 0.0, 0.25]),
+    ],
+)
+def test_components_of_the_squared_carrier_below_its_frequency(
+    modulation: str, expected: list[float]
+) -> None:
+    stimulus = AmplitudeModulated(frequency_hz=100.0, modulation=modulation, ramp_s=0.0)
+    spectrum = np.abs(np.fft.rfft(stimulus.at(0.0).samples[0] ** 2)) / 20_000
+    found = spectrum[[0, 100, 200]] * [1, 2, 2]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_components_of_a_squared_sine_with_and_without_offset() -> None:
+    tone_v = Sine(frequency_hz=100.0, ramp_s=0.0).at(0.0).samples[0]
+    for offset_v, expected in ((0.0, [0.5, 0.0, 0.5]), (0.5, [0.75, 1.0, 0.5])):
+        spectrum = np.abs(np.fft.rfft((tone_v + offset_v) ** 2)) / tone_v.size
+        np.testing.assert_allclose(spectrum[[0, 100, 200]] * [1, 2, 2], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("stimulus", [s for s in STIMULI if s.duration_s == 1.0])
+def test_the_force_frequency_is_that_of_the_strongest_slow_component(
+    stimulus: Sine | AmplitudeModulated,
+) -> None:
+    parts = components(stimulus.at(0.0).samples[0] ** 2, stimulus.rate_hz)
+    slow = parts.frequencies_hz < 1000
+    strongest = parts.frequencies_hz[slow][np.argmax(parts.amplitudes[slow])]
+    assert strongest == stimulus.force_frequency_hz
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "message"),
+    [
+        (Sine, {"frequency_hz": 0.0}, "Sine.frequency_hz: found 0.0, expected a finite number above 0"),
+        (Sine, {"frequency_hz": np.nan}, "Sine.frequency_hz: found nan, expected a finite number above 0"),
+        (Sine, {"frequency_hz": "60"}, "Sine.frequency_hz: found '60', expected a finite number above 0"),
+        (
+            Sine,
+            {"frequency_hz": 10_000.0},
+            "Sine.frequency_hz: found 10000.0 Hz, expected less than half of rate_hz "
+            "(10000.0 Hz); lower the frequency or raise rate_hz",
+        ),
+        (Sine, {"duration_s": -1.0}, "Sine.duration_s: found -1.0, expected a finite number above 0"),
+        (
+            Sine,
+            {"duration_s": 1e-6},
+            "Sine.duration_s: found 1e-06 s, expected at least one sample at 20000.0 Hz",
+        ),
+        (
+            Sine,
+            {"duration_s": 0.08},
+            "Sine.ramp_s: found 0.05 s on and off, expected at most half of the duration of 0.08 s; "
+            "shorten the ramp",
+        ),
+        (Sine, {"level_unit": "dB"}, "Sine.level_unit: found 'dB', expected one of dB re 1 V, V"),
+        (
+            AmplitudeModulated,
+            {"carrier_hz": 100.0},
+            "AmplitudeModulated.carrier_hz: found 100.0 Hz, expected at least twice the programmed frequency "
+            "(120.0 Hz); raise the carrier or lower frequency_hz",
+        ),
+        (
+            AmplitudeModulated,
+            {"carrier_hz": 12e3},
+            "AmplitudeModulated.carrier_hz: found 12000.0 Hz, expected less than half of rate_hz "
+            "(10000.0 Hz); lower the frequency or raise rate_hz",
+        ),
+        (
+            AmplitudeModulated,
+            {"modulation": "fulll"},
+            "AmplitudeModulated.modulation: found 'fulll', expected one of square_root, full, "
+            "suppressed_carrier; did you mean 'full'?",
+        ),
+    ],
+)
+def test_a_bad_value_is_one_clear_sentence(kind: type, changes: dict, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        kind(**{"frequency_hz": 60.0, **changes})
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("unit", "level", "message"),
+    [
+        ("dB re 1 V", np.inf, "stimulus.level: found inf, expected a finite number"),
+        ("dB re 1 V", 1e5, "stimulus.level: found 100000.0 dB re 1 V, expected a level below 6165 dB"),
+        ("V", -1.0, "stimulus.level: found -1.0, expected a finite number, at least 0"),
+    ],
+)
+def test_a_bad_level_is_one_clear_sentence(unit: str, level: float, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        Sine(frequency_hz=60.0, level_unit=unit).at(level)
+    assert str(caught.value) == message
