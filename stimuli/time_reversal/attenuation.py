@@ -1,0 +1,62 @@
+"""How fast free vibration decays: every mode as exp(-t / tau)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import not_negative, positive
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Attenuation:
+    """tau(f) = tau (f / f_ref)^-exponent.
+
+    Parameters
+    ----------
+    tau_s : float
+        Time constant of the amplitude (s) at `reference_hz`, above 0; ``math.inf`` for no loss.
+    exponent : float
+        At least 0; 0 is a constant tau. The power law is an unverified option.
+    reference_hz : float
+        Above 0.
+
+    Examples
+    --------
+    >>> round(Attenuation(3.5e-3).t60_s, 4)
+    0.0242
+    """
+
+    tau_s: float
+    exponent: float = 0.0
+    reference_hz: float = 10e3
+
+    def __post_init__(self) -> None:
+        if not self.tau_s > 0:
+            raise InvalidParameter(f"Attenuation.tau_s: found {self.tau_s}, expected a time above 0, or inf")
+        not_negative("Attenuation.exponent", self.exponent)
+        positive("Attenuation.reference_hz", self.reference_hz)
+
+    @property
+    def t60_s(self) -> float:
+        """Time to fall by 60 dB, ln(1000) tau."""
+        return math.log(1000) * self.tau_s
+
+    def rate_per_s(self, frequency_hz: ArrayLike) -> FloatArray:
+        """1 / tau at frequencies (the decay rate of the amplitude)."""
+        relative = np.asarray(frequency_hz, float) / self.reference_hz
+        return np.asarray(relative**self.exponent / self.tau_s)
+
+
+def tau_from_damping_ratio_s(damping_ratio: float, frequency_hz: float) -> float:
+    """tau = 1 / (zeta omega)."""
+    return 1 / (damping_ratio * 2 * math.pi * frequency_hz)
+
+
+def tau_from_loss_factor_s(loss_factor: float, frequency_hz: float) -> float:
+    """tau = 2 / (eta omega)."""
+    return 2 / (loss_factor * 2 * math.pi * frequency_hz)

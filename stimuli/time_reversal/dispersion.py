@@ -1,0 +1,77 @@
+"""Bending waves: wavelength, phase and group velocity of thin (Kirchhoff) and thick (Mindlin) plates."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.plate import Plate
+
+FloatArray = NDArray[np.float64]
+
+MINDLIN_SHEAR_FACTOR: Final = 5 / 6
+
+
+def wavenumber_rad_per_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
+    return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
+
+
+def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff wavelength 2 pi / k.
+
+    >>> from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+    >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
+    20.9
+    """
+    return 2 * np.pi / wavenumber_rad_per_m(plate, frequency_hz)
+
+
+def phase_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: omega / k."""
+    return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
+
+
+def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: d omega / d k = 2 omega / k."""
+    return 2 * phase_velocity_m_per_s(plate, frequency_hz)
+
+
+def mindlin_angular_frequency_rad_per_s(
+    plate: Plate, wavenumber_rad_per_m: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """Flexural branch of Mindlin's plate at a wavenumber.
+
+    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
+    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
+    equals.
+    """
+    positive("shear_factor", shear_factor)
+    k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear = _shear_stiffness_n_per_m(plate, shear_factor)
+    inertia = m * plate.thickness_m**2 / 12
+    b = m * (rigidity * k2 + shear) + inertia * shear * k2
+    c = shear * rigidity * k2**2
+    return np.asarray(np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c))))
+
+
+def mindlin_wavenumber_rad_per_m(
+    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
+    positive("shear_factor", shear_factor)
+    w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear = _shear_stiffness_n_per_m(plate, shear_factor)
+    inertia = m * plate.thickness_m**2 / 12
+    a = shear * rigidity
+    b = w2 * (m * rigidity + inertia * shear)
+    c = m * w2 * (inertia * w2 - shear)
+    return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
+
+
+def _shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
+    shear_modulus_pa = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio))
+    return shear_factor * shear_modulus_pa * plate.thickness_m

@@ -1,0 +1,211 @@
+"""The modes of a plate: frequencies, and shapes as sums of products of functions of x and of y.
+
+Every shape has mean square 1 over the plate, so that every modal mass is the mass of the plate.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.stimuli.time_reversal.axis import Axis, SineAxis
+from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.dispersion import (
+    mindlin_angular_frequency_rad_per_s,
+    mindlin_wavenumber_rad_per_m,
+)
+from tactometry.stimuli.time_reversal.plate import Plate
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.ritz import Block
+
+FloatArray = NDArray[np.float64]
+OnAxis = Callable[[Axis], FloatArray]
+
+
+class Modes(Protocol):
+    """Natural frequencies and shapes, sorted by frequency."""
+
+    @property
+    def plate(self) -> Plate: ...
+
+    @property
+    def angular_frequency_rad_per_s(self) -> FloatArray: ...
+
+    @property
+    def frequency_hz(self) -> FloatArray: ...
+
+    def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
+        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those
+        of y.
+        """
+
+    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+        """(..., n_x, n_y): the sum of (..., n_modes) amplitudes times shapes on a grid, by matrix
+        products.
+        """
+
+
+def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
+    """Shapes at points; (n_modes, n_points)."""
+    return modes.products(lambda axis: axis.value(x_m), lambda axis: axis.value(y_m))
+
+
+def laplacians(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
+    """Laplacians of the shapes at points; (n_modes, n_points)."""
+    along_x = modes.products(lambda axis: axis.curvature(x_m), lambda axis: axis.value(y_m))
+    return along_x + modes.products(lambda axis: axis.value(x_m), lambda axis: axis.curvature(y_m))
+
+
+@dataclass(frozen=True, eq=False)
+class SeparableModes:
+    """Simply supported edges: phi_mn = 2 sin(m pi x / a) sin(n pi y / b), exact.
+
+    `m` and `n` (from 1) belong to `angular_frequency_rad_per_s`, in ascending order.
+    """
+
+    plate: Plate
+    angular_frequency_rad_per_s: FloatArray
+    m: NDArray[np.int64]
+    n: NDArray[np.int64]
+
+    @property
+    def frequency_hz(self) -> FloatArray:
+        return self.angular_frequency_rad_per_s / (2 * math.pi)
+
+    @property
+    def on_x(self) -> SineAxis:
+        return SineAxis(self.plate.length_m, int(self.m.max(initial=0)))
+
+    @property
+    def on_y(self) -> SineAxis:
+        return SineAxis(self.plate.width_m, int(self.n.max(initial=0)))
+
+    def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
+        return on_x(self.on_x)[self.m - 1] * on_y(self.on_y)[self.n - 1]
+
+    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+        """Two small products, X^T (A Y): 1/20 of the operations of a sum over modes, and in cache."""
+        return self.frame(x_m, y_m)(amplitude)
+
+    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
+        x_functions = np.ascontiguousarray(self.on_x.value(x_m).T)
+        y_functions = self.on_y.value(y_m)
+        place = (self.m - 1) * len(y_functions) + self.n - 1
+        shape = (x_functions.shape[1], len(y_functions))
+
+        def draw(amplitude: FloatArray) -> FloatArray:
+            table = np.zeros((*amplitude.shape[:-1], shape[0] * shape[1]))
+            table[..., place] = amplitude
+            return np.asarray(x_functions @ (table.reshape(*amplitude.shape[:-1], *shape) @ y_functions))
+
+        return draw
+
+
+@dataclass(frozen=True, eq=False)
+class RitzModes:
+    """Any edges: the blocks of `ritz.solve`, sorted together by `order`."""
+
+    plate: Plate
+    angular_frequency_rad_per_s: FloatArray
+    blocks: Sequence["Block"]
+    order: NDArray[np.int64]
+
+    @property
+    def frequency_hz(self) -> FloatArray:
+        return self.angular_frequency_rad_per_s / (2 * math.pi)
+
+    def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
+        parts = [b.vectors @ (on_x(b.on_x.axis)[b.i] * on_y(b.on_y.axis)[b.j]) for b in self.blocks]
+        return np.concatenate(parts)[self.order]
+
+    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+        return self.frame(x_m, y_m)(amplitude)
+
+    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
+        grids = [(block.on_x.axis.value(x_m).T, block.on_y.axis.value(y_m)) for block in self.blocks]
+        ends = np.cumsum([len(block.vectors) for block in self.blocks])
+
+        def draw(amplitude: FloatArray) -> FloatArray:
+            unsorted = np.empty_like(amplitude)
+            unsorted[..., self.order] = amplitude
+            parts = np.split(unsorted, ends[:-1], axis=-1)
+            drawn = [_draw(b, part, *grid) for b, part, grid in zip(self.blocks, parts, grids, strict=True)]
+            return np.asarray(np.sum(drawn, axis=0))
+
+        return draw
+
+
+def modes_of(
+    plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
+) -> SeparableModes | RitzModes:
+    """The modes of a plate from 0 Hz to `f_max_hz`.
+
+    Parameters
+    ----------
+    plate : Plate
+    f_max_hz : float
+        Above 0.
+    shear_factor : float, optional
+        With a number (5/6), Mindlin's dispersion replaces Kirchhoff's at the wavenumber of each mode. This
+        is exact for simply supported edges, whose shapes stay; for other edges it corrects the waves but
+        not their edges.
+
+    Raises
+    ------
+    InvalidParameter
+        If `f_max_hz` is not above 0, or a Ritz solution would be too large.
+    """
+    positive("f_max_hz", f_max_hz)
+    if shear_factor is None:
+        return _kirchhoff(plate, f_max_hz)
+    k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
+    thin = _kirchhoff(plate, plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi))
+    wavenumber = np.sqrt(thin.angular_frequency_rad_per_s / plate.wave_constant_m2_per_s)
+    return _with_frequencies(thin, mindlin_angular_frequency_rad_per_s(plate, wavenumber, shear_factor))
+
+
+def _kirchhoff(plate: Plate, f_max_hz: float) -> SeparableModes | RitzModes:
+    return _separable(plate, f_max_hz) if plate.boundary == "SSSS" else _ritz(plate, f_max_hz)
+
+
+def _with_frequencies(modes: SeparableModes | RitzModes, omega: FloatArray) -> SeparableModes | RitzModes:
+    if isinstance(modes, SeparableModes):
+        return SeparableModes(modes.plate, omega, modes.m, modes.n)
+    return RitzModes(modes.plate, omega, modes.blocks, modes.order)
+
+
+def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
+    k2_max = 2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s
+    sides = (plate.length_m, plate.width_m)
+    along_x, along_y = (np.arange(1, int(side * math.sqrt(k2_max) / math.pi) + 2) for side in sides)
+    k2 = (math.pi * along_x[:, None] / sides[0]) ** 2 + (math.pi * along_y[None, :] / sides[1]) ** 2
+    m, n = np.nonzero(k2 <= k2_max * (1 + 1e-12))
+    order = np.argsort(k2[m, n], kind="stable")
+    omega = plate.wave_constant_m2_per_s * k2[m, n][order]
+    return SeparableModes(plate, omega, along_x[m[order]], along_y[n[order]])
+
+
+def _ritz(plate: Plate, f_max_hz: float) -> RitzModes:
+    from tactometry.stimuli.time_reversal.ritz import solve
+
+    blocks = solve(plate, f_max_hz)
+    omega = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
+    order = np.argsort(omega, kind="stable")
+    return RitzModes(plate, omega[order], blocks, order)
+
+
+def _draw(
+    block: "Block", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray
+) -> FloatArray:
+    table = np.zeros((*amplitude.shape[:-1], x_functions.shape[1] * len(y_functions)))
+    table[..., block.i * len(y_functions) + block.j] = amplitude @ block.vectors
+    return np.asarray(
+        x_functions
+        @ (table.reshape(*amplitude.shape[:-1], x_functions.shape[1], len(y_functions)) @ y_functions)
+    )

@@ -1,0 +1,165 @@
+"""Impulse responses from every channel to every point: of the model, or measured."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import choice, finite
+from tactometry.stimuli.time_reversal.modal_time import QUANTITIES, check_sampling
+from tactometry.stimuli.time_reversal.modes import values
+from tactometry.stimuli.time_reversal.screen import Screen
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float]
+
+CHUNK: Final = 16_384
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """What each point does per unit sample on each channel.
+
+    Parameters
+    ----------
+    samples : (n_points, n_channels, n_samples) array
+        Finite; m, m/s or m/s^2 per unit of the channel. The array is made read-only.
+    rate_hz : float
+        Above 0.
+    quantity : str
+        ``displacement``, ``velocity`` or ``acceleration``.
+    """
+
+    samples: FloatArray
+    rate_hz: float
+    quantity: str = "displacement"
+
+    def __post_init__(self) -> None:
+        samples = np.asarray(self.samples, float).view()
+        if samples.ndim != 3 or 0 in samples.shape[:2]:
+            raise InvalidParameter(
+                f"Responses.samples: found shape {samples.shape}, expected (n_points, n_channels, n_samples) "
+                "with at least one point and one channel"
+            )
+        check_sampling(self.rate_hz, samples.shape[2])
+        choice("Responses.quantity", self.quantity, QUANTITIES)
+        finite("Responses.samples", samples)
+        samples.setflags(write=False)
+        object.__setattr__(self, "samples", samples)
+
+    @property
+    def n_points(self) -> int:
+        return int(self.samples.shape[0])
+
+    @property
+    def n_channels(self) -> int:
+        return int(self.samples.shape[1])
+
+    @property
+    def n_samples(self) -> int:
+        return int(self.samples.shape[2])
+
+    @property
+    def duration_s(self) -> float:
+        return self.n_samples / self.rate_hz
+
+    def at_point(self, index: int) -> "Responses":
+        """The responses of one point."""
+        return replace(self, samples=self.samples[index : index + 1])
+
+    def of_channels(self, channels: Sequence[int]) -> "Responses":
+        """The responses of some channels."""
+        return replace(self, samples=self.samples[:, list(channels)])
+
+
+def impulse_responses(
+    screen: Screen,
+    points: Sequence[Point],
+    *,
+    rate_hz: float,
+    duration_s: float,
+    f_max_hz: float,
+    quantity: str = "displacement",
+) -> Responses:
+    """Responses of the model, the exact sum over the modes below `f_max_hz`.
+
+    A unit sample is an impulse of area 1 / rate. All pairs of point and channel come from one matrix
+    product per chunk of time.
+
+    Parameters
+    ----------
+    screen : Screen
+    points : sequence of (x_m, y_m)
+    rate_hz : float
+        At least twice `f_max_hz`.
+    duration_s : float
+        At least 0; rounded to whole samples.
+
+    Raises
+    ------
+    InvalidParameter
+        If a point or a transducer is outside, there is none, or `f_max_hz` is above the Nyquist frequency.
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
+    >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
+    >>> h.samples.shape
+    (1, 32, 50)
+    """
+    n_samples = samples_in("duration_s", duration_s, rate_hz)
+    if 2 * f_max_hz > rate_hz:
+        raise InvalidParameter(
+            f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; "
+            "raise rate_hz or lower f_max_hz"
+        )
+    weights = _weights(screen, points, f_max_hz)
+    out = np.empty((weights.shape[0] * weights.shape[1], n_samples))
+    flat = weights.reshape(len(out), -1) / (screen.plate.mass_kg * rate_hz)
+    for start, stop in chunks(n_samples):
+        basis = screen.oscillators(f_max_hz).impulse(rate_hz, start, stop, quantity)
+        np.matmul(flat, basis, out=out[:, start:stop])
+    return Responses(out.reshape(*weights.shape[:2], n_samples), rate_hz, quantity)
+
+
+def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
+    """Whole samples of a duration, at least 0."""
+    check_sampling(rate_hz, 0)
+    if not (np.isfinite(duration_s) and duration_s >= 0):
+        raise InvalidParameter(f"{name}: found {duration_s}, expected a finite time, at least 0")
+    return round(duration_s * rate_hz)
+
+
+def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
+    """Start and stop of pieces of at most `size` samples."""
+    for start in range(0, n_samples, size):
+        yield start, min(start + size, n_samples)
+
+
+def _weights(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
+    """(n_points, n_channels, n_modes): shape at the point times force of the channel."""
+    at_points = values_at(screen, points, f_max_hz)
+    return np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
+
+
+def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
+    """(n_modes, n_points): the shapes at points of the plate.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no point, or one is outside of the plate.
+    """
+    place = np.asarray(points, float).reshape(-1, 2)
+    if len(place) == 0:
+        raise InvalidParameter("points: found none, expected at least one")
+    for i, (x, y) in enumerate(place):
+        if not screen.plate.contains(x, y):
+            raise InvalidParameter(
+                f"points[{i}]: found ({x}, {y}) m, expected a point of the plate of "
+                f"{screen.plate.length_m} x {screen.plate.width_m} m"
+            )
+    return values(screen.modes(f_max_hz), place[:, 0], place[:, 1])

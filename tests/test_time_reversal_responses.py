@@ -1,0 +1,244 @@
+"""Impulse responses of the model: reciprocity, causality, energy, Parseval, patches, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import j1
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.modes import laplacians, values
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
+
+FAST = {"rate_hz": 50e3, "duration_s": 4e-3, "f_max_hz": 10e3}
+
+
+def point_screen(plate: Plate, *places: tuple[float, float], tau_s: float = 3e-3) -> Screen:
+    return Screen(plate, tuple(PointForce(*place) for place in places), Attenuation(tau_s))
+
+
+def a4(boundary: str) -> Plate:
+    return Plate(0.297, 0.210, 1.1e-3, 64e9, 0.2, 2230.0, boundary)
+
+
+@pytest.mark.parametrize("boundary", ["SSSS", "FFFF", "CFSF"])
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_reciprocity(boundary, quantity):
+    p, q = (0.05, 0.17), (0.2, 0.03)
+    there = impulse_responses(point_screen(a4(boundary), p), [q], quantity=quantity, **FAST)
+    back = impulse_responses(point_screen(a4(boundary), q), [p], quantity=quantity, **FAST)
+    assert there.samples == pytest.approx(back.samples, rel=1e-12, abs=1e-14 * np.abs(there.samples).max())
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    aspect=st.floats(1.0, 20.0),
+    thickness_m=st.floats(1e-4, 1e-2),
+    glass=st.tuples(st.floats(60e9, 75e9), st.floats(0.15, 0.3)),
+    x=st.floats(0.0, 1.0),
+    y=st.floats(0.0, 1.0),
+    tau_s=st.floats(1e-6, 1.0),
+    n_modes=st.integers(1, 60),
+)
+def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x, y, tau_s, n_modes):  # noqa: PLR0917
+    plate = Plate(0.3, 0.3 / aspect, thickness_m, *glass, 2300.0, "SSSS")
+    p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
+    f_max = float(plate.frequencies_hz((n_modes + 5 * aspect**2) / plate.modal_density_s)[-1])
+    timing = {"rate_hz": 2.5 * f_max, "duration_s": 200 / f_max, "f_max_hz": f_max}
+    there = impulse_responses(point_screen(plate, p, tau_s=tau_s), [q], **timing).samples[0, 0]
+    back = impulse_responses(point_screen(plate, q, tau_s=tau_s), [p], **timing).samples[0, 0]
+    assert np.isfinite(there).all()
+    assert np.abs(there - back).max() <= 1e-12 * np.abs(there).max()
+    assert abs(there[0]) <= 1e-12 * np.abs(there).max()
+
+
+def test_energy_balance_of_an_impulse():
+    """Energy put in = energy stored + energy lost, at any time, to 1e-10."""
+    plate, at, f_max = A4_SCREEN, (0.08, 0.13), 20e3
+    screen = point_screen(plate, at)
+    oscillators = screen.oscillators(f_max)
+    push = values(screen.modes(f_max), *at)[:, 0] / plate.mass_kg
+    put_in = 0.5 * plate.mass_kg * push @ push
+    end_s = 2e-3
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    edges = np.linspace(0, end_s, 401)
+    half = (edges[1] - edges[0]) / 2
+    times = ((edges[1:] + edges[:-1]) / 2)[:, None] + half * nodes
+    speed = oscillators.impulse_at(times.ravel(), "velocity") * push[:, None]
+    power = 2 * plate.mass_kg / 3e-3 * (speed**2).sum(axis=0)
+    lost = float(power @ np.tile(weights * half, 400))
+    u, v = (oscillators.impulse_at(end_s, quantity)[:, 0] for quantity in ("displacement", "velocity"))
+    stored = 0.5 * plate.mass_kg * np.sum(push**2 * (v**2 + (oscillators.omega_rad_per_s * u) ** 2))
+    assert stored + lost == pytest.approx(put_in, rel=1e-10)
+
+
+def test_parseval_between_the_time_and_the_frequency_solution():
+    """The integral of h^2 over time is that of |H|^2 over frequency, H = sum phi phi / (M (w^2 - W^2 +
+    2iW/tau)).
+    """
+    from scipy.integrate import quad
+
+    plate, f_max = A4_SCREEN, 500.0
+    screen = point_screen(plate, (0.06, 0.05), tau_s=2e-2)
+    modes = screen.modes(f_max)
+    weight = values(modes, 0.06, 0.05)[:, 0] * values(modes, 0.2, 0.1)[:, 0] / plate.mass_kg
+    omega = modes.angular_frequency_rad_per_s
+
+    def power(frequency: float) -> float:
+        w = 2 * math.pi * frequency
+        return float(abs(np.sum(weight / (omega**2 - w**2 + 2j * w / 2e-2))) ** 2)
+
+    inside = quad(power, 0, 2e3, points=list(modes.frequency_hz), limit=2000, epsabs=0, epsrel=1e-11)[0]
+    outside = sum(quad(power, f, 10 * f, epsabs=0, epsrel=1e-9)[0] for f in (2e3, 2e4))
+    rate = 200e3
+    timing = {"rate_hz": rate, "duration_s": 0.5, "f_max_hz": f_max}
+    h = impulse_responses(screen, [(0.2, 0.1)], **timing).samples[0, 0] * rate
+    assert np.sum(h**2) / rate == pytest.approx(2 * (inside + outside), rel=1e-6)
+
+
+def test_no_loss_never_decays():
+    screen = point_screen(A4_SCREEN, (0.08, 0.13), tau_s=math.inf)
+    h = impulse_responses(screen, [(0.2, 0.1)], rate_hz=50e3, duration_s=0.4, f_max_hz=10e3).samples[0, 0]
+    assert np.std(h[-5000:]) == pytest.approx(np.std(h[5000:10000]), rel=0.2)
+
+
+def test_tau_of_a_microsecond_is_overdamped_and_finite():
+    screen = point_screen(A4_SCREEN, (0.08, 0.13), tau_s=1e-6)
+    h = impulse_responses(screen, [(0.08, 0.13)], rate_hz=250e3, duration_s=1e-2, f_max_hz=60e3).samples[0, 0]
+    assert np.isfinite(h).all()
+    assert np.all(h >= 0), "a plate in treacle does not swing"
+
+
+def test_frequencies_at_nyquist_are_allowed_and_above_are_refused():
+    screen = point_screen(A4_SCREEN, (0.08, 0.13))
+    at_limit = impulse_responses(screen, [(0.2, 0.1)], rate_hz=20e3, duration_s=1e-2, f_max_hz=10e3)
+    assert np.isfinite(at_limit.samples).all()
+    with pytest.raises(
+        InvalidParameter, match=r"f_max_hz: found 10001.0, above the Nyquist frequency 10000.0; raise"
+    ):
+        impulse_responses(screen, [(0.2, 0.1)], rate_hz=20e3, duration_s=1e-2, f_max_hz=10001.0)
+
+
+@pytest.mark.parametrize("duration_s", [0.0, 1 / 50e3])
+def test_zero_and_one_sample(duration_s):
+    h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=duration_s, f_max_hz=10e3)
+    assert h.n_samples == round(duration_s * 50e3)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.1), (0.297, 0.21), (0.1485, 0.21)])
+def test_edge_and_corner_of_a_supported_plate_do_not_move(place):
+    h = impulse_responses(A4_PROTOTYPE, [place], **FAST).samples
+    assert np.abs(h).max() == 0.0
+
+
+def test_node_line_silences_the_modes_that_share_it():
+    modes = A4_SCREEN.modes(10e3)
+    on_the_line = values(modes, 0.297 / 2, 0.06)[:, 0]
+    assert np.abs(on_the_line[modes.m % 2 == 0]).max() < 1e-12
+
+
+def test_patch_force_is_the_integral_of_the_laplacian():
+    modes = a4("FFFF").modes(10e3)
+    patch = Patch(0.05, 0.03, 0.012, 0.008, 1.0)
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    x, y = 0.05 + 0.006 * nodes, 0.03 + 0.004 * nodes
+    area = np.outer(weights * 0.006, weights * 0.004).ravel()
+    expected = -laplacians(modes, np.repeat(x, 20), np.tile(y, 20)) @ area
+    assert patch.modal_force(modes) == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.abs(expected).max())
+
+
+def test_disc_on_a_supported_plate_is_the_bessel_closed_form():
+    """The mean of a solution of Helmholtz's equation over a disc is its centre times 2 J1(ka) / ka."""
+    modes = A4_SCREEN.modes(25e3)
+    k = np.sqrt(modes.angular_frequency_rad_per_s / A4_SCREEN.wave_constant_m2_per_s)
+    radius = 17.5e-3
+    centre = values(modes, 0.1, 0.08)[:, 0]
+    expected = k**2 * centre * math.pi * radius**2 * 2 * j1(k * radius) / (k * radius)
+    found = Disc(0.1, 0.08, 35e-3, 1.0).modal_force(modes)
+    assert found == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_small_patch_is_a_disc_of_the_same_area():
+    modes = A4_SCREEN.modes(10e3)
+    square = Patch(0.1, 0.08, 1e-4, 1e-4, 1.0).modal_force(modes)
+    disc = Disc(0.1, 0.08, 2e-4 / math.sqrt(math.pi), 1.0).modal_force(modes)
+    assert square == pytest.approx(disc, rel=1e-5, abs=1e-6 * np.abs(disc).max())
+
+
+def test_patch_drive_has_a_flat_displacement_spectrum_and_point_force_falls_with_frequency():
+    modes = A4_SCREEN.modes(50e3)
+    omega = modes.angular_frequency_rad_per_s
+    patch = Patch(0.1, 0.08, 2e-3, 2e-3, 1.0).modal_force(modes) / omega
+    point = PointForce(0.1, 0.08).modal_force(modes) / omega
+    low, high = modes.frequency_hz < 5e3, modes.frequency_hz > 40e3
+    assert np.std(patch[high]) / np.std(patch[low]) == pytest.approx(1.0, abs=0.25)
+    assert np.std(point[high]) / np.std(point[low]) < 0.25
+
+
+def test_transducer_as_large_as_the_plate_is_the_exact_integral():
+    whole = Patch(0.1485, 0.105, 0.297, 0.210, 1.0)
+    modes = A4_SCREEN.modes(5e3)
+    odd = (modes.m % 2 == 1) & (modes.n % 2 == 1)
+    k2 = (math.pi * modes.m / 0.297) ** 2 + (math.pi * modes.n / 0.210) ** 2
+    expected = np.where(
+        odd, k2 * 2 * (2 * 0.297 / (math.pi * modes.m)) * (2 * 0.210 / (math.pi * modes.n)), 0.0
+    )
+    assert whole.modal_force(modes) == pytest.approx(expected, abs=1e-9 * expected.max())
+    assert np.isfinite(
+        impulse_responses(Screen(A4_SCREEN, (whole,), Attenuation(3e-3)), [(0.1, 0.1)], **FAST).samples
+    ).all()
+
+
+def test_border_layout_keeps_its_distance_from_the_edges():
+    for patch in border(A4_SCREEN, 32):
+        inset = min(patch.x_m, patch.y_m, 0.297 - patch.x_m, 0.210 - patch.y_m)
+        assert inset == pytest.approx(12e-3)
+
+
+def test_frequency_dependent_attenuation_shortens_the_high_notes():
+    loss = Attenuation(3e-3, exponent=0.5, reference_hz=10e3)
+    assert loss.rate_per_s(np.array([10e3, 40e3])) * 3e-3 == pytest.approx([1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: impulse_responses(A4_PROTOTYPE, [(0.4, 0.1)], **FAST),
+            "points[0]: found (0.4, 0.1) m, expected a point",
+        ),
+        (lambda: impulse_responses(A4_PROTOTYPE, [], **FAST), "points: found none"),
+        (lambda: Screen(A4_SCREEN, (), Attenuation(1e-3)), "Screen.sources: found none"),
+        (
+            lambda: Screen(A4_SCREEN, (Patch(0.0, 0.1, 0.01, 0.01),), Attenuation(1e-3)),
+            "Screen.sources[0]: found a transducer",
+        ),
+        (lambda: Attenuation(0.0), "Attenuation.tau_s: found 0.0"),
+        (lambda: border(A4_SCREEN, 0), "n_transducers: found 0, expected at least 1"),
+        (
+            lambda: Responses(np.full((1, 1, 3), np.nan), 1e3),
+            "Responses.samples[0, 0, 0]: found nan, expected a finite",
+        ),
+        (lambda: Responses(np.zeros((1, 0, 3)), 1e3), "Responses.samples: found shape (1, 0, 3)"),
+        (
+            lambda: Responses(np.zeros((1, 1, 3)), 1e3, "jerk"),
+            "Responses.quantity: found 'jerk', expected one of",
+        ),
+        (
+            lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=0.0, duration_s=1.0, f_max_hz=1.0),
+            "rate_hz: found 0.0",
+        ),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
