@@ -1,0 +1,30 @@
+"""What measures the finger's force: the seam of every force sensor."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class ForceSensor(Protocol):
+    """A stream of force samples, each stamped where it was taken.
+
+    A driver reads its device in a thread of its own, so that drawing never starves it. Stamps are seconds on
+    `time.perf_counter`; a sample that the device knows to be lost is NaN.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def rate_hz(self) -> float:
+        """The nominal rate of the samples."""
+
+    def open(self) -> None:
+        """Begin to collect. Raises `DeviceFailed`."""
+
+    def read(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The stamps (s) and forces (N) since the last call, both (n_samples,), in order; never waits."""
+
+    def close(self) -> None:
+        """Let go of the device; may be called more than once."""

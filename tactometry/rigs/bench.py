@@ -1,0 +1,319 @@
+"""The bench: a participant at a screen, with an output under the finger.
+
+Whatever goes wrong, or is stopped with Escape, the output is at zero before anything else is closed.
+"""
+
+import functools
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from typing import Concatenate, ParamSpec, TypeVar
+
+from tactometry.devices.force_sensor import ForceSensor
+from tactometry.devices.output import NullOutput, Output
+from tactometry.errors import DeviceFailed
+from tactometry.limits import Limits
+from tactometry.request import (
+    Adjust,
+    Adjusted,
+    Choose,
+    Chosen,
+    Done,
+    Play,
+    Played,
+    Press,
+    Rate,
+    Rated,
+    Record,
+    Show,
+    Slide,
+    Touched,
+    Wait,
+)
+from tactometry.rigs import layout
+from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.page import Answer, Screen
+from tactometry.rigs.stage import Dress, Stage, as_it_is
+from tactometry.rigs.texts import Texts, texts_in
+from tactometry.rigs.touch import Touch, moving_cue
+from tactometry.signal import Stimulus
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Facts = dict[str, str | int | float | bool | None]
+
+ASSUMED_DISPLAY_HEIGHT_M = 0.3
+"""Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
+
+
+def _safely(method: "Callable[Concatenate[Bench, P], R]") -> "Callable[Concatenate[Bench, P], R]":
+    """Close the bench, output first, when the method ends by any exception."""
+
+    @functools.wraps(method)
+    def guarded(bench: "Bench", /, *args: P.args, **kwargs: P.kwargs) -> R:
+        if bench.closed:
+            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
+        try:
+            return method(bench, *args, **kwargs)
+        except SystemExit as end:
+            bench.close()
+            raise DeviceFailed(
+                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
+            ) from end
+        except BaseException:
+            bench.close()
+            raise
+
+    return guarded
+
+
+class Bench:
+    """A rig with a person at it; see `open_bench`. It opens the devices, and closes all of them."""
+
+    def __init__(
+        self,
+        screen: Screen,
+        output: Output,
+        bank: Mapping[str, Stimulus],
+        *,
+        limits: Limits | None,
+        texts: Texts,
+        sensor: ForceSensor | None = None,
+        display_height_m: float | None = None,
+    ) -> None:
+        self._screen, self._output, self._sensor = screen, output, sensor
+        self._stage = Stage(screen)
+        self._emitter = Emitter(bank, output, limits)
+        self._texts = texts
+        self._display_height_m = display_height_m
+        self._zero_s = time.perf_counter()
+        self.closed = False
+        self._open()
+
+    @_safely
+    def _open(self) -> None:
+        self._output.open()
+        if self._sensor is not None:
+            self._sensor.open()
+        for interval in (None, 1, 2):
+            self._screen.prepare(layout.marker_page(interval, playing=True))
+            self._screen.prepare(layout.marker_page(interval, playing=False))
+
+    def facts(self) -> Facts:
+        """Display, keyboard, devices and clock, for the head of the journal."""
+        return {
+            "rig": "bench",
+            **self._screen.facts(),
+            "display_height_m": self._display_height_m,
+            "output": self._output.name,
+            "force_sensor": None if self._sensor is None else self._sensor.name,
+            "clock": "time.perf_counter",
+            "clock_resolution_s": time.get_clock_info("perf_counter").resolution,
+            "utc_minus_clock_s": round(time.time() - time.perf_counter(), 6),
+        }
+
+    def timing(self) -> Facts:
+        """What became of the frames up to now."""
+        return self._screen.timing()
+
+    def resume(self, n_trials: int, elapsed_s: float) -> None:
+        del n_trials
+        self._zero_s = time.perf_counter() - elapsed_s
+
+    def close(self) -> None:
+        if self.closed:
+            return
+        self.closed = True
+        with ExitStack() as last_first:
+            last_first.callback(self._screen.close)
+            if self._sensor is not None:
+                last_first.callback(self._sensor.close)
+            last_first.callback(self._output.close)
+            last_first.callback(self._output.stop)
+
+    def _session_s(self, clock_s: float) -> float:
+        return round(clock_s - self._zero_s, 6)
+
+    def _done(self) -> Done:
+        return Done(self._session_s(time.perf_counter()))
+
+    @_safely
+    def play(self, request: Play) -> Played:
+        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+        page = layout.marker_page(request.interval, playing=True)
+        self._stage.present(page)
+        onset_s = self._emitter.emit(signal)
+        self._stage.hold(onset_s + request.duration_s, page)
+        return Played(self._session_s(onset_s), request.level, "" if signal is None else signal.digest())
+
+    @_safely
+    def press(self, request: Press) -> Touched:
+        return self._touch(request, "press", as_it_is)
+
+    @_safely
+    def slide(self, request: Slide) -> Touched:
+        height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
+        return self._touch(request, "slide", moving_cue(request.speed_m_per_s, height_m))
+
+    def _touch(self, request: Press | Slide, words: str, dress: Dress) -> Touched:
+        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+        measured = f"{words}_force" if self._sensor is not None else words
+        touch = Touch(request, self._stage, self._emitter, self._texts.message(measured), dress)
+        touched = touch.unmeasured(signal) if self._sensor is None else touch.held(signal, self._sensor)
+        return replace(touched, onset_s=self._session_s(touched.onset_s))
+
+    @_safely
+    def choose(self, request: Choose) -> Chosen:
+        page = layout.question_page(
+            self._texts.message(request.question),
+            request.options,
+            [self._texts.label(label) for label in request.labels],
+            self._texts.message("hint_choose"),
+            self._screen.aspect,
+        )
+        option, onset_s, end_s = self._stage.converse(
+            request.options[0], lambda option: page, lambda option, answer: (int(answer), True)
+        )
+        return Chosen(option, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+
+    @_safely
+    def rate(self, request: Rate) -> Rated:
+        scale = self._scale(request)
+        unmarked: int | None = None
+        mark, onset_s, end_s = self._stage.converse(
+            unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
+        )
+        value = None if mark is None else scale.value(mark, request.low, request.high)
+        return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+
+    def _scale(self, request: Rate) -> layout.Scale:
+        return layout.Scale(
+            words=self._texts.messages.get(request.item, self._texts.message("rate")),
+            low=self._texts.label(request.low_label),
+            high=self._texts.label(request.high_label),
+            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
+            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
+            rings=request.steps is not None,
+        )
+
+    @_safely
+    def adjust(self, request: Adjust) -> Adjusted:
+        page = layout.adjust_page(
+            self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
+        )
+        n_steps, onset_s, end_s = self._stage.converse(
+            0, lambda n_steps: page, functools.partial(_stepped, request), self._repeated(request)
+        )
+        self._emitter.stop()
+        latency_s = round(end_s - onset_s, 6)
+        return Adjusted(_level(request, n_steps), self._session_s(onset_s), latency_s, _utc(end_s))
+
+    def _repeated(self, request: Adjust) -> Callable[[int], None]:
+        """Plays the level of so many steps again and again; another level begins at once."""
+        playing: int | None = None
+        end_s = 0.0
+
+        def keep_playing(n_steps: int) -> None:
+            nonlocal playing, end_s
+            if n_steps != playing or time.perf_counter() >= end_s:
+                signal = self._emitter.final(request.stimulus, _level(request, n_steps))
+                self._emitter.stop()
+                playing, end_s = n_steps, self._emitter.emit(signal) + signal.duration_s
+
+        return keep_playing
+
+    @_safely
+    def wait(self, request: Wait) -> Done:
+        begin_s = self._stage.present(layout.waiting_page())
+        self._stage.hold(begin_s + request.duration_s, layout.waiting_page())
+        return self._done()
+
+    @_safely
+    def show(self, request: Show) -> Done:
+        page = layout.message_page(
+            self._texts.message(request.message, request.values),
+            self._texts.message("hint_continue"),
+            self._screen.aspect,
+        )
+        self._stage.converse(None, lambda state: page, lambda state, answer: (state, True))
+        return self._done()
+
+    @_safely
+    def record(self, request: Record) -> Done:
+        del request
+        return self._done()
+
+
+def open_bench(
+    bank: Mapping[str, Stimulus],
+    limits: Limits | None,
+    texts: Mapping[str, str],
+    *,
+    language: str = "en",
+    fullscreen: bool,
+    size: tuple[int, int] | None = None,
+    output: Output | None = None,
+    sensor: ForceSensor | None = None,
+    display_height_m: float | None = None,
+) -> Bench:
+    """A bench with a PsychoPy window.
+
+    Parameters
+    ----------
+    bank : mapping of str to Stimulus
+        The stimuli by the names that requests use.
+    limits : Limits or None
+        What the study allows, checked beside the limits of the output.
+    texts : mapping of str to str
+        The study's own messages and labels, above those of the language.
+    language : str
+        One of `tactometry.rigs.texts.languages()`.
+    fullscreen, size
+        The window; `size` in pixels where it is not full screen.
+    output : Output, optional
+        Without one, a `NullOutput` with the study's limits: nothing reaches a finger.
+    sensor : ForceSensor, optional
+        Without one, the force is not measured: its fields are None and every touch is valid.
+    display_height_m : float, optional
+        Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
+        `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
+
+    Raises
+    ------
+    InvalidParameter
+        If the language is not shipped.
+    DeviceFailed
+        If there is no PsychoPy, display or keyboard, or a device does not open.
+    """
+    from tactometry.rigs.window import Window
+
+    words = texts_in(language, texts)
+    return Bench(
+        Window(fullscreen=fullscreen, size=size),
+        NullOutput(limits) if output is None else output,
+        bank,
+        limits=limits,
+        texts=words,
+        sensor=sensor,
+        display_height_m=display_height_m,
+    )
+
+
+def _utc(clock_s: float) -> str:
+    """ISO 8601 of a moment on the clock, by the offset of now."""
+    moment = datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
+    return moment.isoformat(timespec="milliseconds")
+
+
+def _level(request: Adjust, n_steps: int) -> float:
+    return request.start + n_steps * request.step
+
+
+def _stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
+    """The steps from the start that follow an answer, within the bounds, and whether it settles them."""
+    if answer == layout.CONFIRM:
+        return n_steps, True
+    wanted = n_steps + (1 if answer == layout.UP else -1)
+    return (wanted if request.low <= _level(request, wanted) <= request.high else n_steps), False

@@ -1,0 +1,66 @@
+"""From the name and level of a stimulus to an output, with every check on the final samples."""
+
+import time
+from collections.abc import Mapping
+
+from tactometry.devices.output import Output, check_playable, with_ramps
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.limits import Limits
+from tactometry.signal import Signal, Stimulus
+
+RAMP_S = 0.005
+"""Ramps of a signal that does not begin and end at rest by itself (unverified default)."""
+
+
+class Emitter:
+    """Renders stimuli of a bank, holds them against the limits of study and output, and plays them."""
+
+    def __init__(self, bank: Mapping[str, Stimulus], output: Output, limits: Limits | None) -> None:
+        self._bank, self._output, self._limits = bank, output, limits
+
+    def final(self, name: str, level: float) -> Signal:
+        """The final samples of a stimulus.
+
+        Raises
+        ------
+        InvalidParameter
+            If the bank has no such stimulus.
+        LimitExceeded, DeviceFailed
+            If a limit is missing or passed, or the output cannot play it.
+        """
+        if name not in self._bank:
+            raise InvalidParameter(
+                f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}"
+                f"{nearest(name, self._bank)}"
+            )
+        signal = with_ramps(self._bank[name].at(level), RAMP_S)
+        check_playable(signal, self._output)
+        if self._limits is not None:
+            self._limits.check(signal)
+        return signal
+
+    def fitting(self, name: str, level: float | None, duration_s: float) -> Signal | None:
+        """As `final`, for an interval of `duration_s`; None for a blank.
+
+        Raises
+        ------
+        InvalidParameter
+            If the signal is longer than its interval.
+        """
+        if level is None:
+            return None
+        signal = self.final(name, level)
+        if signal.duration_s > duration_s + 1 / signal.rate_hz:
+            raise InvalidParameter(
+                f"stimulus {name!r}: found a signal of {signal.duration_s:.6g} s, expected at most the "
+                f"{duration_s:.6g} s of its interval; make one of them fit"
+            )
+        return signal
+
+    def emit(self, signal: Signal | None) -> float:
+        """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""
+        return time.perf_counter() if signal is None else self._output.play(signal)
+
+    def stop(self) -> None:
+        """Zero now."""
+        self._output.stop()

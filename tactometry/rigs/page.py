@@ -1,0 +1,137 @@
+"""A page of the participant's screen as a value: what is drawn, what can be answered, how events answer it.
+
+Lengths are in heights of the screen, with the origin in its middle and y upwards; so a page looks the same on
+every screen that is wide enough.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+Answer = int | str
+
+PAPER = "#0E1116"
+INK = "#F5F7FA"
+QUIET = "#A7B1BD"
+EDGE = "#6B7683"
+ACCENT = "#56B4E9"
+GOOD = "#F0E442"
+
+
+@dataclass(frozen=True)
+class Text:
+    """Words around (x, y), `height` high, broken at `wrap_width`."""
+
+    words: str
+    x: float
+    y: float
+    height: float
+    colour: str = INK
+    wrap_width: float = 1.2
+    align: Literal["left", "center", "right"] = "center"
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle around (x, y); `fill` or `line` None is not drawn."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    fill: str | None = None
+    line: str | None = None
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A circle around (x, y); `fill` or `line` None is not drawn."""
+
+    x: float
+    y: float
+    radius: float
+    fill: str | None = None
+    line: str | None = None
+
+
+Item = Text | Box | Disc
+
+
+@dataclass(frozen=True)
+class KeyDown:
+    """A key that went down at `at_s` on `time.perf_counter`."""
+
+    name: str
+    at_s: float
+
+
+@dataclass(frozen=True)
+class Click:
+    """A press of the mouse button, or of a finger on a touch screen, at (x, y)."""
+
+    x: float
+    y: float
+    at_s: float
+
+
+Event = KeyDown | Click
+
+
+@dataclass(frozen=True)
+class Button:
+    """What answers `answer`: one of the `keys`, or a click into the rectangle around (x, y)."""
+
+    answer: Answer
+    keys: tuple[str, ...] = ()
+    x: float = 0.0
+    y: float = 0.0
+    width: float = 0.0
+    height: float = 0.0
+
+    def takes(self, event: Event) -> bool:
+        """Whether this event presses the button.
+
+        >>> Button(1, keys=("y",)).takes(KeyDown("y", at_s=0.0))
+        True
+        """
+        if isinstance(event, KeyDown):
+            return event.name in self.keys
+        return abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
+
+
+@dataclass(frozen=True)
+class Page:
+    """Items, drawn in their order, and buttons; the pointer is shown where there is something to click."""
+
+    items: tuple[Item, ...] = ()
+    buttons: tuple[Button, ...] = ()
+
+    def answer(self, event: Event) -> Answer | None:
+        """What the first button that takes `event` answers; None for an event that answers nothing."""
+        return next((button.answer for button in self.buttons if button.takes(event)), None)
+
+
+class Screen(Protocol):
+    """What a bench needs of a display and a keyboard. All times are on `time.perf_counter`, in seconds."""
+
+    @property
+    def aspect(self) -> float:
+        """Width over height."""
+
+    def prepare(self, page: Page) -> None:
+        """Build what the page needs, so that its first frame comes without delay."""
+
+    def present(self, page: Page) -> float:
+        """Show a page for the first time: the time of the flip."""
+
+    def refresh(self, page: Page) -> float:
+        """Show the next frame of the page: the time of the flip."""
+
+    def events(self) -> tuple[Event, ...]:
+        """What was pressed since the last call, in order; each press once."""
+
+    def facts(self) -> dict[str, str | int | float | bool | None]: ...
+
+    def timing(self) -> dict[str, str | int | float | bool | None]:
+        """The frame intervals up to now."""
+
+    def close(self) -> None: ...

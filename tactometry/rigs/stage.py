@@ -1,0 +1,66 @@
+"""The course of pages: frames that pass, and answers that change what is shown."""
+
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from tactometry.errors import Stopped
+from tactometry.rigs.page import Answer, Event, KeyDown, Page, Screen
+
+S = TypeVar("S")
+Dress = Callable[[Page, float], Page]
+"""What is added to a page at a moment (s on `time.perf_counter`)."""
+
+
+def as_it_is(page: Page, now_s: float) -> Page:
+    del now_s
+    return page
+
+
+class Stage:
+    """Shows pages on a screen; the Escape key raises `Stopped` whatever is shown."""
+
+    def __init__(self, screen: Screen) -> None:
+        self.screen = screen
+
+    def present(self, page: Page) -> float:
+        """Show a page for the first time: the time of its first frame."""
+        return self.screen.present(page)
+
+    def frame(self, page: Page) -> None:
+        """Show one more frame; whatever is pressed but Escape is let go."""
+        self.screen.refresh(page)
+        self._events()
+
+    def hold(self, end_s: float, page: Page, dress: Dress = as_it_is) -> None:
+        """Show frames until `end_s`."""
+        while (now_s := time.perf_counter()) < end_s:
+            self.frame(dress(page, now_s))
+
+    def converse(
+        self,
+        state: S,
+        view: Callable[[S], Page],
+        after: Callable[[S, Answer], tuple[S, bool]],
+        each_frame: Callable[[S], None] = lambda state: None,
+    ) -> tuple[S, float, float]:
+        """Show the view of a state that answers change until one settles it: the state, onset and end.
+
+        What was pressed before the onset is no answer.
+        """
+        onset_s = self.screen.present(view(state))
+        while True:
+            each_frame(state)
+            for event in self._events():
+                answer = view(state).answer(event) if event.at_s >= onset_s else None
+                if answer is not None:
+                    state, settled = after(state, answer)
+                    if settled:
+                        return state, onset_s, event.at_s
+            self.screen.refresh(view(state))
+
+    def _events(self) -> tuple[Event, ...]:
+        events = self.screen.events()
+        if any(isinstance(event, KeyDown) and event.name == "escape" for event in events):
+            raise Stopped("Escape was pressed; what was recorded is safe: go on with --resume")
+        return events

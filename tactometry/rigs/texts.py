@@ -1,0 +1,98 @@
+"""What the participant reads: the texts of a study first, then those of the shipped language file."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+
+from tactometry.errors import InvalidParameter, nearest
+
+PREFIX, SUFFIX = "messages_", ".toml"
+
+
+@cache
+def languages() -> tuple[str, ...]:
+    """The languages that are shipped, by their two letters.
+
+    >>> languages()
+    ('en', 'fr')
+    """
+    names = (entry.name for entry in files("tactometry.rigs").iterdir())
+    return tuple(
+        sorted(
+            name[len(PREFIX) : -len(SUFFIX)]
+            for name in names
+            if name.startswith(PREFIX) and name.endswith(SUFFIX)
+        )
+    )
+
+
+@dataclass(frozen=True)
+class Texts:
+    """Messages and labels by name.
+
+    Parameters
+    ----------
+    messages : mapping of str to str
+        Texts with ``{names}`` to be filled.
+    labels : mapping of str to str
+        What a label of an answer is called in the participant's language.
+    """
+
+    messages: Mapping[str, str]
+    labels: Mapping[str, str] = field(default_factory=dict)
+
+    def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
+        """The text of a message, filled with `values`.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such message, or it asks for a value that is not given.
+        """
+        if name not in self.messages:
+            raise InvalidParameter(
+                f"message {name!r}: found no text of this name, expected one in the study's texts or one of "
+                f"{', '.join(sorted(self.messages))}{nearest(name, self.messages)}"
+            )
+        return _filled(name, self.messages[name], values or {})
+
+    def label(self, word: str) -> str:
+        """A label in the participant's language; an unknown one as it is."""
+        return self.labels.get(word, word)
+
+
+def _filled(name: str, text: str, values: Mapping[str, str | int | float]) -> str:
+    try:
+        return text.format_map(values)
+    except (KeyError, IndexError, ValueError, AttributeError, TypeError) as error:
+        raise InvalidParameter(
+            f"message {name!r}: found a place that cannot be filled ({error}), expected the names "
+            f"{', '.join(sorted(values)) or '(none)'} in braces; write {{{{ and }}}} for a brace"
+        ) from error
+
+
+def texts_in(language: str, study: Mapping[str, str]) -> Texts:
+    """The shipped texts of a language, below the texts of a study, which may name messages and labels.
+
+    Raises
+    ------
+    InvalidParameter
+        If the language is not shipped.
+
+    Examples
+    --------
+    >>> texts_in("fr", {"welcome": "Bonjour {code}"}).message("welcome", {"code": "P01"})
+    'Bonjour P01'
+    >>> texts_in("fr", {}).label("yes")
+    'oui'
+    """
+    if language not in languages():
+        raise InvalidParameter(
+            f"language: found {language!r}, expected one of {', '.join(languages())}"
+            f"{nearest(language, languages())}"
+        )
+    shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
+    labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
+    return Texts({**shipped["messages"], **study}, labels)

@@ -1,0 +1,103 @@
+"""One touch of the finger while a stimulus plays, with and without a force sensor."""
+
+import time
+from dataclasses import dataclass
+
+from tactometry.devices.force_sensor import ForceSensor
+from tactometry.force_gate import VALID_PART, ForceGate
+from tactometry.request import Press, Slide, Touched
+from tactometry.rigs import layout
+from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.grip import Grip
+from tactometry.rigs.page import Page
+from tactometry.rigs.stage import Dress, Stage
+from tactometry.signal import Signal
+
+TRACK_M = 0.1
+"""One sweep of the moving cue of a slide (unverified default)."""
+
+
+def moving_cue(speed_m_per_s: float, display_height_m: float) -> Dress:
+    """Adds a cue that sweeps `TRACK_M` of the display at this speed."""
+    begin_s = time.perf_counter()
+    length = TRACK_M / display_height_m
+
+    def dressed(page: Page, now_s: float) -> Page:
+        return layout.track_page(page, layout.sweep((now_s - begin_s) * speed_m_per_s / TRACK_M), length)
+
+    return dressed
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A request to press or slide, with what carries it out; `onset_s` is on `time.perf_counter`."""
+
+    request: Press | Slide
+    stage: Stage
+    emitter: Emitter
+    words: str
+    dress: Dress
+
+    def unmeasured(self, signal: Signal | None) -> Touched:
+        """Trust the finger: show when to be ready for `hold_s`, then play."""
+        ready, playing = (
+            layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
+        )
+        begin_s = self._present(ready)
+        self.stage.hold(begin_s + self.request.hold_s, ready, self.dress)
+        self._present(playing)
+        onset_s = self.emitter.emit(signal)
+        self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
+        return Touched(onset_s, self.request.level, _digest(signal))
+
+    def held(self, signal: Signal | None, sensor: ForceSensor) -> Touched:
+        """Play once the force is held, and stop at once when the finger or the sensor is lost."""
+        request = self.request
+        gate = ForceGate(request.target_n, request.tolerance, request.hold_s)
+        begin_s = time.perf_counter()
+        grip = Grip(sensor, gate, begin_s)
+        self._present(self._bar(grip, playing=False))
+        while not grip.open:
+            if time.perf_counter() > begin_s + request.timeout_s:
+                return Touched(time.perf_counter(), None, None, valid=False)
+            self._watch(grip, playing=False)
+        self._present(self._bar(grip, playing=True))
+        onset_s = self.emitter.emit(signal)
+        lost = self._lost_before(onset_s + request.duration_s, grip)
+        self.emitter.stop()
+        return self._judged(signal, grip, onset_s, lost=lost)
+
+    def _lost_before(self, end_s: float, grip: Grip) -> bool:
+        while time.perf_counter() < end_s:
+            self._watch(grip, playing=True)
+            if grip.lost(time.perf_counter()):
+                return True
+        return False
+
+    def _watch(self, grip: Grip, *, playing: bool) -> None:
+        self.stage.frame(self.dress(self._bar(grip, playing=playing), time.perf_counter()))
+        grip.read()
+
+    def _present(self, page: Page) -> float:
+        return self.stage.present(self.dress(page, time.perf_counter()))
+
+    def _bar(self, grip: Grip, *, playing: bool) -> Page:
+        request = self.request
+        marker = layout.marker_page(request.interval, playing=playing, words=self.words)
+        return layout.force_page(marker, grip.force_n, request.target_n, request.tolerance)
+
+    def _judged(self, signal: Signal | None, grip: Grip, onset_s: float, *, lost: bool) -> Touched:
+        held = grip.compliance(onset_s, onset_s + self.request.duration_s)
+        return Touched(
+            onset_s=onset_s,
+            level_delivered=self.request.level,
+            digest=_digest(signal),
+            force_mean_n=None if held is None else held.mean_n,
+            force_sd_n=None if held is None else held.sd_n,
+            force_in_band=None if held is None else held.in_band,
+            valid=not lost and held is not None and held.in_band >= VALID_PART,
+        )
+
+
+def _digest(signal: Signal | None) -> str | None:
+    return None if signal is None else signal.digest()

@@ -1,0 +1,283 @@
+"""The participant's screen and keyboard by PsychoPy; no other module imports it.
+
+What PsychoPy 2026.2.5 does and does not do was measured: text and plain shapes are cheap, keys come whole
+from its `ptb` back end only, its clock is the wall clock on Linux, taps are missed by polling.
+"""
+
+import time
+import warnings
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from tactometry.errors import DeviceFailed
+from tactometry.rigs.frames import Pacer, timing_of
+from tactometry.rigs.keys import FreshPresses
+from tactometry.rigs.page import PAPER, Box, Click, Disc, Event, Item, KeyDown, Page, Text
+
+FONT = "Noto Sans"
+N_MEASURED_FRAMES = 20
+PIXELS_PER_LINE = 300
+VIEWING_DISTANCE_CM = 60.0
+UNSTATED_WIDTH_CM = 50.0
+Facts = dict[str, str | int | float | bool | None]
+
+
+def _psychopy() -> SimpleNamespace:
+    """The parts of PsychoPy that a window needs; its own warnings at import are not ours."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from psychopy import logging
+
+        logging.console.setLevel(logging.ERROR)
+        import pyglet
+        from psychopy import monitors, visual
+        from psychopy.hardware import keyboard
+    return SimpleNamespace(
+        clock=logging.defaultClock, pyglet=pyglet, monitors=monitors, visual=visual, keyboard=keyboard
+    )
+
+
+def load_psychopy() -> SimpleNamespace:
+    """PsychoPy, or one sentence that says what to install.
+
+    Raises
+    ------
+    DeviceFailed
+        If it is not installed, a library of the system is missing, or there is no display.
+    """
+    try:
+        return _psychopy()
+    except ModuleNotFoundError as error:
+        raise DeviceFailed(
+            f"window: found no module {error.name!r}, expected PsychoPy; install it with "
+            "pip install 'tactometry[window]' on Python 3.11 or 3.12"
+        ) from error
+    except ImportError as error:
+        raise DeviceFailed(
+            f"window: a library of the system is missing ({error}); on Debian: "
+            "apt-get install libgl1 libglu1-mesa libfontconfig1 libportaudio2"
+        ) from error
+    except (Exception, SystemExit) as error:
+        raise DeviceFailed(
+            f"window: found no display ({type(error).__name__}: {error}), expected a screen; start it "
+            "from a desktop session, or set DISPLAY"
+        ) from error
+
+
+class Window:
+    """A screen as `tactometry.rigs.page.Screen` says.
+
+    Parameters
+    ----------
+    fullscreen : bool
+        Take the whole screen; else `size`.
+    size : tuple of int, optional
+        Width and height in pixels.
+
+    Raises
+    ------
+    DeviceFailed
+        If there is no display or no keyboard that keeps all presses.
+    """
+
+    def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None) -> None:
+        self._psychopy = load_psychopy()
+        self._window = _open_window(self._psychopy, fullscreen=fullscreen, size=size)
+        self._closed = False
+        try:
+            self._keyboard = _open_keyboard(self._psychopy)
+            self._prepare_drawing()
+        except BaseException:
+            self.close()
+            raise
+
+    def _prepare_drawing(self) -> None:
+        _add_font(self._psychopy)
+        self._rect = self._psychopy.visual.Rect(self._window, width=1, height=1, autoLog=False)
+        self._circle = self._psychopy.visual.Circle(self._window, radius=1, edges=96, autoLog=False)
+        self._texts: dict[tuple[object, ...], Any] = {}
+        self._fresh = FreshPresses()
+        self._pressed: list[Event] = []
+        self._window.winHandle.push_handlers(on_mouse_press=self._on_mouse_press, on_close=self._on_close)
+        self._intervals_s: list[float] = []
+        self._flipped_s = time.perf_counter()
+        self._measured_period_s = self._measure_period_s()
+        self._pacer = Pacer(self._measured_period_s)
+
+    def _measure_period_s(self) -> float:
+        flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
+        return float(np.median(np.diff(flips_s)))
+
+    def _on_mouse_press(self, x: float, y: float, button: int, modifiers: int) -> None:
+        del button, modifiers
+        width, height = self._window.winHandle.get_size()
+        self._pressed.append(
+            Click((x - width / 2) / height, (y - height / 2) / height, at_s=time.perf_counter())
+        )
+
+    def _on_close(self) -> bool:
+        self._pressed.append(KeyDown("escape", at_s=time.perf_counter()))
+        return True
+
+    @property
+    def aspect(self) -> float:
+        width, height = self._window.size
+        return float(width / height)
+
+    def prepare(self, page: Page) -> None:
+        self._draw(page)
+        self._window.clearBuffer()
+
+    def present(self, page: Page) -> float:
+        self._window.mouseVisible = bool(page.buttons)
+        self._draw(page)
+        self._flipped_s = self._flip()
+        return self._flipped_s
+
+    def refresh(self, page: Page) -> float:
+        self._draw(page)
+        self._pacer.wait()
+        before_s, self._flipped_s = self._flipped_s, self._flip()
+        self._intervals_s.append(self._flipped_s - before_s)
+        return self._flipped_s
+
+    def _flip(self) -> float:
+        self._window.flip()
+        return time.perf_counter()
+
+    def events(self) -> tuple[Event, ...]:
+        self._window.winHandle.dispatch_events()
+        clicks, self._pressed = self._pressed, []
+        return tuple(sorted([*clicks, *self._keys()], key=lambda event: event.at_s))
+
+    def _keys(self) -> list[KeyDown]:
+        ask: Callable[..., list[Any]] = self._keyboard.getKeys
+        reported = [(key.name, key.tDown) for released in (False, True) for key in ask(waitRelease=released)]
+        now_s = time.perf_counter()
+        ahead_s = now_s - self._psychopy.clock.getTime()
+        return [KeyDown(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
+
+    def facts(self) -> Facts:
+        width, height = (int(pixels) for pixels in self._window.size)
+        return {
+            "display_width_px": width,
+            "display_height_px": height,
+            "fullscreen": bool(self._window._isFullScr),
+            "frame_period_measured_s": round(self._measured_period_s, 6),
+            "frame_period_s": round(self._pacer.period_s, 6),
+            "frames_paced_in_software": self._pacer.in_software,
+            "psychopy": version("psychopy"),
+            "psychtoolbox": version("psychtoolbox"),
+            "keyboard": str(self._keyboard.getBackend()),
+        }
+
+    def timing(self) -> Facts:
+        return timing_of(self._intervals_s, self._pacer.period_s)
+
+    def close(self) -> None:
+        if not self._closed:
+            self._closed = True
+            self._window.close()
+
+    def picture(self, page: Page) -> Any:
+        """The page as a PIL image, drawn and read back but not shown."""
+        self._draw(page)
+        image = self._window.getMovieFrame(buffer="back").copy()
+        self._window.movieFrames = []
+        self._window.clearBuffer()
+        return image
+
+    def _draw(self, page: Page) -> None:
+        for item in page.items:
+            self._stimulus(item).draw()
+
+    def _stimulus(self, item: Item) -> Any:
+        match item:
+            case Text():
+                return self._text(item)
+            case Box(x, y, width, height, fill, line):
+                return self._placed(self._rect, (x, y), (width, height), fill, line)
+            case Disc(x, y, radius, fill, line):
+                return self._placed(self._circle, (x, y), (radius, radius), fill, line)
+
+    def _placed(
+        self,
+        shape: Any,
+        place: tuple[float, float],
+        size: tuple[float, float],
+        fill: str | None,
+        line: str | None,
+    ) -> Any:
+        shape.pos, shape.size, shape.fillColor, shape.lineColor = place, size, fill, line
+        shape.lineWidth = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if line else 0
+        return shape
+
+    def _text(self, item: Text) -> Any:
+        key = (item.words, item.height, item.colour, item.wrap_width, item.align)
+        if key not in self._texts:
+            self._texts[key] = self._new_text(item)
+        stimulus = self._texts[key]
+        stimulus.pos = (item.x, item.y)
+        return stimulus
+
+    def _new_text(self, item: Text) -> Any:
+        return self._psychopy.visual.TextStim(
+            self._window,
+            text=item.words,
+            font=FONT,
+            height=item.height,
+            color=item.colour,
+            wrapWidth=item.wrap_width,
+            anchorHoriz=item.align,
+            alignText=item.align,
+            autoLog=False,
+        )
+
+
+def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int, int] | None) -> Any:
+    monitor = psychopy.monitors.Monitor("tactometry", width=UNSTATED_WIDTH_CM, distance=VIEWING_DISTANCE_CM)
+    monitor.setSizePix(size or (1280, 800))
+    try:
+        return psychopy.visual.Window(
+            size=size or (1280, 800),
+            fullscr=fullscreen,
+            monitor=monitor,
+            units="height",
+            color=PAPER,
+            checkTiming=False,
+            allowGUI=not fullscreen,
+            gammaErrorPolicy="ignore",
+            autoLog=False,
+        )
+    except (Exception, SystemExit) as error:
+        raise DeviceFailed(
+            f"window: PsychoPy could not open one ({type(error).__name__}: {error}); check that DISPLAY "
+            "names a screen with 24-bit colour and OpenGL"
+        ) from error
+
+
+def _open_keyboard(psychopy: SimpleNamespace) -> Any:
+    try:
+        keyboard = psychopy.keyboard.Keyboard(backend="ptb")
+    except (Exception, SystemExit) as error:
+        raise DeviceFailed(
+            f"keyboard: PsychoPy could not open one ({type(error).__name__}: {error}); on macOS allow the "
+            "terminal 'Input Monitoring' in the privacy settings"
+        ) from error
+    if keyboard.getBackend() != "ptb":
+        raise DeviceFailed(
+            f"keyboard: found PsychoPy's back end {keyboard.getBackend()!r}, which loses answers, expected "
+            "'ptb'; install psychtoolbox and, on Debian, apt-get install libportaudio2"
+        )
+    return keyboard
+
+
+def _add_font(psychopy: SimpleNamespace) -> None:
+    assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
+    with (assets / "NotoSans-Regular.ttf").open("rb") as face:
+        psychopy.pyglet.font.add_file(face)
