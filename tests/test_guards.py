@@ -20,8 +20,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 
 DRIVEN = ("sounddevice", "serial", "pylsl", "nidaqmx")
 WORDS = """
-numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seaborn pyarrow msgspec jinja2 joblib dask
-distributed h5py psychopy psychtoolbox pyglet
+numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seaborn pyarrow msgspec jinja2
+joblib dask distributed h5py psychopy psychtoolbox pyglet
 """
 HEAVY = frozenset((*WORDS.split(), *DRIVEN))
 IMPORTED_AS = {"pyserial": "serial"}
