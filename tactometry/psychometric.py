@@ -248,7 +248,9 @@ class PsychometricFunction:
         shape, x = SHAPES[self.shape], _levels(level)
         if shape.on_log_levels:
             if not (x > 0).all():
-                raise InvalidParameter(f"level: found {level}, expected levels above 0 for the shape {self.shape!r}")
+                raise InvalidParameter(
+                    f"level: found {level}, expected levels above 0 for the shape {self.shape!r}"
+                )
             distance = np.log(x) - np.log(self.threshold)
         else:
             distance = x - self.threshold

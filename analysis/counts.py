@@ -1,0 +1,143 @@
+"""Counts of answers per level, checked, pooled and brought to a scale without units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.errors import InvalidParameter
+
+Array = NDArray[np.float64]
+Which = NDArray[np.int64] | NDArray[np.bool_] | slice
+
+POOLED_BELOW = 1e-9
+"""Levels closer than this part of their range are one level."""
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Data sets side by side, on levels u = (level - centre) / spread.
+
+    `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0. `centre`,
+    `spread` (the range of the levels, 1 where there is no range), `gap` (smallest spacing over spread) and
+    `n_levels` (distinct levels used) have the shape (n_sets,).
+    """
+
+    u: Array
+    n_yes: Array
+    n_trials: Array
+    centre: Array
+    spread: Array
+    gap: Array
+    n_levels: NDArray[np.int64]
+
+    def __getitem__(self, which: Which) -> "Counts":
+        return Counts(
+            *(values[which] for values in (self.u, self.n_yes, self.n_trials, self.centre, self.spread)),
+            self.gap[which],
+            self.n_levels[which],
+        )
+
+    def __len__(self) -> int:
+        return self.u.shape[0]
+
+    def with_yes(self, n_yes: Array) -> "Counts":
+        """The same levels and trials with other answers."""
+        return Counts(self.u, n_yes, self.n_trials, self.centre, self.spread, self.gap, self.n_levels)
+
+
+def checked(
+    levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, positive: bool
+) -> tuple[Array, Array, Array]:
+    """Levels and counts as arrays (n_sets, n_levels), with one clear refusal for what is neither.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the row (and the data set) of the first value that cannot be used.
+    """
+    x, k, n = (
+        _numbers(name, v)
+        for name, v in (("levels", levels), ("n_correct", n_correct), ("n_trials", n_trials))
+    )
+    try:
+        x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
+    except ValueError:
+        raise InvalidParameter(
+            f"levels, n_correct, n_trials: found the shapes {x.shape}, {k.shape}, {n.shape}, expected equal ones"
+        ) from None
+    if x.ndim != 2:
+        raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected (data set, level)")
+    used = ~(n == 0)
+    _refuse(
+        "n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more"
+    )
+    _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
+    if positive:
+        _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
+    _refuse("n_correct", k, used & ~((k >= 0) & (k == np.floor(k))), "a whole number, 0 or more")
+    _refuse("n_correct", k, used & (k > n), "at most the number of trials of the row")
+    return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)
+
+
+def _numbers(name: str, values: ArrayLike) -> Array:
+    found = np.asarray(values)
+    if found.dtype.kind in "biuf":
+        return found.astype(np.float64)
+    for row, value in enumerate(found.ravel().tolist()):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InvalidParameter(f"{name}, row {row}: found {value!r}, expected a number")
+    return found.astype(np.float64)
+
+
+def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> None:
+    if bad.any():
+        dataset, row = np.argwhere(bad)[0]
+        where = f"{name}, row {row}" + (f" of data set {dataset}" if values.shape[0] > 1 else "")
+        raise InvalidParameter(
+            f"{where}: found {values[dataset, row]:g}, expected {expected} (rows count from 0)"
+        )
+
+
+def normalised(x: Array, k: Array, n: Array) -> Counts:
+    """Sort, pool equal levels, and bring every data set to its own range.
+
+    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels).
+    """
+    if x.shape[1] == 0:
+        x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
+    used = n > 0
+    order = np.argsort(np.where(used, x, np.inf), axis=1, kind="stable")
+    x, k, n, used = (np.take_along_axis(v, order, axis=1) for v in (x, k, n, used))
+    low, high = _ends(x, used)
+    centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
+    u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
+    u, k, n = _pool(u, k, n)
+    return Counts(u, k, n, centre, spread, _smallest_gap(u, n), (n > 0).sum(axis=1))
+
+
+def _ends(x: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
+    low, high = np.where(used, x, np.inf).min(axis=1), np.where(used, x, -np.inf).max(axis=1)
+    return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
+
+
+def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
+    used = n > 0
+    is_new = np.ones_like(used)
+    is_new[:, 1:] = np.diff(u, axis=1) > POOLED_BELOW
+    if (is_new | ~used).all():
+        return u, k, n
+    place = np.cumsum(is_new & used, axis=1) - 1
+    rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
+    pooled = [np.zeros_like(u) for _ in range(3)]
+    for total, value in zip(pooled, (u * n, k, n), strict=True):
+        np.add.at(total, (rows, place[used]), value[used])
+    return np.divide(pooled[0], pooled[2], out=pooled[0], where=pooled[2] > 0), pooled[1], pooled[2]
+
+
+def _smallest_gap(u: Array, n: Array) -> Array:
+    """The smallest spacing of the levels used, as a part of their range; 1 where there are fewer than two."""
+    if u.shape[1] < 2:
+        return np.ones(u.shape[0])
+    both = (n[:, 1:] > 0) & (n[:, :-1] > 0)
+    return np.where(both, np.diff(u, axis=1), 1.0).min(axis=1)

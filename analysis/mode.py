@@ -1,0 +1,181 @@
+"""The mode of many posteriors (or likelihoods) at once: the best node of a coarse grid, then damped Newton steps.
+
+The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where lapse
+and guess rates often come to lie.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.counts import Array, Counts, Which
+from tactometry.analysis.likelihood import (
+    LOG_WIDTH,
+    N_PARAMETERS,
+    THRESHOLD,
+    Expansion,
+    expansion,
+    log_chances,
+    log_likelihood,
+)
+from tactometry.analysis.prior import Prior, log_prior, prior_expansion
+from tactometry.psychometric import Shape
+
+MAX_STEPS = 200
+SMALL_DECREMENT = 1e-13
+NARROWEST_START = 0.03
+
+
+@dataclass(frozen=True)
+class Mode:
+    """Parameters (n_sets, 4) at the largest log density, that density, and the covariance there (Laplace).
+
+    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where threshold
+    or width lie on a bound: there is no mode.
+    """
+
+    theta: Array
+    log_density: Array
+    covariance: Array
+    interior: NDArray[np.bool_]
+
+    def __getitem__(self, which: Which) -> "Mode":
+        return Mode(self.theta[which], self.log_density[which], self.covariance[which], self.interior[which])
+
+    @property
+    def threshold_sd(self) -> Array:
+        return np.sqrt(self.covariance[:, THRESHOLD, THRESHOLD])
+
+
+def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Array:
+    """Log-likelihood plus log prior; shape (n_sets,)."""
+    return log_likelihood(shape, counts, theta) + log_prior(prior, theta)
+
+
+def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = None) -> Mode:
+    """Climb from the best node of a coarse grid, or from `start` (n_sets, 4)."""
+    theta = _coarse_start(shape, counts, prior) if start is None else start.copy()
+    low, high = prior.bounds()
+    theta = np.clip(theta, low, high)
+    open_sets = np.arange(len(counts))
+    damping = np.full(len(counts), 1e-3)
+    here = _expand(shape, counts, prior, theta)
+    for _ in range(MAX_STEPS):
+        sets, held = (
+            counts[open_sets],
+            _held(theta[open_sets], here.gradient, low[open_sets], high[open_sets]),
+        )
+        step, decrement = _step(here, held, damping[open_sets])
+        trial = np.clip(theta[open_sets] + step, low[open_sets], high[open_sets])
+        there = _expand(shape, sets, prior[open_sets], trial)
+        better = there.value >= here.value
+        theta[open_sets[better]] = trial[better]
+        damping[open_sets] = np.where(
+            better, np.maximum(damping[open_sets] / 10, 1e-12), damping[open_sets] * 8
+        )
+        here = _chosen(better, there, here)
+        going = (decrement > SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))) & (
+            damping[open_sets] < 1e15
+        )
+        open_sets, here = open_sets[going], _part(here, going)
+        if not len(open_sets):
+            break
+    return _described(shape, counts, prior, theta)
+
+
+def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        whole = expansion(shape, counts, theta) + prior_expansion(prior, theta)
+    fixed = [place for place in range(N_PARAMETERS) if place not in prior.free]
+    whole.gradient[:, fixed] = 0.0
+    return whole
+
+
+def _part(whole: Expansion, which: NDArray[np.bool_]) -> Expansion:
+    return Expansion(whole.value[which], whole.gradient[which], whole.hessian[which])
+
+
+def _chosen(better: NDArray[np.bool_], there: Expansion, here: Expansion) -> Expansion:
+    return Expansion(
+        np.where(better, there.value, here.value),
+        np.where(better[:, None], there.gradient, here.gradient),
+        np.where(better[:, None, None], there.hessian, here.hessian),
+    )
+
+
+def _held(theta: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """Fixed parameters, and those on a bound with the density rising beyond it."""
+    return (low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0))
+
+
+def _step(here: Expansion, held: NDArray[np.bool_], damping: Array) -> tuple[Array, Array]:
+    """The damped Newton step of the parameters that are not held, and the Newton decrement."""
+    diagonal = np.abs(np.diagonal(here.hessian, axis1=1, axis2=2)) + 1e-12
+    curvature = _convex(_without(-here.hessian, held))
+    index = np.arange(N_PARAMETERS)
+    curvature[:, index, index] += damping[:, None] * np.where(held, 0.0, diagonal)
+    gradient = np.where(held, 0.0, here.gradient)
+    step = np.linalg.solve(curvature, gradient[..., None])[..., 0]
+    return step, (step * gradient).sum(axis=1)
+
+
+def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
+    """The matrix with rows and columns of the held parameters replaced by those of the unit matrix."""
+    either = held[:, :, None] | held[:, None, :]
+    return np.where(either, np.eye(N_PARAMETERS), matrix)
+
+
+def _convex(matrix: Array) -> Array:
+    """A positive definite matrix: each eigenvalue of the scaled matrix by its absolute value, at least 1e-8."""
+    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + 1e-300)
+    outer = scale[:, :, None] * scale[:, None, :]
+    values, vectors = np.linalg.eigh(matrix / outer)
+    values = np.maximum(np.abs(values), 1e-8)
+    return outer * np.einsum("nij,nj,nkj->nik", vectors, values, vectors)
+
+
+def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
+    here = _expand(shape, counts, prior, theta)
+    low, high = prior.bounds()
+    held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
+    curvature = _convex(_without(-here.hessian, held))
+    covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, np.linalg.inv(curvature))
+    return Mode(theta, here.value, covariance, ~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1))
+
+
+def _coarse_start(shape: Shape, counts: Counts, prior: Prior) -> Array:
+    """The best node of a coarse grid. Sets with the same levels and catch trials share the chances: one product of matrices."""
+    theta = np.empty((len(counts), N_PARAMETERS))
+    catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
+    same = np.hstack([counts.u, counts.n_trials > 0, catch])
+    _, group = np.unique(same, axis=0, return_inverse=True)
+    for members in _groups(group.ravel()):
+        nodes = _nodes(prior, float(counts.gap[members[0]]))
+        yes, no = log_chances(shape, counts.u[members[0]], nodes)
+        k, n = counts.n_yes[members], counts.n_trials[members]
+        used = n[0] > 0
+        finite = (np.maximum(v[:, used], -1e6) for v in (yes, no))
+        likelihood = np.hstack([k[:, used], (n - k)[:, used]]) @ np.hstack(list(finite)).T
+        theta[members] = nodes[np.argmax(likelihood + log_prior(prior[members[:1]], nodes[None]), axis=1)]
+    return theta
+
+
+def _groups(group: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    if not len(group):
+        return []
+    order = np.argsort(group, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+
+
+def _nodes(prior: Prior, gap: float) -> Array:
+    """Coarse grid nodes (n_nodes, 4)."""
+    narrow = min(max(1.3 * gap, NARROWEST_START), 1.5)
+    axes = (
+        np.linspace(-0.93, 0.93, 19).tolist(),
+        np.linspace(np.log(narrow), np.log(2.8), 8).tolist(),
+        [0.005, 0.05, 0.2] if prior.lapse_rate is None else [prior.lapse_rate],
+        [0.01, 0.08, 0.25] if prior.guess_rate is None else [prior.guess_rate],
+    )
+    return np.array(list(product(*axes)))

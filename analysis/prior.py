@@ -1,0 +1,141 @@
+"""The priors of psignifit 4 (Schuett et al. 2016), on the scale of `Counts.u`, with exact derivatives.
+
+Threshold: flat on the tested range, falling as a cosine to 0 half a range outside. Width: flat between twice the
+smallest spacing and the range, falling as a cosine to 0 at the smallest spacing and at three times the range. Lapse
+rate and free guess rate: Beta(1, 10) on [0, 0.5]. Catch trials enter as what they are: n_false_alarms of n_catch
+answers whose chance is the guess rate. All are densities of (threshold, width, lapse, guess).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactometry.analysis.counts import Array, Which
+from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, Expansion
+
+BETA_B = 10.0
+LARGEST_RATE = 0.5
+WIDEST = 3.0
+FURTHEST = 1.0
+"""The threshold's prior ends at u = -1 and u = 1."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known before the data.
+
+    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the width
+    have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it there.
+    """
+
+    gap: Array
+    lapse_rate: float | None
+    guess_rate: float | None
+    n_false_alarms: Array
+    n_catch: Array
+    on_curve: bool = True
+    threshold: Array | None = None
+
+    def __getitem__(self, which: Which) -> "Prior":
+        return replace(
+            self,
+            gap=self.gap[which],
+            n_false_alarms=self.n_false_alarms[which],
+            n_catch=self.n_catch[which],
+            threshold=None if self.threshold is None else self.threshold[which],
+        )
+
+    @property
+    def free(self) -> list[int]:
+        """The places of the free parameters in a parameter vector."""
+        rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
+        return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest parameters, each (n_sets, 4)."""
+        n = self.gap.shape[0]
+        low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
+        reach = FURTHEST if self.on_curve else 20.0
+        low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
+        low[:, LOG_WIDTH] = np.log(self.gap) - (0.0 if self.on_curve else 12.0)
+        high[:, LOG_WIDTH] = np.log(WIDEST if self.on_curve else 1e4)
+        for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
+            if rate is not None:
+                low[:, place] = high[:, place] = rate
+        if self.threshold is not None:
+            low[:, THRESHOLD] = high[:, THRESHOLD] = self.threshold
+        return low, high
+
+
+def log_prior(prior: Prior, theta: Array) -> Array:
+    """The log density at theta (n_sets, ..., 4), without a constant; shape (n_sets, ...)."""
+    return prior_expansion(prior, theta, derivatives=False).value
+
+
+def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> Expansion:
+    """The log prior, with gradient and Hessian unless they are not wanted."""
+    parts = _rate_parts(prior, theta)
+    if prior.on_curve:
+        gap = prior.gap.reshape(-1, *([1] * (theta.ndim - 2)))
+        parts |= {
+            THRESHOLD: _threshold(theta[..., THRESHOLD]),
+            LOG_WIDTH: _width(theta[..., LOG_WIDTH], gap),
+        }
+    value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
+    if not derivatives:
+        return Expansion(value, value, value)
+    gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
+    for place, (_, first, second) in parts.items():
+        gradient[..., place], hessian[..., place, place] = first, second
+    return Expansion(value, gradient, hessian)
+
+
+def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Array]]:
+    parts = {}
+    nothing = np.zeros(1)
+    if prior.lapse_rate is None:
+        parts[LAPSE] = _beta(theta[..., LAPSE], nothing, nothing)
+    if prior.guess_rate is None:
+        fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
+        parts[GUESS] = _beta(theta[..., GUESS], fa, catch - fa)
+    return parts
+
+
+def _beta(x: Array, n_yes: Array, n_no: Array) -> tuple[Array, Array, Array]:
+    """Beta(1 + n_yes, 10 + n_no), and its derivatives; a count of 0 makes no pole."""
+    b = BETA_B - 1 + n_no
+    safe = np.maximum(x, 1e-300)
+    value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
+    inside = np.maximum(x, 1e-100)
+    first = -b / (1 - x) + n_yes / inside
+    return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
+
+
+def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
+    """2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
+        cos = np.maximum(np.cos(angle), 1e-8)
+    return (
+        np.where(angle < np.pi / 2, value, -np.inf),
+        -2 * rate * np.sin(angle) / cos,
+        -2 * np.square(rate) / cos**2,
+    )
+
+
+def _threshold(m: Array) -> tuple[Array, Array, Array]:
+    outside = np.maximum(np.abs(m) - 0.5, 0.0)
+    value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
+    return value, first, np.where(outside > 0, second, 0.0)
+
+
+def _width(v: Array, gap: Array) -> tuple[Array, Array, Array]:
+    """Flat in the width w = exp(v); the derivatives are along v. The fall at the wide end has precedence."""
+    w = np.exp(v)
+    wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
+    at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
+    at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
+    value, by_w, by_ww = (
+        np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True)
+    )
+    return value, by_w * w, by_ww * w * w + by_w * w
