@@ -21,7 +21,6 @@ class Condition:
     stimulus: str
     level_unit: str
     touch: Touch
-    force_n: float | None = None
     speed_m_per_s: float | None = None
 
 

@@ -24,43 +24,43 @@ def _check(touch: object, names: tuple[str, ...]) -> None:
 
 @dataclass(frozen=True)
 class Pressing:
-    """A finger that rests and presses `target_n` within `tolerance` (relative)."""
+    """A finger that rests and presses `force_n` within `tolerance` (relative)."""
 
     duration_s: float
-    target_n: float
+    force_n: float
     tolerance: float
     hold_s: float
     timeout_s: float
 
     def __post_init__(self) -> None:
-        _check(self, ("duration_s", "target_n", "tolerance", "hold_s", "timeout_s"))
+        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s"))
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(
-            stimulus, level, self.duration_s, self.target_n, self.tolerance, self.hold_s, self.timeout_s, interval
+            stimulus, level, self.duration_s, self.force_n, self.tolerance, self.hold_s, self.timeout_s, interval
         )
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """A finger that slides at `speed_m_per_s` and presses `target_n` within `tolerance` (relative)."""
+    """A finger that slides at `speed_m_per_s` and presses `force_n` within `tolerance` (relative)."""
 
     duration_s: float
-    target_n: float
+    force_n: float
     tolerance: float
     hold_s: float
     timeout_s: float
     speed_m_per_s: float
 
     def __post_init__(self) -> None:
-        _check(self, ("duration_s", "target_n", "tolerance", "hold_s", "timeout_s", "speed_m_per_s"))
+        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s", "speed_m_per_s"))
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
         return Slide(
             stimulus,
             level,
             self.duration_s,
-            self.target_n,
+            self.force_n,
             self.tolerance,
             self.hold_s,
             self.timeout_s,

@@ -179,6 +179,7 @@ class OpenSession:
         self._session = session
         self.journal = Journal(session.journal(root), resume=resume)
         try:
+            self.n_trials = len(self.journal.recording.trials)
             self.repaired = self._keep_cut(root, self.journal.cut)
             self._file = self._rebuild(root)
         except BaseException:
@@ -194,8 +195,9 @@ class OpenSession:
         return self.journal.replay
 
     @property
-    def n_trials(self) -> int:
-        return len(self.journal.recording.trials)
+    def trials(self) -> Path:
+        """The trials file."""
+        return self._trials
 
     @property
     def complete(self) -> bool:
@@ -209,6 +211,7 @@ class OpenSession:
         if isinstance(request, Record):
             line = csv_bytes([row(request.trial, self._session, self._design.columns)])
             write_whole(self._file, line, self._trials, durable=True)
+            self.n_trials += 1
 
     def finish(self) -> None:
         self.journal.finish()

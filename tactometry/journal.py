@@ -140,9 +140,10 @@ class Journal:
 
     def __init__(self, path: Path, *, resume: bool) -> None:
         self.path = path
-        self._file = _open(path, resume=resume)
+        self._file = _open(path)
         try:
             _lock(self._file, path)
+            _refuse_recorded(path, resume=resume)
             self.recording, self.cut = self._repair()
         except BaseException:
             os.close(self._file)
@@ -193,15 +194,19 @@ def _until_last_trial(recording: Recording) -> Recording:
     return Recording(recording.head, recording.entries[:n_kept], complete=False)
 
 
-def _open(path: Path, *, resume: bool) -> int:
-    flags = os.O_RDWR | os.O_CREAT | (0 if resume else os.O_EXCL)
+def _open(path: Path) -> int:
     try:
-        return os.open(path, flags, 0o644)
-    except FileExistsError:
+        return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot open ({error.strerror}), expected a folder that can be written") from None
+
+
+def _refuse_recorded(path: Path, *, resume: bool) -> None:
+    if not resume and path.stat().st_size > 0:
         raise InvalidFile(
             f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
             "another --session number"
-        ) from None
+        )
 
 
 def _lock(file: int, path: Path) -> None:

@@ -16,58 +16,8 @@ class Keeper(Protocol):
     """Where requests and answers are kept; `entries` holds those of an earlier sitting."""
 
     @property
-    def replay(self) -> Replay: ...
-
-    def append(self, request: Request, answer: object) -> None: ...
-
-    def finish(self) -> None: ...
-
-
-class _Ended(Exception):  # noqa: N818
-    def __init__(self, value: object) -> None:
-        self.value = value
-
-
-def _advance(course: Course[T], answer: object) -> Request:
-    try:
-        return course.send(answer)
-    except StopIteration as stop:
-        raise _Ended(stop.value) from None
-
-
-def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
-    """Drive `course` to its end; what the journal holds already is replayed first, the rest is put to `rig`.
-
-    Each answer is in the journal before the next request is put. The rig is closed whatever happens.
-
-    Raises
-    ------
-    Diverged
-        If the course does not ask what the journal recorded.
-    """
-    replay = journal.replay
-    try:
-        request = _advance(course, None)
-        while replay.n_left:
-            request = _advance(course, request.put_to(replay))
-        if replay.n_trials:
-            rig.resume(replay.n_trials, replay.elapsed_s)
-        while True:
-            answer = request.put_to(rig)
-            journal.append(request, answer)
-            request = _advance(course, answer)
-    except _Ended as end:
-        if replay.n_left:
-            replay.refuse_rest()
-        journal.finish()
-        value: T = end.value  # type: ignore[assignment]
-        return value
-    finally:
-        rig.close()
-
-
-def replay(course: Course[T], recording: Replay) -> T:
-    """Drive `course` on a recording alone.
+    def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
+    """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
 
     Raises
     ------
@@ -76,9 +26,10 @@ def replay(course: Course[T], recording: Replay) -> T:
     """
     try:
         request = _advance(course, None)
-        while True:
+        while complete or recording.n_left:
             request = _advance(course, request.put_to(recording))
     except _Ended as end:
         recording.refuse_rest()
         value: T = end.value  # type: ignore[assignment]
         return value
+    return None

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -60,6 +61,10 @@ class Signal:
 
     def digest(self) -> str:
         """The first 16 hexadecimal digits of the SHA-256 of the samples (little-endian), shape, rate and unit."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
         what = hashlib.sha256(f"{self.samples.shape} {self.rate_hz!r} {self.unit}\n".encode())
         what.update(self.samples.astype("<f8", copy=False).tobytes())
         return what.hexdigest()[:16]

@@ -1,0 +1,90 @@
+"""The command line: a table of commands, each imported when it is called.
+
+This module is all that `tactometry --help` loads, so it imports nothing heavy.
+"""
+
+import signal
+import sys
+from types import FrameType
+
+import click
+
+from tactometry import __version__
+from tactometry.errors import TactometryError, nearest
+from tactometry.target import resolve
+
+COMMANDS = {
+    "demo": ("tactometry.cli.demo:command", "A simulated study, its analysis and report, end to end."),
+    "studies": ("tactometry.cli.studies:studies", "The built-in studies, a line each."),
+    "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
+    "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
+    "simulate": ("tactometry.cli.simulate:command", "Run a study with simulated participants."),
+    "replay": ("tactometry.cli.replay:command", "Feed recorded answers back; name the first divergence."),
+    "validate": ("tactometry.cli.validate:command", "Is this a sound data set? Every defect, with file and row."),
+    "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
+}
+
+
+class Commands(click.Group):
+    """The commands of the table; help is shown without importing any."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        del ctx
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            names = ", ".join(COMMANDS)
+            ctx.fail(f"found no command {cmd_name!r}, expected one of {names}{nearest(cmd_name, COMMANDS)}")
+        command: click.Command = resolve(COMMANDS[cmd_name][0])
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        del ctx
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+@click.command(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Start with: tactometry demo",
+)
+@click.version_option(__version__, prog_name="tactometry")
+def tactometry() -> None:
+    """Psychophysics on touch: run, simulate and analyse experiments."""
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    del frame
+    raise SystemExit(128 + number)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run a command; every foreseen error is one sentence on standard error and an exit status."""
+    signal.signal(signal.SIGTERM, _terminate)
+    try:
+        status = tactometry.main(arguments, prog_name="tactometry", standalone_mode=False)
+    except click.Abort:
+        status = _complain("interrupted; what was recorded is safe", 130)
+    except KeyboardInterrupt:
+        status = _complain("interrupted; what was recorded is safe", 130)
+    except click.ClickException as error:
+        status = _complain(f"{_where(error)}{error.format_message()}", 2)
+    except TactometryError as error:
+        status = _complain(str(error), error.exit_status)
+    except BrokenPipeError:
+        sys.stderr.close()
+        status = 0
+    sys.exit(status)
+
+
+def _where(error: click.ClickException) -> str:
+    context = getattr(error, "ctx", None)
+    inside = context is not None and context.parent is not None
+    return f"{context.info_name}: " if inside and context is not None else ""
+
+
+def _complain(text: str, status: int) -> int:
+    print(f"tactometry: {' '.join(text.split())}", file=sys.stderr)
+    return status

@@ -91,7 +91,9 @@ class SimulatedRig:
         return signal
 
     def _feel(self, signal: Signal | None, contact: Contact) -> None:
-        self._felt_db.append(float("-inf") if signal is None else self._sensation.sensation_db(signal, contact))
+        self._felt_db.append(
+            float("-inf") if signal is None else self._sensation.sensation_db(signal, contact)
+        )
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -116,18 +118,18 @@ class SimulatedRig:
         grip = self._finger.hold(
             request.target_n, request.tolerance, speed_m_per_s, request.duration_s, self._rng
         )
-        held = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
-        self._feel(signal, Contact(held.mean_n, grip.speed_m_per_s))
+        mean_n, sd_n, in_band = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
+        self._feel(signal, Contact(mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
             level_delivered=request.level,
             digest=None if signal is None else signal.digest(),
-            force_mean_n=held.mean_n,
-            force_sd_n=held.sd_n,
-            force_in_band=held.in_band,
-            speed_mean_m_per_s=grip.speed_m_per_s,
-            valid=held.in_band >= VALID_PART,
+            force_mean_n=round(mean_n, 6),
+            force_sd_n=round(sd_n, 6),
+            force_in_band=round(in_band, 6),
+            speed_mean_m_per_s=round(grip.speed_m_per_s, 6),
+            valid=in_band >= VALID_PART,
         )
 
     def choose(self, request: Choose) -> Chosen:
@@ -140,7 +142,7 @@ class SimulatedRig:
                 f"the simulated participant was asked {request.question!r} with {len(request.options)} options after "
                 f"{len(self._felt_db)} stimuli, expected one stimulus and (0, 1), or one stimulus for each option"
             )
-        latency_s = self._observer.answer_time_s(self._rng)
+        latency_s = round(self._observer.answer_time_s(self._rng), 6)
         return Chosen(option, self._pass(latency_s), latency_s)
 
     def rate(self, request: Rate) -> Rated:

@@ -1,0 +1,133 @@
+"""A session from start to end, or from where it stopped: one way for every rig."""
+
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from tactometry.dataset import Design, OpenSession, Session
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.wiring import Experiment
+from tactometry.journal import Fact, Head
+from tactometry.protocols.block import Track
+from tactometry.provenance import sha256, versions
+from tactometry.rigs.rig import Rig
+from tactometry.run import run
+
+
+@dataclass(frozen=True)
+class Who:
+    """The participant of a session; `number` serves counterbalancing, `seed` None means a new one (or the recorded)."""
+
+    participant: str
+    session: int = 1
+    number: int | None = None
+    seed: int | None = None
+
+    @property
+    def counterbalancing_number(self) -> int:
+        """The given number, else the trailing digits of the code.
+
+        >>> Who("P017").counterbalancing_number
+        17
+        """
+        digits = self.participant[len(self.participant.rstrip("0123456789")) :]
+        number = int(digits) if self.number is None and digits else self.number
+        if number is None or number < 1:
+            raise InvalidParameter(
+                f"participant {self.participant!r}: found no number from 1 for counterbalancing, expected a code that "
+                "ends with one, such as P01; or give --number"
+            )
+        return number
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a sitting left: where, how many trials in all, how each procedure ended, and what was repaired."""
+
+    trials: Path
+    n_trials: int
+    n_resumed: int
+    tracks: tuple[Track, ...]
+    repaired: str | None
+
+
+@dataclass(frozen=True)
+class RigKind:
+    """How a rig is made for a participant and a seed, and what of the participant is known (a simulated one's truth).
+
+    `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
+    """
+
+    name: str
+    make: Callable[[int], Rig]
+    observer: Callable[[int], dict[str, Fact]] = lambda seed: {}
+    simulated_time: bool = False
+
+
+def simulated(experiment: Experiment, who: Who) -> RigKind:
+    """The simulated rig of this participant."""
+    return RigKind(
+        "simulated",
+        lambda seed: experiment.simulated_rig(who.participant, who.session, seed),
+        lambda seed: experiment.simulated_participant(who.participant, seed).facts(),
+        simulated_time=True,
+    )
+
+
+def record(
+    experiment: Experiment, study_toml: bytes, root: Path, who: Who, kind: RigKind, *, resume: bool = False
+) -> Recorded:
+    """Record a session, or the rest of it.
+
+    Raises
+    ------
+    InvalidFile
+        If the session is recorded already and `resume` is not given, or `root` holds another study.
+    InvalidParameter
+        If `who` asks for another seed or number than the recorded one.
+    """
+    design = experiment.design(study_toml)
+    keeper = OpenSession(root, design, Session(who.participant, who.session, design.study), resume=resume)
+    try:
+        seed = _agreed(keeper.head, who)
+        n_resumed, rig = keeper.n_trials, kind.make(seed)
+        if keeper.head is None:
+            keeper.begin(_head(design, who, seed, kind, rig))
+        course = experiment.course(who.participant, who.session, who.counterbalancing_number, seed)
+        tracks = run(course, rig, keeper)
+    finally:
+        keeper.close()
+    return Recorded(keeper.trials, keeper.n_trials, n_resumed, tracks, keeper.repaired)
+
+
+def _agreed(head: Head | None, who: Who) -> int:
+    """The seed of the session."""
+    number = who.counterbalancing_number
+    if head is None:
+        return secrets.randbelow(2**32) if who.seed is None else who.seed
+    asked = {"seed": head.seed if who.seed is None else who.seed, "number": number}
+    for name, value in asked.items():
+        if value != getattr(head, name):
+            raise InvalidParameter(
+                f"--{name}: found {value}, but this session began with {getattr(head, name)}; leave it out to go on"
+            )
+    return head.seed
+
+
+def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig) -> Head:
+    started = None if kind.simulated_time else datetime.now(UTC).isoformat(timespec="milliseconds")
+    return Head(
+        study=design.study,
+        study_sha256=sha256(design.study_toml),
+        participant=who.participant,
+        session=who.session,
+        number=who.counterbalancing_number,
+        seed=seed,
+        rig=kind.name,
+        versions=versions(),
+        facts=rig.facts(),
+        observer=kind.observer(seed),
+        started_utc=started,
+    )

@@ -1,0 +1,26 @@
+"""`tactometry replay`."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+
+@click.command(name="replay", epilog="Example: tactometry replay demo")
+@click.argument("path", type=click.Path(path_type=Path))
+@json_option
+def command(path: Path, *, as_json: bool) -> None:
+    """Feed the recorded answers of the data set or journal PATH back into its protocol.
+
+    Exit status 1, with the line or row, at the first divergence.
+    """
+    from tactometry.experiments.replaying import replay_data_set
+
+    replayed = replay_data_set(path)
+    lines = [
+        f"{session.journal}: {session.n_trials} trials agree{'' if session.complete else ', session not finished'}"
+        for session in replayed
+    ]
+    say("\n".join(lines), [asdict(session) for session in replayed], as_json=as_json)

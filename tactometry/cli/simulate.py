@@ -1,0 +1,49 @@
+"""`tactometry simulate`."""
+
+from pathlib import Path
+
+import click
+
+from tactometry.cli.output import json_option, progress, say
+
+
+@click.command(
+    name="simulate",
+    epilog="Example: tactometry simulate tutorial --participants 5 --seed 1 --out simulated",
+)
+@click.argument("study")
+@click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
+@click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="The data set to write.")
+@click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
+@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+@json_option
+def command(
+    study: str,
+    n_participants: int,
+    seed: int,
+    out: Path,
+    *,
+    resume: bool,
+    n_jobs: int,
+    scheduler: str | None,
+    as_json: bool,
+) -> None:
+    """Run STUDY (a built-in name or a path) with simulated participants."""
+    from tactometry.errors import InvalidParameter
+    from tactometry.experiments.simulating import Simulation, simulate
+    from tactometry.experiments.study import load
+
+    if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
+        raise InvalidParameter(f"--jobs: found {n_jobs}, expected at least 1, or -1 for all cores; or --scheduler alone")
+    _, content = load(study)
+    simulation = Simulation(content, study, out, n_participants, seed, resume)
+    sessions = simulate(simulation, n_jobs=n_jobs, scheduler=scheduler)
+    recorded = list(progress(sessions, n_participants, "simulating"))
+    for session in recorded:
+        if session.repaired:
+            click.echo(session.repaired, err=True)
+    n_trials = sum(session.n_trials for session in recorded)
+    result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
+    say(f"{out}: {n_participants} participants, {n_trials} trials", result, as_json=as_json)

@@ -1,0 +1,39 @@
+"""`tactometry studies` and `tactometry new`."""
+
+from pathlib import Path
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+
+@click.command(epilog="Example: tactometry studies")
+@json_option
+def studies(*, as_json: bool) -> None:
+    """The built-in studies, a line each."""
+    from tactometry.experiments.study import builtin, load
+
+    titles = {name: load(name)[0].title for name in builtin()}
+    width = max(map(len, titles))
+    say("\n".join(f"{name:<{width}}  {title}" for name, title in titles.items()), titles, as_json=as_json)
+
+
+@click.command(epilog="Example: tactometry new tutorial --out mine.toml")
+@click.argument("study")
+@click.option("--out", type=click.Path(path_type=Path), help="The file to write; default STUDY.toml.")
+@json_option
+def new(study: str, out: Path | None, *, as_json: bool) -> None:
+    """Copy the built-in STUDY to a file of your own to edit."""
+    from tactometry.errors import DeviceFailed, InvalidFile
+    from tactometry.experiments.study import load, locate
+
+    _, content = load(study)
+    path = out or Path(locate(study).name)
+    try:
+        with path.open("xb") as file:
+            file.write(content)
+    except FileExistsError:
+        raise InvalidFile(f"{path}: found a file, expected none to overwrite; give another --out") from None
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
+    say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)}, as_json=as_json)

@@ -1,0 +1,22 @@
+"""`tactometry validate`."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+
+@click.command(name="validate", epilog="Example: tactometry validate demo")
+@click.argument("path", type=click.Path(path_type=Path))
+@json_option
+def command(path: Path, *, as_json: bool) -> int:
+    """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
+    from tactometry.experiments.validation import validate
+
+    found = validate(path)
+    verdict = f"{len(found.defects)} defects" if found.defects else "sound"
+    summary = f"{path}: {verdict}; {found.n_sessions} sessions, {found.n_trials} trials"
+    say("\n".join([*map(str, found.defects), *found.notes, summary]), asdict(found), as_json=as_json)
+    return 1 if found.defects else 0

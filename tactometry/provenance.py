@@ -1,0 +1,22 @@
+"""What a recording was made with."""
+
+import hashlib
+import platform
+from importlib import metadata
+
+DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "msgspec", "psychopy")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, the system and the packages that data depend on; what is not installed is left out."""
+    found = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}
+    for name in DISTRIBUTIONS:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

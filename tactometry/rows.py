@@ -1,0 +1,141 @@
+"""Whether the rows of a trials file can be what they claim to be."""
+
+import csv
+import io
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from tactometry.columns import ALWAYS, FIRST
+from tactometry.dataset import PARTICIPANT
+from tactometry.errors import nearest
+
+TASKS = (
+    "yes_no",
+    "forced_choice",
+    "comparison",
+    "same_different",
+    "magnitude",
+    "adjustment",
+    "rating",
+    "localisation",
+    "preference",
+    "measurement",
+)
+REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
+
+
+@dataclass(frozen=True)
+class Defect:
+    """What is wrong, and where: `row` is the line of the file, from 1 (the header)."""
+
+    file: str
+    row: int | None
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.file}, row {self.row}: {self.text}" if self.row is not None else f"{self.file}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a cell may hold, in words and as a test."""
+
+    words: str
+    holds: Callable[[str], bool]
+
+
+def _number(low: float, high: float = math.inf) -> Callable[[str], bool]:
+    def holds(text: str) -> bool:
+        try:
+            return low <= float(text) <= high and math.isfinite(float(text))
+        except ValueError:
+            return False
+
+    return holds
+
+
+def _is_time(text: str) -> bool:
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        return False
+    return True
+
+
+_COUNT = Rule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
+_ANY = Rule("a number", _number(-math.inf))
+_POSITIVE = Rule("a number, at least 0", _number(0))
+_FLAG = Rule("1, 0 or nothing", lambda text: text in ("0", "1"))
+RULES: Mapping[str, Rule] = {
+    "participant": Rule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
+    **dict.fromkeys(("session", "block", "trial", "attempt", "target"), _COUNT),
+    **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
+    **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
+    **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
+    "force_in_band": Rule("a number from 0 to 1", _number(0, 1)),
+    **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
+    "task": Rule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
+    "timestamp_utc": Rule("a time in ISO 8601", _is_time),
+}
+MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task"}
+RESPONSES: Mapping[str, Rule] = {
+    "yes_no": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "comparison": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "same_different": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "forced_choice": Rule("the number of an interval, from 1, or nothing", _COUNT.holds),
+}
+
+
+def defects(content: bytes, file: str) -> Iterator[Defect]:
+    """Every defect of a trials file, in order of its rows."""
+    try:
+        table = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""), strict=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        yield Defect(file, None, f"found no CSV in UTF-8 ({error}), expected a trials file")
+        return
+    if not table:
+        yield Defect(file, None, "found an empty file, expected a header and a row for each trial")
+        return
+    header, *rows = table
+    yield from _header_defects(header, file)
+    seen: dict[tuple[str, ...], int] = {}
+    for number, cells in enumerate(rows, 2):
+        if len(cells) != len(header):
+            yield Defect(file, number, f"found {len(cells)} cells, expected {len(header)} as in the header")
+            continue
+        row = dict(zip(header, cells, strict=True))
+        yield from _row_defects(row, file, number)
+        yield from _doubled(row, seen, file, number)
+
+
+def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
+    for name in REQUIRED:
+        if name not in header:
+            yield Defect(file, 1, f"found no column {name!r}, expected it{nearest(name, header)}")
+    for n, name in enumerate(header):
+        if name in header[:n]:
+            yield Defect(file, 1, f"found the column {name!r} twice, expected it once")
+
+
+def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:
+    for name, text in row.items():
+        rule = RESPONSES.get(row.get("task", "")) if name == "response" else RULES.get(name)
+        empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
+        if rule is not None and not empty and not rule.holds(text):
+            yield Defect(file, number, f"column {name!r}: found {text!r}, expected {rule.words}")
+    if row.get("catch") == "1" and row.get("level"):
+        yield Defect(
+            file, number, f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
+        )
+
+
+def _doubled(
+    row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int
+) -> Iterator[Defect]:
+    key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
+    if key in seen:
+        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once")
+    seen.setdefault(key, number)
