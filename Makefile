@@ -13,7 +13,7 @@ INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 EXTRAS := window,audio,serial,lsl,cluster,hdf5,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2
-PLATFORMS := x86_64-unknown-linux-gnu aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
+PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12
 
 # A shell function: install the named Debian packages that are missing, where the user may; else say which ones.
@@ -79,7 +79,7 @@ platforms: $(VENV)/.python ## resolve every platform with wheels only (esprima h
 	for platform in $(PLATFORMS); do for python in $(PYTHONS); do
 	    $(BIN)/uv pip compile pyproject.toml --quiet --python-platform $$platform --python-version $$python \
 	        --all-extras --constraint constraints.txt --only-binary :all: --no-binary esprima --output-file /dev/null >/dev/null \
-	        && echo "$$platform, Python $$python: resolved" || { echo "$$platform, Python $$python: NOT resolved"; exit 1; }
+	        && echo "$$platform, Python $$python: resolved" || { echo "$$platform, Python $$python: not resolved" >&2; exit 1; }
 	done; done
 
 clean: ## remove what was made, but not .venv
@@ -94,7 +94,7 @@ system:
 # The first Python that really runs (a pyenv shim of an inactive version does not) and is 3.11 or 3.12.
 $(VENV)/.python:
 	@$(debian)
-	for python in $(PYTHON) python3.11 python3.12 python3 none; do
+	for python in $(PYTHON) python3.11 python3.12 python3 /usr/bin/python3 none; do
 	    $$python -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null && break
 	done
 	[ $$python != none ] || { echo "make: no Python 3.11 or 3.12 found; name one with: make PYTHON=/path/to/python" >&2; exit 1; }

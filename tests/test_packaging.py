@@ -1,9 +1,9 @@
-"""The wheel holds the tree, once, and runs where nothing else of ours is; versions are pinned without addresses.
+"""The wheel holds the tree, once, and runs where nothing else of ours is; versions have no addresses.
 
 The wheel is installed into a new virtual environment. In reduced form that environment reads the dependencies
 from the site-packages of the running interpreter through a path file, which does not reach the editable
-Tactometry there (path files of such a folder are not read). At full size (TACTOMETRY_SOAK=1) the environment is
-empty, and pip installs the dependencies under the constraints.
+Tactometry there (path files of such a folder are not read). At full size (TACTOMETRY_SOAK=1) the environment
+is empty, and pip installs the dependencies under the constraints.
 """
 
 import os
