@@ -2,26 +2,55 @@
 
 from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
 from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea, ellipse_area_m2
-from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n
+from tactometry.stimuli.electrovibration.corners import Corners
+from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
+from tactometry.stimuli.electrovibration.drive import charge_c, current_a
+from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
+from tactometry.stimuli.electrovibration.offset import WithOffset
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.pulse_train import PulseTrain
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.sampled import Sampled
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
 from tactometry.stimuli.electrovibration.sine import Sine
 from tactometry.stimuli.electrovibration.skin import Skin
+from tactometry.stimuli.electrovibration.solution import Solution
+from tactometry.stimuli.electrovibration.square import Square
+from tactometry.stimuli.electrovibration.stack import Layer, Stack
+from tactometry.stimuli.electrovibration.step import Step
+from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
+from tactometry.stimuli.electrovibration.triangle import Triangle
 
 __all__ = [
     "LAWS",
     "AmplitudeModulated",
     "ContactArea",
+    "Corners",
     "CoulombFriction",
+    "DispersiveLayer",
     "ElectrovibrationSensation",
     "FrictionLag",
     "Law",
+    "Layer",
+    "Pieces",
     "PowerLawArea",
+    "PulseTrain",
     "Relaxations",
+    "Sampled",
     "Sine",
     "Skin",
+    "Solution",
+    "Square",
+    "Stack",
+    "Step",
+    "Trapezoid",
+    "Triangle",
+    "WithOffset",
+    "charge_c",
+    "current_a",
+    "electrostatic_force_at",
     "electrostatic_force_n",
     "ellipse_area_m2",
     "level_db_re_1v",

@@ -11,10 +11,18 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
 from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped, times_s
 
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 FORCE_FREQUENCY_RATIO: Mapping[str, int] = {"square_root": 1, "full": 1, "suppressed_carrier": 2}
+
+SIDEBANDS: Mapping[str, tuple[tuple[float, float], ...]] = {
+    "square_root": ((0.5, 0.5), (-0.5, 0.5)),
+    "full": ((0.0, 0.5), (1.0, 0.25), (-1.0, 0.25)),
+    "suppressed_carrier": ((1.0, 0.5), (-1.0, 0.5)),
+}
 
 
 @dataclass(frozen=True)
@@ -94,3 +102,20 @@ class AmplitudeModulated:
             return cosine
         full = (1 + cosine) / 2
         return np.sqrt(full) if self.modulation == "square_root" else full
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from
+        piece to piece."""
+        starts_s: NDArray[np.float64] = np.zeros(1)
+        signs: NDArray[np.float64] = np.ones(1)
+        if self.modulation == "square_root":
+            n_zeros = int(np.ceil(self.duration_s * self.frequency_hz - 0.5))
+            starts_s = np.r_[0.0, (np.arange(n_zeros) + 0.5) / self.frequency_hz]
+            signs = np.where(np.arange(n_zeros + 1) % 2, -1.0, 1.0)
+        sidebands = SIDEBANDS[self.modulation]
+        f_hz = np.array([self.carrier_hz + shift * self.frequency_hz for shift, _ in sidebands])
+        c = -1j * peak_voltage_v(level, self.level_unit) * np.array([height for _, height in sidebands])
+        zeros = np.zeros(len(starts_s))
+        return ramped_pieces(
+            Pieces(starts_s, self.duration_s, zeros, zeros, f_hz, signs[:, None] * c), self.ramp_s
+        )

@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.skin import VACUUM_PERMITTIVITY_F_PER_M as E0
-from tactometry.stimuli.electrovibration.skin import Skin
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.skin import CORNEUM, INSULATOR, Skin
+from tactometry.stimuli.electrovibration.solution import Solution
+from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 
 Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)
@@ -24,8 +26,8 @@ def electrostatic_force_n(
     law                force
     ================== ==================================================================================
     ``sc_layer``       ``e0 e_sc A (V_sc/d_sc)^2/2``, V_sc across the leaky corneum (Vezzoli, Vardar)
-    ``interface``      ``e0 A E^2/2``, field E in a (vanishing) gap: ``(V - V_sc)/(d_i/e_i + g)`` without body
-                       resistance (Meyer, Shultz); leakage raises the force at low frequencies
+    ``interface``      ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz); leakage
+                       raises the force at low frequencies
     ``total_thickness`` ``e0 A V^2/(2 S (d_i + d_sc))``, lossless, ``S = d_i/e_i + d_sc/e_sc`` (Strong)
     ``parallel_plate`` ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
     ================== ==================================================================================
@@ -61,7 +63,34 @@ def electrostatic_force_n(
     require.positive("electrostatic_force_n", rate_hz=rate_hz)
     require.non_negative("electrostatic_force_n", area_m2=area_m2)
     v = require.finite_array("electrostatic_force_n.voltage_v", voltage_v)
-    return area_m2 * _PRESSURES[str(law)](v, rate_hz, skin, area_m2)
+
+    def across(layer: int) -> Samples:
+        return skin.stack.relaxations(layer, area_m2).sampled(v, rate_hz)
+
+    return area_m2 * _PRESSURES[str(law)](skin, v, across)
+
+
+def electrostatic_force_at(
+    t_s: ArrayLike, pieces: Pieces, *, skin: Skin, area_m2: float, law: Law | None = None
+) -> NDArray[np.float64]:
+    """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
+
+    The laws, and what is refused, are those of `electrostatic_force_n`.
+
+    >>> from tactometry.stimuli.electrovibration import Step
+    >>> pieces = Step(duration_s=0.1).pieces(40.0)
+    >>> force_n = electrostatic_force_at([0.0, 1e-4], pieces, skin=Skin(), area_m2=1e-4, law="sc_layer")
+    >>> (force_n * 1e3).round(4).tolist()
+    [21.2524, 11.268]
+    """
+    check_law(law)
+    require.non_negative("electrostatic_force_at", area_m2=area_m2)
+    t = require.finite_array("electrostatic_force_at.t_s", t_s)
+
+    def across(layer: int) -> Samples:
+        return Solution(pieces, skin.stack.relaxations(layer, area_m2)).at(t)
+
+    return area_m2 * _PRESSURES[str(law)](skin, pieces.at(t), across)
 
 
 def check_law(law: str | None) -> None:
@@ -86,34 +115,33 @@ def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
 Samples = NDArray[np.float64]
 
 
-def _sc_layer(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
-    return force_per_square_volt_n(skin, 1.0) * corneum_voltage_v(v, rate_hz, skin, area_m2) ** 2
+def corneum_voltage_v(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
+    """Voltage (..., n_samples) across the stratum corneum, from rest."""
+    return skin.relaxations(area_m2).sampled(v, rate_hz)
 
 
-def _interface(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
-    if skin.body_resistance_ohm > 0:
-        raise InvalidParameter(
-            "law: found interface with Skin.body_resistance_ohm above 0, expected 0 here; "
-            "use a Stack for the voltage across the gap, or the sc_layer law"
-        )
-    field = (v - corneum_voltage_v(v, rate_hz, skin, area_m2)) / skin.insulator_equivalent_m
+def _sc_layer(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
+    del v
+    return force_per_square_volt_n(skin, 1.0) * across(CORNEUM) ** 2
+
+
+def _interface(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
+    del v
+    field = across(INSULATOR) * skin.insulator_permittivity / skin.insulator_thickness_m
     return E0 / 2 * field**2
 
 
-def _total_thickness(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
+def _total_thickness(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
+    del across
     _check_lossless("total_thickness", skin)
     s_m = skin.insulator_equivalent_m + skin.corneum_equivalent_m
     return E0 * v**2 / (2 * s_m * (skin.insulator_thickness_m + skin.corneum_thickness_m))
 
 
-def _parallel_plate(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
+def _parallel_plate(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
+    del across
     _check_lossless("parallel_plate", skin)
     return E0 * skin.insulator_permittivity * v**2 / (2 * skin.insulator_thickness_m**2)
-
-
-def corneum_voltage_v(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
-    """Voltage (..., n_samples) across the stratum corneum, from rest."""
-    return skin.relaxations(area_m2).sampled(v, rate_hz)
 
 
 def _check_lossless(law: str, skin: Skin) -> None:
@@ -125,7 +153,7 @@ def _check_lossless(law: str, skin: Skin) -> None:
             )
 
 
-_PRESSURES: Mapping[str, Callable[[Samples, float, Skin, float], Samples]] = {
+_PRESSURES: Mapping[str, Callable[[Skin, Samples, Callable[[int], Samples]], Samples]] = {
     "sc_layer": _sc_layer,
     "interface": _interface,
     "total_thickness": _total_thickness,

@@ -60,6 +60,20 @@ def phi1(x: ArrayLike) -> NDArray[np.float64]:
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
 
 
+def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``y_n = decays_(n-1) y_(n-1) + gained_n`` for decays (n - 1,) in 0..1, all n at once by doubling.
+
+    >>> scan(np.array([0.5, 0.0]), np.array([1.0, 1.0, 7.0])).tolist()
+    [1.0, 1.5, 7.0]
+    """
+    total, factor, reach = gained.copy(), np.r_[0.0, decays], 1
+    while reach < total.size and factor.any():
+        total[reach:] += factor[reach:] * total[:-reach].copy()
+        factor[reach:] *= factor[:-reach].copy()
+        reach *= 2
+    return total
+
+
 def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
     """``y' = -rate y + v'`` at the samples of a piecewise-linear v, given its increments.
 

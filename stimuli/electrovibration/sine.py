@@ -7,6 +7,8 @@ import numpy as np
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
 from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped, times_s
 
 
@@ -68,3 +70,10 @@ class Sine:
         shape = np.sin(2 * np.pi * self.frequency_hz * t_s + self.phase_rad)
         samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly, ramps included."""
+        c = -1j * np.exp(1j * self.phase_rad) * peak_voltage_v(level, self.level_unit)
+        zero, f_hz = np.zeros(1), np.array([self.frequency_hz])
+        tone = Pieces(zero, self.duration_s, zero, zero, f_hz, np.array([[c]]))
+        return ramped_pieces(tone, self.ramp_s)

@@ -1,7 +1,7 @@
 """Electrode, insulator, gap and leaky stratum corneum: the electrical model of a finger on a screen."""
 
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack
 
-VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
+INSULATOR, GAP, CORNEUM = 0, 1, 2
 
 
 @dataclass(frozen=True)
@@ -114,24 +115,17 @@ class Skin:
         """
         return np.abs(self.response(frequency_hz, area_m2))
 
+    @property
+    def stack(self) -> Stack:
+        """Insulator, gap and corneum as layers 0, 1 and 2, in series with the body."""
+        layers = (
+            Layer(self.insulator_thickness_m, self.insulator_permittivity),
+            Layer(self.gap_m),
+            Layer(self.corneum_thickness_m, self.corneum_permittivity, self.corneum_resistivity_ohm_m),
+        )
+        return Stack(layers, self.body_resistance_ohm)
+
     def relaxations(self, area_m2: float) -> Relaxations:
-        """Corneum voltage over applied voltage as a sum of first-order high-passes (exact).
-
-        One of gain k and rate 1/tau without body resistance, else two of opposite gain: the poles of
-        ``s C_i R_sc/(1 + s (C_i R_b + R_sc (C_i + C_sc)) + s^2 C_i R_b R_sc C_sc)``.
-        """
-        require.non_negative("Skin", area_m2=area_m2)
-        if self.body_resistance_ohm * area_m2 == 0:
-            return Relaxations((self.k,), (1 / self.tau_s if self.tau_s > 0 else inf,))
-        return self._two_poles(self.body_resistance_ohm * area_m2)
-
-    def _two_poles(self, body_ohm_m2: float) -> Relaxations:
-        if self.corneum_resistivity_ohm_m == 0:
-            return Relaxations((0.0,), (inf,))
-        c_i = VACUUM_PERMITTIVITY_F_PER_M / self.insulator_equivalent_m
-        c_sc = VACUUM_PERMITTIVITY_F_PER_M / self.corneum_equivalent_m
-        g_sc = 1 / (self.corneum_resistivity_ohm_m * self.corneum_thickness_m)
-        x = c_i * body_ohm_m2 * g_sc
-        root = sqrt((x - c_sc) ** 2 + c_i**2 + 2 * c_i * (x + c_sc))
-        half = (x + c_sc + c_i + root) / 2
-        return Relaxations((c_i / root, -c_i / root), (g_sc / half, half / (c_i * c_sc * body_ohm_m2)))
+        """Corneum voltage over applied voltage: gain k and rate 1/tau, or two poles with a body
+        resistance."""
+        return self.stack.relaxations(CORNEUM, area_m2)

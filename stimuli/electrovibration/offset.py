@@ -1,0 +1,117 @@
+"""A constant added to a voltage."""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
+from tactometry.stimuli.electrovibration.skin import Skin
+from tactometry.stimuli.electrovibration.timing import ramped
+
+
+class Waveform(Protocol):
+    """A stimulus with ramps and frequencies, as the ones of this package."""
+
+    @property
+    def duration_s(self) -> float: ...
+
+    @property
+    def ramp_s(self) -> float: ...
+
+    @property
+    def level_unit(self) -> LevelUnit: ...
+
+    @property
+    def voltage_frequency_hz(self) -> float: ...
+
+    def at(self, level: float) -> Signal: ...
+
+    def pieces(self, level: float) -> Pieces: ...
+
+
+@dataclass(frozen=True)
+class WithOffset:
+    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0,
+    peak V0 in all.
+
+    In a lossless skin the force then contains the frequency of the voltage. A leaky skin behind an
+    insulator blocks the constant after a few time constants: that is allowed, and `remark` says so. The
+    constant has the ramps of w.
+
+    Parameters
+    ----------
+    waveform
+        Any waveform of this package.
+    ratio : float
+        Constant over the peak of the waveform, of either sign.
+
+    >>> from tactometry.stimuli.electrovibration import Sine
+    >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+    >>> tone.at(20.0).peak <= 10.0, tone.force_frequency_hz
+    (True, 60.0)
+    """
+
+    waveform: Waveform
+    ratio: float
+
+    def __post_init__(self) -> None:
+        require.finite("WithOffset", ratio=self.ratio)
+
+    @property
+    def level_unit(self) -> LevelUnit:
+        return self.waveform.level_unit
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.waveform.voltage_frequency_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        """The frequency of the voltage: an offset makes the force contain it."""
+        return self.waveform.voltage_frequency_hz
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        signal = self.waveform.at(level)
+        constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
+        peak_v = peak_voltage_v(level, self.level_unit)
+        total_v = (signal.samples + self.ratio * peak_v * constant) / (1 + abs(self.ratio))
+        return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly."""
+        plain = self.waveform.pieces(level)
+        constant = Pieces(np.zeros(1), plain.end_s, np.ones(1), np.zeros(1))
+        constant = ramped_pieces(constant, self.waveform.ramp_s)
+        height_v = self.ratio * peak_voltage_v(level, self.level_unit)
+        return _sum(plain, constant.scaled(height_v)).scaled(1 / (1 + abs(self.ratio)))
+
+    def remark(self, skin: Skin) -> str | None:
+        """What a skin makes of the offset, if it blocks it; None if it does not.
+
+        >>> from tactometry.stimuli.electrovibration import Sine
+        >>> WithOffset(Sine(frequency_hz=60.0), ratio=0.5).remark(Skin())
+        'WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau (1.58 ms)'
+        """
+        if self.ratio == 0 or skin.tau_s == np.inf:
+            return None
+        return (
+            "WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau "
+            f"({5e3 * skin.tau_s:.3g} ms)"
+        )
+
+
+def _sum(one: Pieces, other: Pieces) -> Pieces:
+    one, other = one.split_at(other.starts_s), other.split_at(one.starts_s)
+    return replace(
+        one,
+        offsets_v=one.offsets_v + other.offsets_v,
+        slopes_v_per_s=one.slopes_v_per_s + other.slopes_v_per_s,
+        frequencies_hz=np.r_[one.frequencies_hz, other.frequencies_hz],
+        amplitudes_v=np.hstack([one.harmonics_v, other.harmonics_v]),
+    )

@@ -1,0 +1,106 @@
+"""A trapezoidal voltage."""
+
+from dataclasses import dataclass
+from itertools import accumulate
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.corners import Corners
+from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.periodic import check_periodic, periodic_pieces, periodic_signal
+from tactometry.stimuli.electrovibration.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """From the low value up to ``V0``, hold, down, hold, in straight lines, over and over.
+
+    Parameters
+    ----------
+    rise_s, high_s, fall_s, low_s : float
+        Lengths of the four lines; one of 0 is left out (a jump, or no hold).
+    low_ratio : float
+        Low value over ``V0``, -1 to 1; 0 (unipolar) is an unverified default.
+    duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`, but without ramps by default: the first rise is one.
+    band_limited : bool
+        Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> lines = Trapezoid(rise_s=0.1, high_s=0.1, fall_s=0.1, low_s=0.1, rate_hz=10.0, duration_s=0.4)
+    >>> lines.at(0.0).samples.round(12).tolist()
+    [[0.0, 1.0, 1.0, 0.0]]
+    """
+
+    rise_s: float
+    high_s: float
+    fall_s: float
+    low_s: float
+    low_ratio: float = 0.0
+    duration_s: float = 1.0
+    ramp_s: float = 0.0
+    rate_hz: float = 20_000.0
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        times = {name: getattr(self, name) for name in ("rise_s", "high_s", "fall_s", "low_s")}
+        require.non_negative("Trapezoid", **times)
+        if sum(times.values()) == 0:
+            raise InvalidParameter("Trapezoid: found four lines of 0 s, expected a period above 0 s")
+        if not -1 <= self.low_ratio <= 1:
+            raise InvalidParameter(f"Trapezoid.low_ratio: found {self.low_ratio!r}, expected -1 to 1")
+        check_periodic(
+            "Trapezoid",
+            self.frequency_hz,
+            duration_s=self.duration_s,
+            ramp_s=self.ramp_s,
+            rate_hz=self.rate_hz,
+            level_unit=self.level_unit,
+        )
+
+    @property
+    def frequency_hz(self) -> float:
+        return 1 / (self.rise_s + self.high_s + self.fall_s + self.low_s)
+
+    @property
+    def corners(self) -> Corners:
+        ends = [0.0, *accumulate((self.rise_s, self.high_s, self.fall_s))]
+        phases = (*(end * self.frequency_hz for end in ends), 1.0)
+        return Corners(phases, (self.low_ratio, 1.0, 1.0, self.low_ratio, self.low_ratio))
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.frequency_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        return (2 if self.corners.is_antisymmetric else 1) * self.frequency_hz
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        return periodic_signal(
+            self.corners,
+            self.frequency_hz,
+            peak_v=peak_voltage_v(level, self.level_unit),
+            duration_s=self.duration_s,
+            ramp_s=self.ramp_s,
+            rate_hz=self.rate_hz,
+            band_limited=self.band_limited,
+        )
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly."""
+        return periodic_pieces(
+            self.corners,
+            self.frequency_hz,
+            duration_s=self.duration_s,
+            ramp_s=self.ramp_s,
+            level=level,
+            unit=self.level_unit,
+        )

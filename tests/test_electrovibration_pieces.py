@@ -1,0 +1,218 @@
+"""Exact descriptions of waveforms equal their samples; band-limited ones do not alias."""
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    PulseTrain,
+    Sampled,
+    Sine,
+    Skin,
+    Square,
+    Step,
+    Trapezoid,
+    Triangle,
+    WithOffset,
+    electrostatic_force_n,
+)
+from tactometry.stimuli.electrovibration.offset import Waveform
+from tactometry.stimuli.electrovibration.pieces import Pieces, straight
+from tactometry.stimuli.perception import components
+
+RAMPED = [
+    Sine(frequency_hz=60.0, phase_rad=0.3),
+    Square(frequency_hz=60.0),
+    Square(frequency_hz=60.0, duty=0.3),
+    AmplitudeModulated(frequency_hz=60.0),
+    AmplitudeModulated(frequency_hz=60.0, modulation="full"),
+    AmplitudeModulated(frequency_hz=60.0, modulation="suppressed_carrier"),
+    *(
+        PulseTrain(frequency_hz=60.0, width_s=2e-3, polarity=p)
+        for p in ("positive", "negative", "biphasic", "alternating")
+    ),
+    WithOffset(Sine(frequency_hz=60.0), ratio=0.5),
+    WithOffset(Square(frequency_hz=60.0), ratio=-2.0),
+]
+PLAIN = [
+    Triangle(frequency_hz=60.0, ramp_s=0.0),
+    Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=2e-3, low_s=5e-3),
+    Trapezoid(rise_s=0.0, high_s=4e-3, fall_s=2e-3, low_s=0.0, low_ratio=-1.0),
+    Sampled((0.0, 1.0, -3.0, 2.0, 0.0), rate_hz=100.0),
+    WithOffset(Triangle(frequency_hz=60.0, ramp_s=0.0), ratio=0.2),
+]
+STEPS = [Step(duration_s=0.5), Step(onset_s=0.1, rise_s=0.05, fall_s=0.2, duration_s=0.5)]
+
+
+def away_from_jumps(waveform: Waveform, pieces: Pieces) -> np.ndarray:
+    """Sample times further than 1e-9 s from every start of a piece."""
+    rate_hz = waveform.at(0.0).rate_hz
+    t_s = np.arange(waveform.at(0.0).samples.shape[1]) / rate_hz
+    return t_s[np.abs(t_s[:, None] - pieces.starts_s[None, :]).min(axis=1) > 1e-9]
+
+
+@pytest.mark.parametrize("waveform", [*RAMPED, *PLAIN, *STEPS])
+def test_the_exact_voltage_equals_the_samples(waveform: Waveform) -> None:
+    pieces, signal = waveform.pieces(20.0), waveform.at(20.0)
+    t_s = away_from_jumps(waveform, pieces)
+    samples = signal.samples[0, np.round(t_s * signal.rate_hz).astype(int)]
+    # The samples' ramp off mirrors the one on: it ends on the last sample, half a sample before the
+    # exact end.
+    tolerance_v = 10.0 * np.pi / 2 / signal.rate_hz / 0.05 if waveform in RAMPED else 1e-9
+    early = t_s < signal.duration_s - 0.05
+    np.testing.assert_allclose(pieces.at(t_s)[early], samples[early], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(pieces.at(t_s), samples, rtol=0, atol=tolerance_v)
+
+
+@pytest.mark.parametrize("waveform", [*RAMPED, *PLAIN, *STEPS])
+def test_neither_samples_nor_exact_voltage_pass_the_peak(waveform: Waveform) -> None:
+    assert waveform.at(20.0).peak <= 10.0
+    pieces = waveform.pieces(20.0)
+    dense_s = np.linspace(0, pieces.end_s, 100_003)
+    assert 9.0 <= np.abs(pieces.at(dense_s)).max() <= 10.0 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("waveform", RAMPED)
+def test_the_force_frequency_is_the_lowest_line_of_the_force(waveform: Waveform) -> None:
+    lossless = isinstance(waveform, WithOffset)
+    skin = Skin(corneum_resistivity_ohm_m=np.inf if lossless else 2e4)
+    assert lowest_force_hz(waveform, skin) == pytest.approx(waveform.force_frequency_hz, abs=1.1)
+
+
+def lowest_force_hz(waveform: Waveform, skin: Skin) -> float:
+    signal = waveform.at(0.0)
+    force_n = electrostatic_force_n(
+        signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=1e-4, law="sc_layer"
+    )
+    parts = components(force_n, signal.rate_hz)
+    return float(parts.frequencies_hz[parts.amplitudes > 0.05 * parts.amplitudes.max()].min())
+
+
+def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:
+    tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+    assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
+    assert tone.remark(Skin()) == (
+        "WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau (1.58 ms)"
+    )
+    assert tone.remark(Skin(corneum_resistivity_ohm_m=np.inf)) is None
+    assert WithOffset(Sine(frequency_hz=60.0), ratio=0.0).remark(Skin()) is None
+
+
+@pytest.mark.parametrize(
+    "waveform",
+    [
+        Square(frequency_hz=1234.5, rate_hz=192_000.0, ramp_s=0.0, band_limited=True, duration_s=0.1),
+        Triangle(frequency_hz=1234.5, rate_hz=192_000.0, ramp_s=0.0, band_limited=True, duration_s=0.1),
+        PulseTrain(
+            frequency_hz=1234.5,
+            width_s=1e-4,
+            rate_hz=192_000.0,
+            ramp_s=0.0,
+            band_limited=True,
+            duration_s=0.1,
+        ),
+    ],
+)
+def test_a_band_limited_waveform_has_no_line_beside_its_harmonics(waveform: Square) -> None:
+    signal = waveform.at(0.0)
+    window = np.blackman(signal.samples.shape[1])
+    spectrum = np.abs(np.fft.rfft(signal.samples[0] * window)) / window.sum()
+    f_hz = np.fft.rfftfreq(signal.samples.shape[1], 1 / signal.rate_hz)
+    distance_hz = np.abs(f_hz - 1234.5 * np.round(f_hz / 1234.5))
+    assert spectrum[distance_hz > 300].max() < 1e-5
+    assert signal.peak <= 1.0
+
+
+def test_the_plain_square_does_alias() -> None:
+    signal = Square(frequency_hz=1234.5, rate_hz=192_000.0, ramp_s=0.0, duration_s=0.1).at(0.0)
+    window = np.blackman(signal.samples.shape[1])
+    spectrum = np.abs(np.fft.rfft(signal.samples[0] * window)) / window.sum()
+    f_hz = np.fft.rfftfreq(signal.samples.shape[1], 1 / signal.rate_hz)
+    distance_hz = np.abs(f_hz - 1234.5 * np.round(f_hz / 1234.5))
+    assert spectrum[distance_hz > 300].max() > 1e-4
+
+
+@pytest.mark.parametrize("waveform", [Square(frequency_hz=1.0, duty=0.3), Triangle(frequency_hz=1.0)])
+def test_fourier_coefficients_equal_the_integral(waveform: Square | Triangle) -> None:
+    n = 200_000
+    phase = (np.arange(n) + 0.5) / n
+    integral = [np.mean(waveform.corners.at(phase) * np.exp(-2j * np.pi * k * phase)) for k in (1, 2, 5)]
+    np.testing.assert_allclose(waveform.corners.harmonics([1, 2, 5]), integral, atol=1e-8)
+
+
+def test_a_trapezoid_with_equal_holds_and_both_signs_has_doubled_force_frequency() -> None:
+    both = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3, low_ratio=-1.0)
+    one = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3)
+    assert (both.voltage_frequency_hz, both.force_frequency_hz) == pytest.approx((100.0, 200.0))
+    assert one.force_frequency_hz == pytest.approx(100.0)
+
+
+def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> None:
+    pieces = straight([0, 1, 1, 3], [0, 2, -1, 1])
+    dense = np.linspace(0, 3, 31)
+    np.testing.assert_allclose(pieces.split_at([0.3, 1.0, 2.2, 9.0]).at(dense), pieces.at(dense), atol=1e-15)
+    assert pieces.jumps_v().tolist() == [0.0, -3.0]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: Triangle(frequency_hz=60.0).pieces(0.0),
+            "ramp_s: found 0.05 s for a voltage with slopes, expected 0: a raised cosine times a slope "
+            "has no exact "
+            "description; sample the signal instead",
+        ),
+        (
+            lambda: PulseTrain(frequency_hz=60.0, width_s=0.01),
+            "PulseTrain.width_s: found 0.01 s, expected at most 0.00833333 s for biphasic pulses at 60.0 Hz; "
+            "shorten them or lower the frequency",
+        ),
+        (
+            lambda: PulseTrain(frequency_hz=60.0, width_s=1e-3, polarity="plus"),
+            "PulseTrain.polarity: found 'plus', expected one of positive, negative, biphasic, alternating",
+        ),
+        (
+            lambda: Square(frequency_hz=60.0, duty=1.0),
+            "Square.duty: found 1.0, expected a number between 0 and 1",
+        ),
+        (
+            lambda: Trapezoid(rise_s=0, high_s=0, fall_s=0, low_s=0),
+            "Trapezoid: found four lines of 0 s, expected a period above 0 s",
+        ),
+        (
+            lambda: Trapezoid(rise_s=-1e-3, high_s=0, fall_s=0, low_s=1),
+            "Trapezoid.rise_s: found -0.001, expected a finite number, at least 0",
+        ),
+        (
+            lambda: Step(onset_s=0.5, duration_s=0.5),
+            "Step: found onset, rise and fall of 0.5 s in all, expected less than duration_s (0.5 s); "
+            "lengthen the signal",
+        ),
+        (
+            lambda: Sampled((0.0, 0.0), rate_hz=10.0),
+            "Sampled.shape: found shape (2,), expected at least two samples, not all 0",
+        ),
+        (
+            lambda: Sampled((0.0, float("nan")), rate_hz=10.0),
+            "Sampled.shape[1]: found nan, expected a finite number",
+        ),
+        (
+            lambda: WithOffset(Sine(frequency_hz=60.0), ratio=float("inf")),
+            "WithOffset.ratio: found inf, expected a finite number",
+        ),
+        (
+            lambda: straight([0, 1], [0, 1, 2]),
+            "straight: found shapes (2,) and (3,), expected two of one length",
+        ),
+        (
+            lambda: straight([0, 2, 1], [0, 1, 2]),
+            "straight.times_s: found 1.0 after 2.0, expected times that do not go back",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message

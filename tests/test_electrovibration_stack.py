@@ -1,0 +1,232 @@
+"""Series of leaky layers: closed forms, an independent impedance, a 50-digit solution, `solve_ivp`,
+energy."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import Layer, Pieces, Skin, Solution, Stack, Step
+from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v, shares
+from tactometry.stimuli.electrovibration.drive import charge_at, charge_c, current_a, current_at
+from tactometry.stimuli.electrovibration.pieces import straight
+from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+
+AREA_M2 = 1e-4
+GLASS = Layer(1e-6, 3.9)
+leaky = st.builds(
+    Layer,
+    thickness_m=st.floats(1e-8, 1e-2),
+    permittivity=st.floats(1, 1e6),
+    resistivity_ohm_m=st.one_of(st.floats(1e-3, 1e15), st.just(np.inf)),
+)
+
+
+def test_two_leaky_layers_after_a_step() -> None:
+    one, two = Layer(1e-5, 50.0, 1e7), Layer(2e-4, 1000.0, 2e4)
+    c = [AREA_M2 / layer.elastance_m2_per_f for layer in (one, two)]
+    r = [layer.resistivity_ohm_m * layer.thickness_m / AREA_M2 for layer in (one, two)]
+    tau_s = (c[0] + c[1]) * r[0] * r[1] / (r[0] + r[1])
+    solved = Solution(straight([0, 10 * tau_s], [5, 5]), Stack((one, two)).relaxations(1, AREA_M2))
+    t_s = np.linspace(0, 10 * tau_s, 50)
+    start_v, end_v = 5 * c[0] / (c[0] + c[1]), 5 * r[1] / (r[0] + r[1])
+    expected_v = end_v + (start_v - end_v) * np.exp(-t_s / tau_s)
+    np.testing.assert_allclose(solved.at(t_s), expected_v, rtol=1e-12)
+
+
+@given(layers=st.lists(leaky, min_size=1, max_size=5), body_ohm=st.sampled_from([0.0, 1.0, 1e3, 1e9]))
+@settings(max_examples=200)
+def test_the_relaxations_are_the_ratio_of_impedances(layers: list[Layer], body_ohm: float) -> None:
+    stack = Stack(tuple(layers), body_ohm)
+    for frequency_hz in (1e-3, 1.0, 250.0, 1e5):
+        expected = _ratios(layers, body_ohm, frequency_hz)
+        for index in range(len(layers)):
+            found = complex(stack.response(frequency_hz, index, AREA_M2))
+            largest = sum(abs(g) for g in stack.relaxations(index, AREA_M2).gains) + abs(expected[index])
+            assert abs(found - expected[index]) <= 1e-10 * largest + 1e-14
+
+
+def _ratios(layers: list[Layer], body_ohm: float, frequency_hz: float) -> list[complex]:
+    with mp.workdps(60):
+        p = 2j * mp.pi * mp.mpf(frequency_hz)
+        z = [
+            mp.mpf(layer.thickness_m)
+            / (AREA_M2 * (1 / mp.mpf(layer.resistivity_ohm_m) + p * mp.mpf(E0) * mp.mpf(layer.permittivity)))
+            for layer in layers
+        ]
+        return [complex(one / (mp.mpf(body_ohm) + sum(z))) for one in z]
+
+
+@given(layers=st.lists(leaky, min_size=1, max_size=5), area_m2=st.sampled_from([1e-300, 1e-9, 1.0]))
+def test_the_layers_share_the_voltage_between_them(layers: list[Layer], area_m2: float) -> None:
+    stack = Stack(tuple(layers))
+    step = straight([0, 1.0], [3.0, 3.0])
+    t_s = np.geomspace(1e-12, 1, 20)
+    total_v = sum(Solution(step, stack.relaxations(i, area_m2)).at(t_s) for i in range(len(layers)))
+    np.testing.assert_allclose(total_v, 3.0, rtol=1e-9)
+
+
+@given(layers=st.lists(leaky, min_size=2, max_size=4), body_ohm=st.sampled_from([0.0, 1e3]))
+def test_rates_are_positive_and_interlace_those_of_the_layers(layers: list[Layer], body_ohm: float) -> None:
+    rates = Stack(tuple(layers), body_ohm).relaxations(0, AREA_M2).rates_per_s
+    own = sorted({layer.rate_per_s for layer in layers})
+    assert len(rates) == len(own) - 1 + (body_ohm > 0)
+    for low, rate, high in zip(own, rates, [*own[1:], np.inf], strict=False):
+        assert low <= rate <= high
+
+
+@pytest.mark.parametrize("tau_s", [1e-9, 1e-6, 315e-6, 1.0, 1e3])
+@pytest.mark.parametrize("body_ohm", [0.0, 1e3])
+def test_the_exact_voltage_of_a_trapezoid_against_50_digits(tau_s: float, body_ohm: float) -> None:
+    rho = tau_s / (Skin().tau_s / 2e4)
+    skin = Skin(corneum_resistivity_ohm_m=rho, body_resistance_ohm=body_ohm)
+    times_s, values_v = [0.0, 1e-3, 5e-3, 5.5e-3, 0.02], [0.0, 100.0, 100.0, -50.0, -50.0]
+    at_s = [1e-9, 5e-4, 1e-3, 1.0005e-3, 4e-3, 5.2e-3, 0.02]
+    found_v = Solution(straight(times_s, values_v), skin.relaxations(AREA_M2)).at(at_s)
+    expected_v = [_reference_v(skin, times_s, values_v, t) for t in at_s]
+    np.testing.assert_allclose(found_v, expected_v, rtol=1e-11, atol=1e-14)
+
+
+def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: float) -> float:
+    """Corneum voltage as an exact sum over kinks of the response to a line, from the two poles in 50
+    digits."""
+    with mp.workdps(50):
+        c_i, c_s = mp.mpf(skin.insulator_capacitance_f(AREA_M2)), mp.mpf(skin.corneum_capacitance_f(AREA_M2))
+        r_s, r_b = mp.mpf(skin.corneum_resistance_ohm(AREA_M2)), mp.mpf(skin.body_resistance_ohm)
+        a, b = c_i * r_b * r_s * c_s, c_i * r_b + r_s * (c_i + c_s)
+        if a == 0:
+            terms = [(c_i * r_s / b, 1 / b)]
+        else:
+            root = mp.sqrt(b**2 - 4 * a)
+            terms = [(c_i * r_s / root, (b - root) / (2 * a)), (-c_i * r_s / root, (b + root) / (2 * a))]
+        slopes = np.diff(values_v) / np.diff(times_s)
+        kinks = zip(times_s, np.diff(slopes, prepend=0.0), strict=False)
+        total = sum(
+            kink * gain * (1 - mp.exp(-rate * (mp.mpf(t_s) - mp.mpf(start)))) / rate
+            for start, kink in kinks
+            for gain, rate in terms
+            if t_s > start
+        )
+        return float(total)
+
+
+def test_a_sine_against_solve_ivp() -> None:
+    skin = Skin(body_resistance_ohm=1e4)
+    tone = Pieces(np.zeros(1), 0.02, np.zeros(1), np.zeros(1), np.array([240.0]), np.array([[-100j]]))
+    c_i, c_s = skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2)
+    r_s, r_b = skin.corneum_resistance_ohm(AREA_M2), skin.body_resistance_ohm
+
+    def slope(t: float, v: np.ndarray) -> list[float]:
+        current_a = (100 * np.sin(2 * np.pi * 240 * t) - v[0] - v[1]) / r_b
+        return [current_a / c_i, (current_a - v[1] / r_s) / c_s]
+
+    t_s = np.linspace(0, 0.02, 201)
+    solved = solve_ivp(slope, (0, 0.02), [0, 0], t_eval=t_s, method="Radau", rtol=1e-12, atol=1e-12)
+    found_v = Solution(tone, skin.relaxations(AREA_M2)).at(t_s)
+    np.testing.assert_allclose(found_v, solved.y[1], rtol=0, atol=2e-8)
+
+
+def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep() -> None:
+    skin = Skin(body_resistance_ohm=2e4, gap_m=1e-6)
+    pieces = straight([0, 2e-4, 6e-4, 1e-3], [0, 100, 40, 40])
+    solved = [Solution(pieces, skin.stack.relaxations(i, AREA_M2)) for i in range(3)]
+    r_s = skin.corneum_resistance_ohm(AREA_M2)
+
+    def integral_j(power_w) -> float:
+        return sum(
+            quad(lambda t: float(power_w(t)), low, high, epsabs=1e-16, epsrel=1e-12)[0]
+            for low, high in ((0, 2e-4), (2e-4, 6e-4), (6e-4, 1e-3))
+        )
+
+    given_j = integral_j(lambda t: pieces.at(t) * current_at(t, pieces, skin, AREA_M2))
+    burnt_j = integral_j(lambda t: current_at(t, pieces, skin, AREA_M2) ** 2 * 2e4)
+    leaked_j = integral_j(lambda t: solved[2].at(t) ** 2 / r_s)
+    kept_j = sum(
+        AREA_M2 / layer.elastance_m2_per_f * float(one.at(1e-3)) ** 2 / 2
+        for layer, one in zip(skin.stack.layers, solved, strict=True)
+    )
+    assert burnt_j + leaked_j + kept_j == pytest.approx(given_j, rel=1e-10)
+
+
+def test_charge_of_a_step_and_its_mean_current() -> None:
+    skin = Skin()
+    step_v = np.full(2000, 100.0)
+    charge = charge_c(step_v, rate_hz=1e6, skin=skin, area_m2=AREA_M2)
+    series_f = skin.insulator_capacitance_f(AREA_M2) * (1 - skin.k)
+    assert charge[0] == pytest.approx(100 * series_f, rel=1e-12)
+    assert charge[-1] == pytest.approx(100 * skin.insulator_capacitance_f(AREA_M2), rel=5e-3)
+    current = current_a(step_v, rate_hz=1e6, skin=skin, area_m2=AREA_M2)
+    assert current.sum() / 1e6 == pytest.approx(charge[-1], rel=1e-12)
+
+
+def test_the_current_is_the_slope_of_the_charge() -> None:
+    skin, pieces = Skin(body_resistance_ohm=1e3), straight([0, 1e-3], [0, 100])
+    t_s, h_s = 3e-4, 1e-8
+    charges = charge_at([t_s - h_s, t_s + h_s], pieces, skin, AREA_M2)
+    slope_a = np.diff(charges)[0] / (2 * h_s)
+    assert float(current_at(t_s, pieces, skin, AREA_M2)) == pytest.approx(slope_a, rel=1e-6)
+
+
+def test_periodic_steady_state_of_constant_properties_equals_the_relaxations() -> None:
+    skin = Skin(body_resistance_ohm=1e3)
+    n, period_s = 4096, 1 / 60
+    t_s = np.arange(n) * period_s / n
+    tone_v = 100 * np.sin(2 * np.pi * 60 * t_s) + 30 * np.cos(2 * np.pi * 180 * t_s) + 7.0
+    found_v = periodic_voltages_v(
+        tone_v, n / period_s, skin.stack.layers[::2], resistance_ohm=1e3, area_m2=AREA_M2
+    )
+    h = skin.response([60.0, 180.0], AREA_M2)
+    expected_v = (100 * h[0] * np.exp(2j * np.pi * 60 * t_s)).imag
+    expected_v += (30 * h[1] * np.exp(2j * np.pi * 180 * t_s)).real
+    np.testing.assert_allclose(found_v[1], expected_v, atol=1e-10)
+    assert found_v[0].mean() == pytest.approx(7.0, rel=1e-12)
+
+
+def test_a_table_of_constant_properties_is_a_plain_layer() -> None:
+    table = DispersiveLayer(200e-6, (1.0, 1e6), (1000.0, 1000.0), (2e4, 2e4))
+    f_hz = [0.0, 1.0, 60.0, 1e7]
+    plain = shares(f_hz, (GLASS, Layer(200e-6, 1000.0, 2e4)))
+    np.testing.assert_allclose(shares(f_hz, (GLASS, table)), plain, rtol=1e-12)
+
+
+def test_constant_voltage_divides_by_resistance_if_all_layers_leak() -> None:
+    found = shares(0.0, (Layer(1e-6, 2.0, 3e6), Layer(1e-6, 5.0, 1e6)))
+    np.testing.assert_allclose(found[:, 0], [0.75, 0.25], rtol=1e-14)
+
+
+def test_step_pieces_reach_the_closed_form() -> None:
+    skin = Skin()
+    solved = Solution(Step(duration_s=0.1, onset_s=0.01).pieces(40.0), skin.relaxations(AREA_M2))
+    assert float(solved.at(0.01 + skin.tau_s)) == pytest.approx(100 * skin.k / np.e, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Layer(-1e-6), "Layer.thickness_m: found -1e-06, expected a finite number, at least 0"),
+        (
+            lambda: Layer(1e-6, resistivity_ohm_m=-1.0),
+            "Layer.resistivity_ohm_m: found -1.0, expected a number, at least 0 (inf: lossless)",
+        ),
+        (
+            lambda: Stack((Layer(0.0),)),
+            "Stack.layers: found none that can hold a voltage, expected a layer of thickness and "
+            "resistivity above 0",
+        ),
+        (
+            lambda: DispersiveLayer(1e-4, (1.0, 1.0), (1.0, 1.0), (1.0, 1.0)),
+            "DispersiveLayer.frequencies_hz: found (1.0, 1.0), expected ascending numbers",
+        ),
+        (
+            lambda: DispersiveLayer(1e-4, (1.0, 2.0), (1.0,), (1.0, 1.0)),
+            "DispersiveLayer.permittivities: found [1.0], expected 2 numbers above 0",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
