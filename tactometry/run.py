@@ -13,10 +13,59 @@ Course = Generator[Request, Any, T]
 
 
 class Keeper(Protocol):
-    """Where requests and answers are kept; `entries` holds those of an earlier sitting."""
+    """Where requests and answers are kept; `replay` holds those of an earlier sitting."""
 
     @property
-    def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
+    def replay(self) -> Replay: ...
+
+    def append(self, request: Request, answer: object) -> None: ...
+
+    def finish(self) -> None: ...
+
+
+class _Ended(Exception):  # noqa: N818
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+
+def _advance(course: Course[T], answer: object) -> Request:
+    try:
+        return course.send(answer)
+    except StopIteration as stop:
+        raise _Ended(stop.value) from None
+
+
+def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
+    """Drive `course` to its end; what the journal holds already is replayed first, the rest is put to `rig`.
+
+    Each answer is in the journal before the next request is put. The rig is closed whatever happens.
+
+    Raises
+    ------
+    Diverged
+        If the course does not ask what the journal recorded.
+    """
+    recorded = journal.replay
+    try:
+        request = _advance(course, None)
+        while recorded.n_left:
+            request = _advance(course, request.put_to(recorded))
+        if recorded.n_trials:
+            rig.resume(recorded.n_trials, recorded.elapsed_s)
+        while True:
+            answer = request.put_to(rig)
+            journal.append(request, answer)
+            request = _advance(course, answer)
+    except _Ended as end:
+        recorded.refuse_rest()
+        journal.finish()
+        value: T = end.value  # type: ignore[assignment]
+        return value
+    finally:
+        rig.close()
+
+
+def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
     """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
 
     Raises
