@@ -50,8 +50,9 @@ class Oscillators:
         """|omega^2 - 1/tau^2|^(1/2) as a product: the damped frequency, or half the distance of the two
         rates.
         """
-        difference = np.abs(self.omega_rad_per_s - self.decay_per_s)
-        return np.asarray(np.sqrt(difference) * np.sqrt(self.omega_rad_per_s + self.decay_per_s))
+        omega, decay = self.omega_rad_per_s, self.decay_per_s
+        larger = np.maximum(np.maximum(omega, decay), np.finfo(float).tiny)
+        return np.asarray(larger * np.sqrt(np.abs(omega - decay) / larger * ((omega + decay) / larger)))
 
     def impulse(self, rate_hz: float, start: int, stop: int, quantity: str = "displacement") -> FloatArray:
         """(n, stop - start): the response at samples start..stop-1 to a unit impulse at sample 0.
@@ -111,7 +112,7 @@ def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_
     phase = product / rate_hz
     back, back_low = _two_product(phase, np.float64(rate_hz))
     phase_low = ((product - back) - back_low + product_low) / rate_hz
-    return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low))
+    return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low - phase_low**2 / 2))
 
 
 def _two_product(a: FloatArray, b: NDArray[np.floating] | np.float64) -> tuple[FloatArray, FloatArray]:

@@ -44,9 +44,10 @@ class Modes(Protocol):
         """
 
     def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
-        """(..., n_x, n_y): the sum of (..., n_modes) amplitudes times shapes on a grid, by matrix
-        products.
-        """
+        """(..., n_x, n_y): (..., n_modes) amplitudes times shapes on a grid, by matrix products."""
+
+    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
 
 
 def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:

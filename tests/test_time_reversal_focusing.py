@@ -1,0 +1,276 @@
+"""Focusing: the identities, several foci, windows, hard places, the field and the movie."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.field import field, grid, modal_amplitudes, modal_history, movie
+from tactometry.stimuli.time_reversal.focusing import (
+    drive,
+    emitted,
+    focus_amplitude,
+    focus_amplitudes,
+    reversed_waveform,
+)
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.spectrum import (
+    Band,
+    Butterworth,
+    Hold,
+    Measured,
+    band_limited,
+    inaudible,
+    through,
+)
+from tactometry.stimuli.time_reversal.transducer import PointForce, border
+
+FOCUS = (0.12, 0.09)
+F_MAX_HZ = 25e3
+TIMING = {"rate_hz": 100e3, "duration_s": 8e-3, "f_max_hz": F_MAX_HZ}
+
+
+@pytest.fixture(scope="module")
+def learnt() -> Responses:
+    return impulse_responses(A4_PROTOTYPE, [FOCUS, (0.2, 0.15), (0.05, 0.04)], **TIMING)
+
+
+some_responses = arrays(float, (1, 3, 20), elements=st.floats(-1, 1, width=32)).filter(
+    lambda h: bool(h.any())
+)
+
+
+@given(some_responses)
+def test_one_bit_focus_is_voltage_times_the_sum_of_absolute_responses(samples):
+    h = Responses(samples, 1e3)
+    found = focus_amplitude(drive(h, 30.0, OneBit()), h)
+    assert found == pytest.approx(30.0 * np.abs(samples).sum(), rel=1e-13)
+
+
+@given(some_responses)
+def test_analogue_focus_is_voltage_times_gain_times_the_energy(samples):
+    h = Responses(samples, 1e3)
+    found = focus_amplitude(drive(h, 30.0, Analogue()), h)
+    gain = 1 / np.abs(samples).max()
+    assert found == pytest.approx(30.0 * gain * (samples**2).sum(), rel=1e-12)
+
+
+@given(some_responses, st.integers(0, 2**32 - 1))
+def test_no_drive_within_the_voltage_beats_one_bit(samples, seed):
+    h = Responses(samples, 1e3)
+    other = np.random.default_rng(seed).uniform(-30, 30, (3, 20))
+    assert focus_amplitude(Signal(other, 1e3, "V"), h) <= focus_amplitude(drive(h, 30.0), h) * (1 + 1e-12)
+
+
+def test_the_focus_comes_at_the_last_sample_of_the_drive(learnt):
+    signal = drive(learnt.at_point(0), 30.0, reversal_s=6e-3)
+    u = emitted(signal, learnt)
+    assert np.argmax(np.abs(u[0])) == 599
+    assert u[0, 599] == pytest.approx(focus_amplitude(signal, learnt), rel=1e-12)
+
+
+@pytest.mark.parametrize("quantiser", [OneBit(), Analogue()])
+def test_identities_hold_on_the_model(learnt, quantiser):
+    h = learnt.at_point(0)
+    u = focus_amplitude(drive(h, 30.0, quantiser), h)
+    samples = h.samples
+    gain = 1 / np.abs(samples).max()
+    expected = np.abs(samples).sum() if isinstance(quantiser, OneBit) else gain * (samples**2).sum()
+    assert u == pytest.approx(30 * expected, rel=1e-13)
+
+
+def test_focus_is_far_larger_than_elsewhere(learnt):
+    signal = drive(learnt.at_point(0), 30.0)
+    u = np.abs(focus_amplitudes(signal, learnt))
+    assert u[0] > 6 * u[1:].max()
+
+
+def test_two_foci_have_their_weights_and_signs(learnt):
+    two = Responses(learnt.samples[:2], learnt.rate_hz)
+    signal = drive(two, 30.0, Analogue(), weights=[1.0, -0.5])
+    u = focus_amplitudes(signal, two)
+    alone = [np.sum(two.samples[i] ** 2) for i in (0, 1)]
+    assert u[1] / u[0] == pytest.approx(-0.5 * alone[1] / alone[0], abs=0.1)
+
+
+def test_p_foci_share_the_amplitude_as_one_over_root_p():
+    """1 bit, random foci: A_1 / sqrt(P) within 7 % on average over foci."""
+    rng = np.random.default_rng()
+    places = [(float(x), float(y)) for x, y in rng.uniform((0.04, 0.04), (0.257, 0.17), (8, 2))]
+    h = impulse_responses(A4_PROTOTYPE, places, rate_hz=150e3, duration_s=7e-3, f_max_hz=40e3)
+    alone = np.mean([focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(8)])
+    together = np.mean(focus_amplitudes(drive(h, 30.0), h))
+    assert together / alone == pytest.approx(1 / math.sqrt(8), rel=0.15)
+
+
+def test_two_foci_a_tenth_of_a_millimetre_apart_are_one_focus():
+    h = impulse_responses(A4_PROTOTYPE, [FOCUS, (FOCUS[0] + 1e-4, FOCUS[1])], **TIMING)
+    u = focus_amplitudes(drive(h, 30.0), h)
+    one = focus_amplitude(drive(h.at_point(0), 30.0), h)
+    assert u == pytest.approx([one, one], rel=2e-3)
+
+
+def test_analogue_amplitude_grows_with_reversal_as_theory_says(learnt):
+    """1 - exp(-T/tau) for 1 bit and 1 - exp(-2T/tau) for analogue at a fixed gain."""
+    screen = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(3e-3))
+    places = [FOCUS, (0.07, 0.05), (0.2, 0.14), (0.15, 0.06)]
+    h = impulse_responses(screen, places, rate_hz=150e3, duration_s=24e-3, f_max_hz=60e3)
+    for t in (1.5e-3, 3e-3, 6e-3):
+        n = round(t * 150e3)
+        one_bit = np.abs(h.samples[:, :, :n]).sum() / np.abs(h.samples).sum()
+        analogue = (h.samples[:, :, :n] ** 2).sum() / (h.samples**2).sum()
+        assert one_bit == pytest.approx((1 - math.exp(-t / 3e-3)) / (1 - math.exp(-8)), abs=0.02)
+        assert analogue == pytest.approx(1 - math.exp(-2 * t / 3e-3), abs=0.02)
+
+
+def test_window_multiplies_the_learnt_response(learnt):
+    window = np.linspace(1, 0, learnt.n_samples)
+    found = reversed_waveform(learnt.at_point(0), window=window)
+    assert found == pytest.approx((learnt.samples[0] * window)[:, ::-1], rel=1e-15)
+
+
+def test_no_reversal_and_one_sample(learnt):
+    h = learnt.at_point(0)
+    nothing = drive(h, 30.0, reversal_s=0.0)
+    assert nothing.samples.shape == (32, 0)
+    assert focus_amplitude(nothing, h) == 0.0
+    assert not emitted(nothing, h).any()
+    shifted = Responses(h.samples[:, :, 50:], h.rate_hz)
+    one = drive(shifted, 30.0, reversal_s=1 / h.rate_hz)
+    assert focus_amplitude(one, shifted) == pytest.approx(30 * np.abs(h.samples[0, :, 50]).sum(), rel=1e-13)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.1), (0.297, 0.21)])
+def test_focus_on_a_held_edge_or_corner_is_refused(place):
+    h = impulse_responses(A4_PROTOTYPE, [place], **TIMING)
+    with pytest.raises(InvalidParameter, match="foci: found responses that are zero everywhere"):
+        drive(h, 30.0)
+
+
+def test_focus_on_the_edge_and_the_corner_of_a_free_plate():
+    plate = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, "FFFF")
+    screen = Screen(plate, tuple(border(plate, 8)), Attenuation(3e-3))
+    h = impulse_responses(screen, [(0.0, 0.1), (0.297, 0.21)], rate_hz=50e3, duration_s=6e-3, f_max_hz=10e3)
+    for i in (0, 1):
+        assert focus_amplitude(drive(h.at_point(i), 30.0), h, i) > 0
+
+
+def test_focus_on_a_node_line_uses_the_other_modes():
+    h = impulse_responses(A4_PROTOTYPE, [(0.1485, 0.105)], **TIMING)
+    signal = drive(h, 30.0)
+    u = emitted(signal, h)[0]
+    assert np.argmax(np.abs(u)) == h.n_samples - 1
+
+
+def test_ten_seconds_of_reversal_keep_the_identity():
+    """T of 10 s is 1e6 samples; the identity still holds to 1e-12."""
+    screen = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(4.0))
+    h = impulse_responses(screen, [FOCUS], rate_hz=100e3, duration_s=10.0, f_max_hz=400.0)
+    assert h.n_samples == 1_000_000
+    assert focus_amplitude(drive(h, 1.0), h) == pytest.approx(math.fsum(np.abs(h.samples[0, 0])), rel=1e-12)
+
+
+def test_field_at_the_focus_is_the_amplitude_and_its_peak(learnt):
+    signal = drive(learnt.at_point(0), 30.0)
+    x, y = np.linspace(0, 0.297, 100), np.linspace(0, 0.21, 71)
+    u = field(A4_PROTOTYPE, signal, learnt.n_samples - 1, (x, y), F_MAX_HZ)
+    peak = np.unravel_index(np.argmax(u), u.shape)
+    assert (x[peak[0]], y[peak[1]]) == pytest.approx(FOCUS, abs=3.1e-3)
+    there = field(A4_PROTOTYPE, signal, learnt.n_samples - 1, (np.array([0.12]), np.array([0.09])), F_MAX_HZ)
+    assert there[0, 0] == pytest.approx(focus_amplitude(signal, learnt), rel=1e-12)
+
+
+@pytest.mark.parametrize("boundary", ["SSSS", "FFFF"])
+def test_matrix_product_field_is_the_sum_over_modes(boundary):
+    from tactometry.stimuli.time_reversal.modes import values
+
+    modes = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary).modes(8e3)
+    amplitude = np.random.default_rng().normal(size=(2, len(modes.frequency_hz)))
+    x, y = np.linspace(0, 0.297, 13), np.linspace(0, 0.21, 9)
+    summed = amplitude @ values(modes, np.repeat(x, 9), np.tile(y, 13))
+    assert modes.field(amplitude, x, y) == pytest.approx(
+        summed.reshape(2, 13, 9), abs=1e-12 * np.abs(summed).max()
+    )
+
+
+def test_movie_meets_the_matrix_product_during_and_after_the_drive(learnt):
+    signal = drive(learnt.at_point(0), 30.0)
+    instants = [10, 400, 799, 900]
+    history = modal_history(A4_PROTOTYPE, signal, instants, F_MAX_HZ)
+    for column, sample in zip(history.T, instants, strict=True):
+        expected = modal_amplitudes(A4_PROTOTYPE, signal, sample, F_MAX_HZ)
+        assert column == pytest.approx(expected, abs=1e-11 * np.abs(history).max())
+    frames = list(movie(A4_PROTOTYPE, signal, instants, grid(A4_PROTOTYPE, 20, 15), F_MAX_HZ))
+    assert len(frames) == 4
+    assert np.abs(frames[2]).max() > 0
+
+
+def test_band_limited_responses_have_nothing_outside(learnt):
+    band = Band(2e3, 20e3, 500.0)
+    filtered = band_limited(learnt, band)
+    power = np.abs(np.fft.rfft(filtered.samples[0, 0] * np.hanning(filtered.n_samples))) ** 2
+    f = np.fft.rfftfreq(filtered.n_samples, 1 / filtered.rate_hz)
+    assert power[(f < 1.5e3) | (f > 20.5e3)].max() < 1e-4 * power.max()
+
+
+def test_audible_filter_costs_hardly_any_amplitude_and_drops_the_audible_part(learnt):
+    h = impulse_responses(A4_PROTOTYPE, [FOCUS], rate_hz=200e3, duration_s=7e-3, f_max_hz=60e3)
+    quiet = inaudible(h, 20e3)
+    f = np.fft.rfftfreq(h.n_samples, 1 / h.rate_hz)
+    audible = f < 18e3
+    before, after = (np.abs(np.fft.rfft(r.samples[0])) ** 2 for r in (h, quiet))
+    assert after[:, audible].sum() < 1e-3 * before[:, audible].sum()
+
+
+def test_amplifier_responses():
+    f = np.array([0.0, 1e3, 1e4])
+    assert np.abs(Butterworth(1e3, 3).at(f)) == pytest.approx([1, math.sqrt(0.5), 1 / math.sqrt(1 + 10**6)])
+    assert Measured((0.0, 2e3), (1.0, 3.0 + 2j)).at(f) == pytest.approx([1.0, 2.0 + 1j, 3.0 + 2j])
+    assert np.abs(Hold(1e4).at(f)) == pytest.approx([1.0, np.sinc(0.1), 0.0], abs=1e-15)
+    impulse = Responses(np.eye(1, 64)[None], 1e5)
+    assert through(impulse, Butterworth(2e3)).samples.sum() == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda h: Band(5e3, 5e3), "Band: found 5000.0 to 5000.0 Hz, which is empty"),
+        (
+            lambda h: band_limited(h, Band(1e3, 60e3)),
+            "Band.f_max_hz: found 60000.0, above the Nyquist frequency 50000.0",
+        ),
+        (lambda h: drive(h, 0.0), "voltage_v: found 0.0"),
+        (
+            lambda h: drive(h, 30.0, reversal_s=0.1),
+            "reversal_s: found 0.1, longer than the responses of 0.008 s",
+        ),
+        (
+            lambda h: drive(h, 30.0, reversal_s=-1.0),
+            "reversal_s: found -1.0, expected a finite time, at least 0",
+        ),
+        (lambda h: drive(h, 30.0, weights=[1.0]), "weights: found [1.0], expected 3 finite numbers"),
+        (lambda h: drive(h, 30.0, window=np.ones(3)), "window: found shape (3,), expected (800,)"),
+        (
+            lambda h: focus_amplitude(Signal(np.ones((2, 5)), 100e3, "V"), h),
+            "signal: found 2 channels at 100000.0 Hz",
+        ),
+        (
+            lambda h: drive(Responses(np.zeros((1, 2, 9)), 1e3), 30.0),
+            "foci: found responses that are zero everywhere",
+        ),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(learnt, call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call(learnt)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)

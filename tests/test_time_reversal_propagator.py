@@ -1,0 +1,82 @@
+"""Exact steps of the modes under a force that is linear between samples, against 40-digit arithmetic."""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import expm as mp_expm
+from mpmath import matrix, mp, mpf
+
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
+from tactometry.stimuli.time_reversal.propagator import linear_input, run_impulses, run_linear, transition
+
+STEP_S = 1e-5
+CASES = {
+    "mid band": (1.5e5, 285.7),
+    "omega h = pi": (math.pi / STEP_S, 100.0),
+    "omega h = 30": (30 / STEP_S, 100.0),
+    "no loss": (1.5e5, 0.0),
+    "critical": (1e4, 1e4),
+    "next to critical": (1e4, 1e4 * (1 + 1e-9)),
+    "ten times overdamped": (1e4, 1e5),
+    "tau of 1 ns": (1.5e5, 1e9),
+    "omega h = 1e-9": (1e-9 / STEP_S, 0.0),
+    "rigid": (0.0, 0.0),
+    "rigid with loss": (0.0, 300.0),
+}
+
+
+def exact_step(omega: float, decay: float) -> np.ndarray:
+    """(2, 4): state and force weights of one step from the exponential in 40 digits."""
+    mp.dps = 60
+    w, a, h = mpf(omega), mpf(decay), mpf(STEP_S)
+    generator = matrix([[0, h, 0, 0], [-w * w * h, -2 * a * h, h, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+    whole = mp_expm(generator, method="taylor")
+    rows = [[whole[i, 0], whole[i, 1], whole[i, 2] - whole[i, 3], whole[i, 3]] for i in (0, 1)]
+    return np.array([[float(v) for v in row] for row in rows])
+
+
+@pytest.mark.parametrize("case", [name for name in CASES if name != "tau of 1 ns"])
+def test_one_step_is_exact(case):
+    omega, decay = CASES[case]
+    one = Oscillators(np.array([omega]), np.array([decay]))
+    found = np.concatenate([transition(one, STEP_S)[0], linear_input(one, STEP_S)[0]], axis=1)
+    expected = exact_step(omega, decay)
+    speed = max(omega, 1 / STEP_S)
+    unit = np.array([[1, 1 / speed, STEP_S**2, STEP_S**2], [speed, 1, STEP_S, STEP_S]])
+    assert np.abs((found - expected) / unit).max() < 1e-12
+
+
+def test_tau_of_a_nanosecond_follows_the_force_quasi_statically():
+    omega, decay = CASES["tau of 1 ns"]
+    one = Oscillators(np.array([omega]), np.array([decay]))
+    q = run_linear(one, np.ones((1, 400)), 1 / STEP_S)[0]
+    slow = omega**2 / (2 * decay)
+    expected = (1 - np.exp(-slow * STEP_S * np.arange(400))) / omega**2
+    assert q == pytest.approx(expected, abs=1e-9 * expected.max() + 1e-3 * STEP_S**2 / (decay * STEP_S))
+
+
+def test_impulses_reproduce_the_impulse_response():
+    modes = Oscillators(np.array([0.0, 1e3, 1e5, 1e4]), np.array([300.0, 5e3, 300.0, 1e4]))
+    impulses = np.zeros((4, 300))
+    impulses[:, 0] = 1.0
+    found = run_impulses(modes, impulses, 1e5, np.arange(300))
+    expected = modes.impulse(1e5, 0, 300)
+    assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+
+
+def test_a_constant_force_ends_at_the_static_deflection():
+    modes = Oscillators(np.array([1e4, 3e4]), np.array([2e3, 2e3]))
+    q = run_linear(modes, np.ones((2, 5000)), 1e5)
+    assert q[:, -1] == pytest.approx(1 / modes.omega_rad_per_s**2, rel=1e-10)
+
+
+def test_a_sine_on_resonance_without_loss_grows_as_the_closed_form():
+    """q'' + w^2 q = sin(w t): q = (sin wt - wt cos wt) / (2 w^2); the piecewise-linear force costs
+    (wh)^2/12.
+    """
+    omega, rate = 2e3, 1e6
+    t = np.arange(20000) / rate
+    q = run_linear(Oscillators(np.array([omega]), np.array([0.0])), np.sin(omega * t)[None], rate)[0]
+    expected = (np.sin(omega * t) - omega * t * np.cos(omega * t)) / (2 * omega**2)
+    assert q == pytest.approx(expected, abs=(omega / rate) ** 2 / 12 * np.abs(expected).max() * 1.1)

@@ -1,0 +1,183 @@
+"""Driving signals: one bit, sigma-delta, pulse width; what theory says of their spectra, and overload."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.stimuli.time_reversal.quantiser import (
+    Analogue,
+    OneBit,
+    PulseWidth,
+    SigmaDelta,
+    transitions_per_s,
+)
+from tactometry.stimuli.time_reversal.sigma_delta import modulate
+
+N = 1 << 16
+
+
+def written_out(u: np.ndarray, order: int) -> np.ndarray:
+    """The difference equations, one sample at a time."""
+    e1 = e2 = 0.0
+    bits = []
+    for sample in u:
+        y = sample - e1 if order == 1 else sample - 2 * e1 + e2
+        bits.append(1.0 if y >= 0 else -1.0)
+        e1, e2 = bits[-1] - y, e1
+    return np.array(bits)
+
+
+def noise(u: np.ndarray, order: int) -> np.ndarray:
+    """Power spectrum of what the modulator adds, mean over channels."""
+    added = (modulate(u, order).bits - u) * np.hanning(u.shape[1])
+    return np.mean(np.abs(np.fft.rfft(added)) ** 2, axis=0)
+
+
+def busy(n_channels: int) -> np.ndarray:
+    """Noise, so that the modulator neither idles nor makes tones."""
+    return np.random.default_rng().uniform(-0.6, 0.6, (n_channels, N))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_modulator_is_its_difference_equations(order):
+    u = np.random.default_rng(1).uniform(-0.7, 0.7, (3, 500))
+    found = modulate(u, order).bits
+    for channel in range(3):
+        assert np.array_equal(found[channel], written_out(u[channel], order))
+
+
+@pytest.mark.parametrize(("order", "slope_db"), [(1, 9.0), (2, 15.0)])
+def test_in_band_noise_falls_by_9_and_15_db_per_octave_of_oversampling(order, slope_db):
+    power = noise(busy(16), order)
+    in_band = [power[1 : N // 2 // osr].sum() for osr in (32, 64, 128)]
+    falls = 10 * np.log10(np.array(in_band[:-1]) / in_band[1:])
+    assert falls == pytest.approx([slope_db, slope_db], abs=2.0)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_noise_is_shaped_as_the_noise_transfer_function(order):
+    """|NTF| = (2 sin(pi f / fs))^L with a white error: the same within 3 dB from band to band."""
+    power = noise(busy(32), order)
+    f = np.arange(power.size) / N
+    error_power = []
+    for low, high in ((0.01, 0.02), (0.03, 0.06), (0.1, 0.2)):
+        part = (f >= low) & (f < high)
+        error_power.append(np.sum(power[part]) / np.sum((2 * np.sin(np.pi * f[part])) ** (2 * order)))
+    assert 10 * math.log10(max(error_power) / min(error_power)) < 3.0
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_bits_carry_the_mean_of_the_signal(order):
+    u = np.full((1, 20000), 0.3)
+    assert modulate(u, order).bits.mean() == pytest.approx(0.3, abs=1e-3)
+
+
+def test_first_order_is_sound_up_to_full_scale():
+    stream = modulate(np.random.default_rng(2).choice([-1.0, 1.0], (4, 20000)), 1)
+    assert stream.peak_state <= 2.0
+    assert not stream.overloaded
+
+
+def test_second_order_at_full_scale_is_detected_and_not_emitted():
+    sine = np.sin(2 * np.pi * 0.002 * np.arange(20000))[None]
+    assert modulate(sine, 2).overloaded
+    with pytest.raises(LimitExceeded, match=r"overloads; lower scale to 0.7 or less; nothing is emitted"):
+        SigmaDelta(order=2, scale=1.0).quantise(sine, 1e6)
+
+
+def test_second_order_diverges_on_a_dc_of_1_01_and_says_so():
+    stream = modulate(np.full((1, 100_000), 1.01), 2)
+    assert stream.overloaded
+    assert stream.peak_state > 1e6
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-9, 0.7))
+def test_second_order_stays_sound_up_to_0_7(seed, peak):
+    u = np.random.default_rng(seed).uniform(-peak, peak, (2, 2000))
+    assert not modulate(u, 2).overloaded
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_sigma_delta_of_1e_9_is_finite_and_has_no_mean(order):
+    stream = modulate(1e-9 * np.sin(0.01 * np.arange(20000))[None], order)
+    assert set(np.unique(stream.bits)) == {-1.0, 1.0}
+    assert abs(stream.bits.mean()) < 1e-3
+    assert not stream.overloaded
+
+
+def test_rice_transition_rates():
+    """Flat Gaussian noise in a band: 29.5 k/s for 1-25 kHz and 83.3 k/s for 20-60 kHz within 3 %."""
+    rate, n = 1e6, 1 << 20
+    f = np.fft.rfftfreq(n, 1 / rate)
+    for low, high, expected in ((1e3, 25e3, 29.5e3), (20e3, 60e3, 83.3e3)):
+        rng = np.random.default_rng()
+        spectrum = np.where(
+            (f >= low) & (f <= high), rng.normal(size=f.size) + 1j * rng.normal(size=f.size), 0
+        )
+        bits = OneBit().quantise(np.fft.irfft(spectrum)[None], rate)
+        assert transitions_per_s(bits, rate)[0] == pytest.approx(expected, rel=0.03)
+
+
+def test_bussgang_share_of_one_bit():
+    """Of the power of the sign of Gaussian noise, 2/pi is the wanted linear part."""
+    x = np.random.default_rng().normal(size=400_000)
+    bits = OneBit().quantise(x[None], 1.0)[0]
+    share = np.mean(bits * x) ** 2 / np.mean(x**2)
+    assert share == pytest.approx(2 / math.pi, abs=4.0 * math.sqrt(2 / 400_000) * 2)
+
+
+def test_arcsine_law_of_one_bit():
+    rng = np.random.default_rng()
+    a, b = rng.normal(size=(2, 400_000))
+    y = 0.6 * a + 0.8 * b
+    found = np.mean(OneBit().quantise(a[None], 1.0) * OneBit().quantise(y[None], 1.0))
+    assert found == pytest.approx(2 / math.pi * math.asin(0.6), abs=4 / math.sqrt(400_000))
+
+
+def test_zero_is_plus_one():
+    assert OneBit().quantise(np.array([[0.0, -0.0, -1e-300]]), 1.0).tolist() == [[1.0, 1.0, -1.0]]
+
+
+def test_pulse_width_puts_its_carrier_on_one_line_and_sigma_delta_spreads_it():
+    rate, n = 1e6, 1 << 14
+    sine = np.sin(2 * np.pi * 3e3 * np.arange(n) / rate)[None]
+    spectra = {
+        name: np.abs(np.fft.rfft(q.quantise(sine, rate)[0] * np.hanning(n))) / n * 4
+        for name, q in (("pwm", PulseWidth(100e3, 0.5)), ("sdm", SigmaDelta(2, 0.5)))
+    }
+    f = np.fft.rfftfreq(n, 1 / rate)
+    around = np.abs(f - 100e3) < 2e3
+    assert spectra["pwm"][around].max() > 0.5
+    assert spectra["sdm"][around].max() < 0.1
+    tone = np.abs(f - 3e3) < 200
+    for spectrum in spectra.values():
+        assert spectrum[tone].max() == pytest.approx(0.5, rel=0.15), "a Hann window scallops by 15 %"
+
+
+def test_analogue_gains():
+    wave = np.array([[1.0, -2.0], [4.0, 0.0]])
+    assert Analogue().quantise(wave, 1.0).tolist() == [[0.25, -0.5], [1.0, 0.0]]
+    assert Analogue(per_channel=True).quantise(wave, 1.0).tolist() == [[0.5, -1.0], [1.0, 0.0]]
+    assert not Analogue().quantise(np.zeros((2, 3)), 1.0).any()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: SigmaDelta(order=3), "SigmaDelta.order: found 3, expected 1 or 2"),
+        (lambda: PulseWidth(0.0), "PulseWidth.carrier_hz: found 0.0"),
+        (
+            lambda: PulseWidth(3e5).quantise(np.ones((1, 4)), 1e6),
+            "PulseWidth.carrier_hz: found 300000.0, expected at most",
+        ),
+        (lambda: modulate(np.array([[np.nan]]), 1), "signal[0, 0]: found nan"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value).startswith(message)
