@@ -1,0 +1,51 @@
+"""CPU time of `tactometry --help`, beside a bare interpreter and one that imports pandas.
+
+Interleaved, one warm-up each; CPU time is user plus system time of the child. The limit is 0.3 s.
+"""
+
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+RUNS = 15
+LIMIT_S = 0.3
+COMMANDS = {
+    "tactometry --help": [str(Path(sys.executable).with_name("tactometry")), "--help"],
+    "python -c pass": [sys.executable, "-c", "pass"],
+    "python -c 'import pandas'": [sys.executable, "-c", "import pandas"],
+}
+
+
+def cpu_s(command: list[str]) -> float:
+    """User and system time (s) of a child that must succeed."""
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise SystemExit(f"{' '.join(command)}: exit status {child.returncode}")
+    return usage.ru_utime + usage.ru_stime
+
+
+def measured() -> dict[str, list[float]]:
+    """CPU times (s) of each command, interleaved."""
+    for command in COMMANDS.values():
+        cpu_s(command)
+    rounds = [{name: cpu_s(command) for name, command in COMMANDS.items()} for _ in range(RUNS)]
+    return {name: [each[name] for each in rounds] for name in COMMANDS}
+
+
+def main() -> None:
+    times = measured()
+    reference = statistics.median(times["tactometry --help"])
+    print(f"Python {sys.version.split()[0]}, {os.cpu_count()} cores, {RUNS} runs each, limit {LIMIT_S} s")
+    for name, each in times.items():
+        median = statistics.median(each)
+        spread = f"min {min(each):.3f}  max {max(each):.3f}"
+        print(f"{name:26} median {median:.3f} s  {spread}  ratio {median / reference:.2f}")
+    print("within the limit" if reference < LIMIT_S else "ABOVE THE LIMIT")
+
+
+if __name__ == "__main__":
+    main()
