@@ -99,7 +99,11 @@ def _trials_files(root: Path) -> Iterator[Defect]:
     stems = {path.stem for path in sessions(root)}
     for file in _csv_files(root):
         if not CSV_NAME.fullmatch(file.name):
-            yield Defect(f"data/{file.name}", None, "found a name that Psych-DS forbids, expected key-value_..._data.csv")
+            yield Defect(
+                f"data/{file.name}",
+                None,
+                "found a name that Psych-DS forbids, expected key-value_..._data.csv",
+            )
         if file.stem.removesuffix("_data") not in stems:
             yield Defect(f"data/{file.name}", None, "found no journal of this session, expected one in journals/")
         yield from defects(_content(file), f"data/{file.name}")

@@ -85,7 +85,11 @@ class Experiment:
     def _block(self, cell: Mapping[str, float | str], rng: np.random.Generator) -> Block:
         condition = next(condition for condition in self.conditions if condition.factors == cell)
         return Block(
-            condition, self.task, _shuffled(self.procedure, rng), self.study.task.catch_rate, self.study.task.n_attempts
+            condition,
+            self.task,
+            _shuffled(self.procedure, rng),
+            self.study.task.catch_rate,
+            self.study.task.n_attempts,
         )
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:

@@ -85,9 +85,7 @@ def _delivered(outcome: Outcome) -> float | None:
     return None if outcome.stimulus is None else outcome.stimulus.level_delivered
 
 
-def _attempts(
-    block: Block, number: int, trial: int, level: float | None, rng: np.random.Generator
-) -> Course[Outcome]:
+def _attempts(block: Block, number: int, trial: int, level: float | None, rng: np.random.Generator) -> Course[Outcome]:
     shown = Presentation(block.condition.stimulus, level, block.condition.touch)
     outcome = Outcome((), None)
     for attempt in range(1, block.n_attempts + 1):
@@ -98,9 +96,7 @@ def _attempts(
     return outcome
 
 
-def trial_row(
-    block: Block, number: int, trial: int, level: float | None, outcome: Outcome, attempt: int
-) -> Trial:
+def trial_row(block: Block, number: int, trial: int, level: float | None, outcome: Outcome, attempt: int) -> Trial:
     """The row of one attempt."""
     felt, choice, condition = outcome.stimulus or outcome.touches[0], outcome.choice, block.condition
     return Trial(
@@ -130,8 +126,10 @@ def trial_row(
 
 
 def session(blocks: Sequence[Block], rng: np.random.Generator) -> Course[tuple[Track, ...]]:
-    """All blocks in their order, with a page before each, one at the start and one at the end."""
+    """All blocks in their order, with a page before each, the tasks' instructions first, and a last page."""
     yield Show("welcome", {"n_blocks": len(blocks)})
+    for name in dict.fromkeys(block.task.name for block in blocks):
+        yield Show(f"instructions_{name}")
     tracks: list[Track] = []
     trial = 1
     for number, block in enumerate(blocks, 1):

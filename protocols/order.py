@@ -44,9 +44,7 @@ def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[st
     if number < 1:
         raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
     names = [*outer_first, *(name for name in factors if name not in outer_first)]
-    return [
-        {name: cell[name] for name in factors} for cell in _nested(factors, names, set(outer_first), number - 1)
-    ]
+    return [{name: cell[name] for name in factors} for cell in _nested(factors, names, set(outer_first), number - 1)]
 
 
 def _nested(

@@ -133,7 +133,10 @@ class Staircase:
             return replace(self, _asked=level)
         turned = self._direction == -direction
         told = replace(
-            self, reversals=(*self.reversals, level) if turned else self.reversals, _direction=direction, _run=0
+            self,
+            reversals=(*self.reversals, level) if turned else self.reversals,
+            _direction=direction,
+            _run=0,
         )
         wanted = level + direction * told.step
         pinned = level >= self.high if direction > 0 else level <= self.low

@@ -17,9 +17,7 @@ def _check(touch: object, names: tuple[str, ...]) -> None:
     for name in names:
         value = getattr(touch, name)
         if not 0 < value < float("inf"):
-            raise InvalidParameter(
-                f"{type(touch).__name__}.{name}: found {value}, expected a finite number above 0"
-            )
+            raise InvalidParameter(f"{type(touch).__name__}.{name}: found {value}, expected a finite number above 0")
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,14 @@ class Pressing:
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(
-            stimulus, level, self.duration_s, self.force_n, self.tolerance, self.hold_s, self.timeout_s, interval
+            stimulus,
+            level,
+            self.duration_s,
+            self.force_n,
+            self.tolerance,
+            self.hold_s,
+            self.timeout_s,
+            interval,
         )
 
 

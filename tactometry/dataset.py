@@ -155,7 +155,10 @@ def prepare(root: Path, design: Design) -> None:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceFailed(f"{root}: cannot make the folder ({error.strerror}), expected room and permission") from None
-    for name, content in (("study.toml", design.study_toml), ("dataset_description.json", description_json(design))):
+    for name, content in (
+        ("study.toml", design.study_toml),
+        ("dataset_description.json", description_json(design)),
+    ):
         path = root / name
         if not path.exists():
             write_atomically(path, content)

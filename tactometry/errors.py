@@ -1,4 +1,4 @@
-"""What can go wrong, by the guilty party. Every message says where, what was found, what was expected, how to mend it."""
+"""What can go wrong, by the guilty party. A message says where, what was found, what was expected, how to mend it."""
 
 import difflib
 from collections.abc import Iterable

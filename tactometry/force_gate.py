@@ -52,16 +52,12 @@ class ForceGate:
     def __post_init__(self) -> None:
         _above_zero("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
         if not 0 <= self.hold_s < math.inf:
-            raise InvalidParameter(
-                f"ForceGate.hold_s: found {self.hold_s}, expected a finite number, at least 0"
-            )
+            raise InvalidParameter(f"ForceGate.hold_s: found {self.hold_s}, expected a finite number, at least 0")
 
     @property
     def open(self) -> bool:
         """Whether the hold that reaches to the last sample is long enough."""
-        return (
-            self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
-        )
+        return self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
 
     def holds(self, force_n: float) -> bool:
         """Whether a force (N) is in the band; a NaN is not."""
@@ -129,9 +125,7 @@ def compliance(
     return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
 
 
-def _running_mean(
-    times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float
-) -> NDArray[np.float64]:
+def _running_mean(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)
@@ -144,16 +138,13 @@ def _trace(times_s: ArrayLike, forces_n: ArrayLike) -> tuple[NDArray[np.float64]
     times, forces = np.asarray(times_s, dtype=np.float64), np.asarray(forces_n, dtype=np.float64)
     if times.ndim != 1 or times.shape != forces.shape or times.size == 0:
         raise InvalidParameter(
-            f"compliance: found {times.shape} stamps and {forces.shape} forces, "
-            "expected as many of both, at least one"
+            f"compliance: found {times.shape} stamps and {forces.shape} forces, expected as many of both, at least one"
         )
     for name, values in (("times_s", times), ("forces_n", forces)):
         _all_finite(name, values)
     if np.any(np.diff(times) < 0):
         k = int(np.argmax(np.diff(times) < 0)) + 1
-        raise InvalidParameter(
-            f"compliance.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected no step back"
-        )
+        raise InvalidParameter(f"compliance.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected no step back")
     return times, forces
 
 

@@ -248,9 +248,7 @@ class PsychometricFunction:
         shape, x = SHAPES[self.shape], _levels(level)
         if shape.on_log_levels:
             if not (x > 0).all():
-                raise InvalidParameter(
-                    f"level: found {level}, expected levels above 0 for the shape {self.shape!r}"
-                )
+                raise InvalidParameter(f"level: found {level}, expected levels above 0 for the shape {self.shape!r}")
             distance = np.log(x) - np.log(self.threshold)
         else:
             distance = x - self.threshold
@@ -266,9 +264,7 @@ class PsychometricFunction:
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), self.guess_rate, self.lapse_rate)
 
 
-def log_mixture(
-    log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike
-) -> tuple[Array, Array]:
+def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike) -> tuple[Array, Array]:
     """log psi and log(1 - psi) from log S and log(1 - S); all broadcast.
 
     >>> yes, no = log_mixture(np.array(-1e4), np.array(0.0), 0.0, 0.0)

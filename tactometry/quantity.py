@@ -5,8 +5,30 @@ from collections.abc import Mapping
 
 from tactometry.errors import InvalidParameter, nearest
 
-_PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
-_SI = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "a": "A", "m": "m", "pa": "Pa", "kg": "kg", "ohm": "ohm", "m2": "m2"}
+_PREFIXES = {
+    "n": 1e-9,
+    "u": 1e-6,
+    "µ": 1e-6,
+    "μ": 1e-6,
+    "m": 1e-3,
+    "c": 1e-2,
+    "": 1.0,
+    "k": 1e3,
+    "M": 1e6,
+    "G": 1e9,
+}
+_SI = {
+    "hz": "Hz",
+    "n": "N",
+    "s": "s",
+    "v": "V",
+    "a": "A",
+    "m": "m",
+    "pa": "Pa",
+    "kg": "kg",
+    "ohm": "ohm",
+    "m2": "m2",
+}
 _COMPOUND = {
     "m_per_s": ("m/s", {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2}),
     "kg_per_m3": ("kg/m3", {"kg/m3": 1.0, "g/cm3": 1e3}),
@@ -49,11 +71,11 @@ def si(text: str, suffix: str, where: str) -> float:
     """
     symbol, known = units(suffix)
     match = _NUMBER.fullmatch(text)
-    unit = match and (match[2] or "")
+    unit = (match[2] or "") if match else ""
     if match is None or unit not in known:
         raise InvalidParameter(
             f"{where}: found {text!r}, expected a number in {symbol} or a string such as '1 {symbol}' "
-            f"(one of {', '.join(known)}){nearest(unit or '', known)}"
+            f"(one of {', '.join(known)}){nearest(unit, known)}"
         )
     return float(match[1]) * known[unit]
 
@@ -62,7 +84,7 @@ def as_si(value: object, path: str) -> object:
     """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value."""
     if isinstance(value, dict):
         return {key: as_si(item, f"{path}.{key}" if path else str(key)) for key, item in value.items()}
-    suffix = unit_suffix(path.rsplit(".", 1)[-1].split("[")[0])
+    suffix = unit_suffix(path.rpartition(".")[2].partition("[")[0])
     if isinstance(value, list):
         return [as_si(item, f"{path}[{n}]") for n, item in enumerate(value)]
     if isinstance(value, str) and suffix is not None:

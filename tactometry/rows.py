@@ -127,14 +127,10 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
         if rule is not None and not empty and not rule.holds(text):
             yield Defect(file, number, f"column {name!r}: found {text!r}, expected {rule.words}")
     if row.get("catch") == "1" and row.get("level"):
-        yield Defect(
-            file, number, f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
-        )
+        yield Defect(file, number, f"column 'level': found {row['level']!r} in a catch trial, expected nothing")
 
 
-def _doubled(
-    row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int
-) -> Iterator[Defect]:
+def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
     key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
     if key in seen:
         yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once")

@@ -52,7 +52,8 @@ class Signal:
 
     @property
     def duration_s(self) -> float:
-        return self.samples.shape[1] / self.rate_hz
+        n_samples: int = self.samples.shape[1]
+        return n_samples / self.rate_hz
 
     @property
     def peak(self) -> float:

@@ -20,7 +20,10 @@ COMMANDS = {
     "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
     "simulate": ("tactometry.cli.simulate:command", "Run a study with simulated participants."),
     "replay": ("tactometry.cli.replay:command", "Feed recorded answers back; name the first divergence."),
-    "validate": ("tactometry.cli.validate:command", "Is this a sound data set? Every defect, with file and row."),
+    "validate": (
+        "tactometry.cli.validate:command",
+        "Is this a sound data set? Every defect, with file and row.",
+    ),
     "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
 }
 

@@ -36,7 +36,9 @@ def command(
     from tactometry.experiments.study import load
 
     if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
-        raise InvalidParameter(f"--jobs: found {n_jobs}, expected at least 1, or -1 for all cores; or --scheduler alone")
+        raise InvalidParameter(
+            f"--jobs: found {n_jobs}, expected at least 1, or -1 for all cores; or --scheduler alone"
+        )
     _, content = load(study)
     simulation = Simulation(content, study, out, n_participants, seed, resume)
     sessions = simulate(simulation, n_jobs=n_jobs, scheduler=scheduler)

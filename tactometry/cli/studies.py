@@ -36,4 +36,8 @@ def new(study: str, out: Path | None, *, as_json: bool) -> None:
         raise InvalidFile(f"{path}: found a file, expected none to overwrite; give another --out") from None
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
-    say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)}, as_json=as_json)
+    say(
+        f"wrote {path}; run it with: tactometry run {path} --participant P01",
+        {"file": str(path)},
+        as_json=as_json,
+    )

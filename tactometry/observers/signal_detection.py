@@ -68,7 +68,7 @@ class SignalDetectionObserver:
     def d_prime(self, sensation_db: float) -> float:
         """The distance between stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
         exponent = self.exponent * (sensation_db + self.sensitivity_db) / 20
-        return min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6)
+        return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
         """Whether a stimulus is reported as felt."""

@@ -25,6 +25,7 @@ from tactometry.request import (
     Touched,
     Wait,
 )
+from tactometry.rigs.texts import Texts
 from tactometry.signal import Signal, Stimulus
 
 
@@ -39,7 +40,7 @@ class Console:
         self,
         bank: Mapping[str, Stimulus],
         limits: Limits,
-        texts: Mapping[str, str],
+        texts: Texts,
         source: TextIO = sys.stdin,
         output: TextIO = sys.stdout,
     ) -> None:
@@ -120,8 +121,9 @@ class Console:
         return Touched(self._now_s(), request.level, None if signal is None else signal.digest())
 
     def choose(self, request: Choose) -> Chosen:
-        words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, request.labels, strict=True))
-        question = self._texts.get(request.question, request.question)
+        labels = map(self._texts.label, request.labels)
+        words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
+        question = self._texts.message(request.question)
         prompt = f"[trial {self._n_trials + 1}] {question} ({words}):"
         option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request))
         assert isinstance(option, int)
@@ -144,8 +146,7 @@ class Console:
         return Done(self._now_s())
 
     def show(self, request: Show) -> Done:
-        values = ", ".join(f"{name} {value}" for name, value in request.values.items())
-        self._say(self._texts.get(request.message, request.message) + (f" [{values}]" if values else ""))
+        self._say(self._texts.message(request.message, request.values).strip())
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:

@@ -1,0 +1,136 @@
+"""`tactometry run`."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.experiments.bench_file import BenchFile
+    from tactometry.experiments.recording import Recorded, RigKind, Who
+    from tactometry.experiments.wiring import Experiment
+
+
+@click.command(name="run", epilog="Example: tactometry run tutorial --participant P01 --rig console --out pilot")
+@click.argument("study")
+@click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
+@click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
+@click.option("--rig", type=click.Choice(["bench", "console", "simulated"]), default="bench", show_default=True)
+@click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
+@click.option("--seed", type=click.IntRange(min=0), help="Default: a new one, which the journal keeps.")
+@click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
+@click.option("--out", type=click.Path(path_type=Path), help="The data set; default: STUDY's name and -data.")
+@click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
+@click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
+@json_option
+def command(
+    study: str,
+    participant: str,
+    n_session: int,
+    rig: str,
+    number: int | None,
+    seed: int | None,
+    bench_path: Path | None,
+    out: Path | None,
+    *,
+    resume: bool,
+    dry_run: bool,
+    as_json: bool,
+) -> None:
+    """Run a session of STUDY (a built-in name or a path)."""
+    from tactometry.dataset import Session
+    from tactometry.experiments.bench_file import load_bench
+    from tactometry.experiments.recording import Who, record
+    from tactometry.experiments.study import load
+    from tactometry.experiments.wiring import wire
+
+    numbers, content = load(study)
+    experiment = wire(numbers, study)
+    who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
+    bench = load_bench(bench_path)
+    if dry_run:
+        _print_plan(experiment, who, as_json=as_json)
+        return
+    root = out or Path(f"{numbers.name}-data")
+    recorded = record(experiment, content, root, who, RIGS[rig](experiment, who, bench), resume=resume)
+    _report(root, recorded, as_json=as_json)
+
+
+def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.experiments.recording import RigKind
+    from tactometry.rigs.bench import open_bench
+
+    del who
+    screen, study = bench.screen, experiment.study
+    return RigKind(
+        "bench",
+        lambda seed: open_bench(
+            experiment.bank,
+            bench.limits_with(study.limits),
+            study.texts,
+            language=screen.language,
+            fullscreen=screen.fullscreen,
+            size=(screen.width_px, screen.height_px),
+            display_height_m=screen.height_m,
+        ),
+    )
+
+
+def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.experiments.recording import RigKind
+    from tactometry.rigs.console import Console
+    from tactometry.rigs.texts import texts_in
+
+    del who
+    texts = texts_in(bench.screen.language, experiment.study.texts)
+    limits = bench.limits_with(experiment.study.limits)
+    return RigKind("console", lambda seed: Console(experiment.bank, limits, texts))
+
+
+def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.experiments.recording import simulated
+
+    del bench
+    return simulated(experiment, who)
+
+
+RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
+    "bench": _bench,
+    "console": _console,
+    "simulated": _simulated,
+}
+
+
+def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
+    from tactometry.dataset import cell
+    from tactometry.experiments.planning import duration_s, plan
+
+    blocks = plan(experiment, who.counterbalancing_number)
+    minutes = duration_s(experiment, blocks) / 60
+    rows = [
+        f"{block.block:>5}  {', '.join(f'{name} {cell(level)}' for name, level in block.factors.items())}"
+        f"  ({block.procedure}, at most {block.n_trials_at_most} trials)"
+        for block in blocks
+    ]
+    text = "\n".join(["block", *rows, f"at most {minutes:.0f} minutes"])
+    say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}, as_json=as_json)
+
+
+def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> None:
+    if recorded.repaired:
+        click.echo(recorded.repaired, err=True)
+    endings = [track.ended for track in recorded.tracks]
+    counts = {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
+    ended = ", ".join(f"{n} {ending}" for ending, n in counts.items())
+    text = f"{recorded.trials}: {recorded.n_trials} trials; blocks ended: {ended}; next: tactometry analyse {root}"
+    result = {
+        "data_set": str(root),
+        "trials_file": str(recorded.trials),
+        "trials": recorded.n_trials,
+        "ended": counts,
+    }
+    say(text, result, as_json=as_json)
