@@ -56,18 +56,13 @@ def lint(source: str) -> str:
 
 
 @pytest.mark.parametrize("room", ROOMS)
-@pytest.mark.parametrize(
-    "form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"]
-)
+@pytest.mark.parametrize("form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"])
 def test_the_linter_refuses_a_bare_room(room: str, form: str) -> None:
     assert f"`{room}" in lint(form.format(room) + "\n")
 
 
 def test_the_linter_takes_a_room_under_the_one_name() -> None:
-    assert (
-        lint("import tactometry.stimuli\nfrom tactometry.analysis import threshold\n")
-        == "All checks passed!\n"
-    )
+    assert lint("import tactometry.stimuli\nfrom tactometry.analysis import threshold\n") == "All checks passed!\n"
 
 
 # --- contracts
@@ -79,9 +74,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("tree")
     shutil.copy(ROOT / "pyproject.toml", place)
     for folder in FOLDERS:
-        shutil.copytree(
-            ROOT / folder, place / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__")
-        )
+        shutil.copytree(ROOT / folder, place / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
     return place
 
 
@@ -159,9 +152,7 @@ def test_help_loads_nothing_heavy() -> None:
 
 # --- what a commit may not hold
 
-INDEX = "|".join(
-    ("py" + "pi", "python" + "hosted", "ana" + "conda", "npm" + "js", "art" + "ifactory", "nexus")
-)
+INDEX = "|".join(("py" + "pi", "python" + "hosted", "ana" + "conda", "npm" + "js", "art" + "ifactory", "nexus"))
 FORBIDDEN = {
     "the host of a package index": re.compile(
         rf"(?:https?:)?//[^\s/\"']*(?:{INDEX})[^\s\"']*|--(?:extra-)?index-url[ =]+\w+:", re.I
@@ -175,9 +166,7 @@ FORBIDDEN = {
 def committed() -> list[Path]:
     if not (ROOT / ".git").exists() or not shutil.which("git"):
         pytest.skip("not a git checkout")
-    listed = subprocess.run(
-        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
-    ).stdout
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     return [ROOT / name for name in listed.split("\0") if name and (ROOT / name).is_file()]
 
 

@@ -14,7 +14,7 @@ WORDS = """
 acceleration amplitude angle area attenuation bandwidth capacitance carrier charge conductance
 current cutoff delay density depth diameter displacement distance duration energy force frequency
 gap impedance impulse inductance jitter latency length mass modulus moment offset onset period
-permittivity phase position power pressure radius rate resistance resistivity rigidity speed
+phase position power pressure radius rate resistance resistivity rigidity speed
 stiffness stress tau temperature tension thickness time timeout torque velocity viscosity voltage
 volume wavelength width
 """
@@ -22,7 +22,7 @@ QUANTITIES = frozenset(WORDS.split())
 UNIT = r"(?:s|hz|n|v|a|m|kg|pa|ohm|f|c|w|j|k|rad|cd|t|[sm][234]|v2|hz2|n2)"
 RATIO = r"(?:ratio|factor|exponent|fraction|cv|coefficient|gain|index)"
 SUFFIX = re.compile(
-    rf"_(?:{UNIT}(?:_{UNIT})*(?:_per(?:_{UNIT})+)*|per(?:_{UNIT})+|(?:db|dba)(?:_re_\w+)?|{RATIO})$"
+    rf"_(?:{UNIT}(?:_{UNIT})*(?:_per(?:_{UNIT})+)*|per(?:_{UNIT})+|(?:db|dba)(?:_re_\w+)?|{RATIO})(?:_at)?$"
 )
 PREFIXED = re.compile(r"_(?:ms|us|khz|mhz|mm|um|nm|cm|mn|kn|kv|mv|ma|kpa|mpa|gpa|g|mg|deg|percent)$")
 
@@ -32,11 +32,15 @@ BARE = {
     "catch_rate": "a share of trials",
     "force_in_band": "a share of samples; the pinned name of a column",
     "width": "of a psychometric function, in the unit of its level; a pinned name",
-    "amplitudes": "of the components of a record, in the unit of the record",
-    "phase": "a position in a cycle, 0 to 1",
+    "width_low": "the lower bound of that width",
+    "width_high": "the upper bound of that width",
     "z_width": "of a standard shape: a number",
-    "corneum_permittivity": "relative: a ratio",
-    "insulator_permittivity": "relative: a ratio",
+    "amplitudes": "of the components of a record, in the unit of the record",
+    "focus_amplitude": "in the unit of the responses",
+    "focus_amplitudes": "in the unit of the responses",
+    "phase": "a position in a cycle, 0 to 1",
+    "phases": "positions in a cycle, 0 to 1",
+    "width_in": "of a figure, in inches, which matplotlib takes",
 }
 DRAWN = ("tactometry/rigs/layout.py", "tactometry/rigs/page.py", "tactometry/rigs/window.py")
 ON_SCREEN = frozenset(("width", "length", "radius", "position"))  # PsychoPy's unit: heights of the window
@@ -55,9 +59,7 @@ def holds_float(annotation: ast.expr | None) -> bool:
 
 
 def arguments(function: ast.FunctionDef) -> Iterator[str]:
-    yield from (
-        arg.arg for arg in (*function.args.args, *function.args.kwonlyargs) if holds_float(arg.annotation)
-    )
+    yield from (arg.arg for arg in (*function.args.args, *function.args.kwonlyargs) if holds_float(arg.annotation))
 
 
 def float_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
@@ -68,9 +70,7 @@ def float_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
             if holds_float(node.returns):
                 yield node.lineno, node.name
         if isinstance(node, ast.ClassDef):
-            fields = (
-                part for part in node.body if isinstance(part, ast.AnnAssign) and holds_float(part.annotation)
-            )
+            fields = (part for part in node.body if isinstance(part, ast.AnnAssign) and holds_float(part.annotation))
             yield from ((part.lineno, part.target.id) for part in fields if isinstance(part.target, ast.Name))
 
 
@@ -82,9 +82,7 @@ def stems(name: str) -> set[str]:
 def lacks_unit(name: str, bare: frozenset[str]) -> bool:
     if name in BARE or name.startswith("n_"):
         return False
-    return bool(PREFIXED.search(name)) or (
-        not SUFFIX.search(name) and bool((QUANTITIES - bare) & stems(name))
-    )
+    return bool(PREFIXED.search(name)) or (not SUFFIX.search(name) and bool((QUANTITIES - bare) & stems(name)))
 
 
 def offences(source: str, bare: frozenset[str] = frozenset()) -> list[str]:

@@ -21,9 +21,7 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("stimuli", "protocols", "analysis", "experiments")
-KEPT = {
-    name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))
-}
+KEPT = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))}
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} for version in ("3.11", "3.12")]
@@ -33,9 +31,7 @@ def files(folder: Path) -> set[str]:
     """What a package folder holds, links to other rooms and what Python writes left out."""
     found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     own = (path for path in found if not any((folder / part).is_symlink() for part in (path, *path.parents)))
-    return {
-        path.as_posix() for path in own if "__pycache__" not in path.parts and not path.name.startswith(".")
-    }
+    return {path.as_posix() for path in own if "__pycache__" not in path.parts and not path.name.startswith(".")}
 
 
 def tree() -> set[str]:
@@ -44,9 +40,7 @@ def tree() -> set[str]:
 
 
 def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=280
-    )
+    return subprocess.run(command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=280)
 
 
 def done(result: "subprocess.CompletedProcess[str]") -> str:
@@ -79,9 +73,7 @@ def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     if SOAK:
         done(run(*install, "--constraint", ROOT / "constraints.txt", wheel, cwd=place))
     else:
-        (site,) = (
-            place.glob("lib/python*/site-packages") if os.name != "nt" else [place / "Lib" / "site-packages"]
-        )
+        (site,) = place.glob("lib/python*/site-packages") if os.name != "nt" else [place / "Lib" / "site-packages"]
         (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
         done(run(*install, "--no-deps", wheel, cwd=place))
     return scripts
@@ -92,9 +84,7 @@ def foreign(tmp_path: Path) -> Path:
     """A lab's folder, whose own packages bear the names of our rooms."""
     for room in (*ROOMS, "benchmarks"):
         (tmp_path / room).mkdir()
-        (tmp_path / room / "__init__.py").write_text(
-            "raise RuntimeError('the lab has its own')\n", encoding="utf-8"
-        )
+        (tmp_path / room / "__init__.py").write_text("raise RuntimeError('the lab has its own')\n", encoding="utf-8")
     return tmp_path
 
 
