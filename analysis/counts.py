@@ -56,10 +56,7 @@ def checked(
     InvalidParameter
         Naming the row (and the data set) of the first value that cannot be used.
     """
-    x, k, n = (
-        _numbers(name, v)
-        for name, v in (("levels", levels), ("n_correct", n_correct), ("n_trials", n_trials))
-    )
+    x, k, n = (_numbers(name, v) for name, v in (("levels", levels), ("n_correct", n_correct), ("n_trials", n_trials)))
     try:
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
@@ -69,9 +66,7 @@ def checked(
     if x.ndim != 2:
         raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected (data set, level)")
     used = ~(n == 0)
-    _refuse(
-        "n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more"
-    )
+    _refuse("n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     if positive:
         _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
@@ -94,9 +89,7 @@ def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> 
     if bad.any():
         dataset, row = np.argwhere(bad)[0]
         where = f"{name}, row {row}" + (f" of data set {dataset}" if values.shape[0] > 1 else "")
-        raise InvalidParameter(
-            f"{where}: found {values[dataset, row]:g}, expected {expected} (rows count from 0)"
-        )
+        raise InvalidParameter(f"{where}: found {values[dataset, row]:g}, expected {expected} (rows count from 0)")
 
 
 def normalised(x: Array, k: Array, n: Array) -> Counts:

@@ -86,17 +86,11 @@ def _bootstrap_one(
 ) -> Array:
     same = np.zeros(n_resamples, dtype=np.int64)
     chance = np.exp(log_chances(shape, counts.u[0], theta)[0])
-    drawn = rng.binomial(
-        counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance))
-    )
+    drawn = rng.binomial(counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
     alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
     resampled = counts[same].with_yes(drawn.astype(np.float64))
     start = np.broadcast_to(theta, (n_resamples, len(theta)))
-    refits = find_mode(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[
-        :, THRESHOLD
-    ]
-    below = (np.sum(refits < theta[THRESHOLD]) + 0.5 * np.sum(refits == theta[THRESHOLD]) + 0.5) / (
-        n_resamples + 1
-    )
+    refits = find_mode(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
+    below = (np.sum(refits < theta[THRESHOLD]) + 0.5 * np.sum(refits == theta[THRESHOLD]) + 0.5) / (n_resamples + 1)
     tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
     return np.asarray(np.quantile(refits, ndtr(2 * ndtri(below) + tails)))

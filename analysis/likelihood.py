@@ -25,9 +25,7 @@ def weighted(count: Array, log_chance: Array) -> Array:
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
     """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
     z = _z(shape, u, theta)
-    return log_mixture(
-        shape.log_cdf(z), shape.log_sf(z), theta[..., LAPSE + 1, None], theta[..., LAPSE, None]
-    )
+    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., LAPSE + 1, None], theta[..., LAPSE, None])
 
 
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
@@ -62,9 +60,7 @@ class Expansion:
     hessian: Array
 
     def __add__(self, other: "Expansion") -> "Expansion":
-        return Expansion(
-            self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian
-        )
+        return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
 
 
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:

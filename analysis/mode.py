@@ -72,13 +72,9 @@ def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = 
         there = _expand(shape, sets, prior[open_sets], trial)
         better = there.value >= here.value
         theta[open_sets[better]] = trial[better]
-        damping[open_sets] = np.where(
-            better, np.maximum(damping[open_sets] / 10, 1e-12), damping[open_sets] * 8
-        )
+        damping[open_sets] = np.where(better, np.maximum(damping[open_sets] / 10, 1e-12), damping[open_sets] * 8)
         here = _chosen(better, there, here)
-        going = (decrement > SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))) & (
-            damping[open_sets] < 1e15
-        )
+        going = (decrement > SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))) & (damping[open_sets] < 1e15)
         open_sets, here = open_sets[going], _part(here, going)
         if not len(open_sets):
             break

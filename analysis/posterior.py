@@ -142,9 +142,7 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
         return total + _log_prior_grid(prior, axes)
 
 
-def _both(
-    log_cdf: Array, log_sf: Array, guess: Array, lapse: Array, k: float, n: float
-) -> tuple[Array, Array]:
+def _both(log_cdf: Array, log_sf: Array, guess: Array, lapse: Array, k: float, n: float) -> tuple[Array, Array]:
     """log psi and log(1 - psi) on the grid.
 
     On its way through the linear scale a chance loses nothing that matters here: it is a sum of positive parts, and
@@ -186,9 +184,7 @@ def _marginals_of_one(
         if place in prior.free:
             weights = np.polynomial.legendre.leggauss(FINAL_NODES[place])[1]
             mass *= weights.reshape([-1 if j == place else 1 for j in range(N_PARAMETERS)])
-    along = [
-        mass.sum(axis=tuple(j for j in range(N_PARAMETERS) if j != place)) for place in range(N_PARAMETERS)
-    ]
+    along = [mass.sum(axis=tuple(j for j in range(N_PARAMETERS) if j != place)) for place in range(N_PARAMETERS)]
     nodes = [np.exp(axis) if place == LOG_WIDTH else axis for place, axis in enumerate(axes)]
     mean = np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)])
     ends = np.array([(1 - interval) / 2, (1 + interval) / 2])

@@ -135,7 +135,5 @@ def _width(v: Array, gap: Array) -> tuple[Array, Array, Array]:
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
     at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
-    value, by_w, by_ww = (
-        np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True)
-    )
+    value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
     return value, by_w * w, by_ww * w * w + by_w * w

@@ -135,9 +135,7 @@ def fit(
     """
     x = np.asarray(levels)
     if x.ndim > 1:
-        raise InvalidParameter(
-            f"levels: found {x.ndim} dimensions, expected one; stacks of data sets go to fit_many"
-        )
+        raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected one; stacks of data sets go to fit_many")
     return fit_many(
         np.atleast_1d(x)[None],
         np.atleast_1d(np.asarray(n_correct))[None],
@@ -201,9 +199,9 @@ def _check_options(
         if rate is not None and not 0 <= rate < 1:
             raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
     largest = 0.5
-    if (largest if guess_rate is None else guess_rate) + (
-        largest if lapse_rate is None else lapse_rate
-    ) > 1 or ((guess_rate or 0) + (lapse_rate or 0) >= 1):
+    if (largest if guess_rate is None else guess_rate) + (largest if lapse_rate is None else lapse_rate) > 1 or (
+        (guess_rate or 0) + (lapse_rate or 0) >= 1
+    ):
         raise InvalidParameter(
             f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
             "(a free rate may reach 0.5)"
@@ -215,9 +213,7 @@ def _check_options(
     if not 0 < interval < 1:
         raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
     if method == "bootstrap" and rng is None:
-        raise InvalidParameter(
-            "rng: found None, expected a numpy.random.Generator for the method 'bootstrap'"
-        )
+        raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")
 
 
 def _catch(values: ArrayLike, n_sets: int) -> Array:
@@ -267,9 +263,7 @@ class _Fitting:
     def _estimates(self, own: Mode) -> _Estimates:
         theta = own.theta.copy()
         theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])
-        deviance = 2 * (
-            saturated_log_likelihood(self.counts) - log_likelihood(self.curve, self.counts, own.theta)
-        )
+        deviance = 2 * (saturated_log_likelihood(self.counts) - log_likelihood(self.curve, self.counts, own.theta))
         z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
         threshold = own.theta[:, [THRESHOLD]] + z * own.threshold_sd[:, None]
         log_width_sd = np.sqrt(own.covariance[:, LOG_WIDTH, LOG_WIDTH])[:, None]
@@ -337,8 +331,7 @@ class _Fitting:
             return True
         inside = abs(float(estimates.theta[i, THRESHOLD])) <= 0.5
         return inside and (
-            status == Status.NON_MONOTONE
-            or (status == Status.TOO_FEW_LEVELS and bool(self.counts.n_levels[i] > 1))
+            status == Status.NON_MONOTONE or (status == Status.TOO_FEW_LEVELS and bool(self.counts.n_levels[i] > 1))
         )
 
     def _level(self, i: int, u: float) -> float | None:

@@ -1,0 +1,202 @@
+"""Each participant in each condition: counts per level, then a threshold, or an equality point and a difference."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.special import ndtri
+
+from tactometry.analysis.table import Trials, used_rows
+from tactometry.analysis.threshold import ThresholdFit, fit_many
+from tactometry.errors import InvalidFile
+from tactometry.psychometric import SHAPES
+
+FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
+SHAPE = "normal"
+JND_PER_SD = float(ndtri(0.75))
+"""The just noticeable difference over the standard deviation of the normal function: 0.6745."""
+UNIT = "level_unit"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Answers of one participant in one condition: `levels`, `n_yes`, `n_trials` of equal length.
+
+    `n_yes` counts "yes", correct, or "more" answers. Catch trials stand apart.
+    """
+
+    participant: str
+    condition: tuple[float | str, ...]
+    task: str
+    levels: tuple[float, ...]
+    n_yes: tuple[int, ...]
+    n_trials: tuple[int, ...]
+    n_catch: int
+    n_false_alarms: int
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A cell with its fit."""
+
+    cell: Cell
+    fit: ThresholdFit
+
+
+def level_unit(trials: Trials) -> str:
+    """The one unit of the levels; empty if the table names none.
+
+    Raises
+    ------
+    InvalidFile
+        If there is more than one.
+    """
+    if UNIT not in trials.rows.columns:
+        return ""
+    rows = trials.rows[trials.rows["task"].isin(FITTED_TASKS) & (trials.rows[UNIT] != "")]
+    units = rows[UNIT].unique()
+    if len(units) > 1:
+        other = rows[rows[UNIT] == units[1]].iloc[0]
+        raise InvalidFile(
+            f"{other['source']}, row {other['row']}, column 'level_unit': found {units[1]!r}, expected {units[0]!r} "
+            "as before; analyse levels of different units apart"
+        )
+    return str(units[0]) if len(units) else ""
+
+
+def cells(trials: Trials) -> list[Cell]:
+    """The cells of all psychophysical trials, ordered by participant, condition and task."""
+    rows = used_rows(trials)
+    rows = rows[rows["task"].isin(FITTED_TASKS)]
+    rows = rows.assign(yes=_yes(rows), is_catch=_is_catch(rows), x=_delivered(rows))
+    rows = rows[rows["yes"].notna()]
+    keys = ["participant", *trials.factors, "task"]
+    return [_cell(key, part, len(trials.factors)) for key, part in rows.groupby(keys, sort=True, observed=True)]
+
+
+def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
+    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
+    answer = pd.to_numeric(rows["response"], errors="coerce")
+    correct = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
+    if "target" in rows.columns:
+        right = (answer == rows["target"]).astype(float).where(rows["target"].notna())
+        correct = correct.fillna(right)
+    return answer.where(rows["task"] != "forced_choice", correct)
+
+
+def _is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
+    return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
+
+
+def _delivered(rows: pd.DataFrame) -> "pd.Series[float]":
+    """The level that was delivered where that is known, else the one that was asked for."""
+    if "level_delivered" not in rows.columns:
+        return rows["level"]
+    return rows["level_delivered"].fillna(rows["level"])
+
+
+def _cell(key: tuple[float | str, ...], part: pd.DataFrame, n_factors: int) -> Cell:
+    catch = part["is_catch"].to_numpy()
+    felt = part[~catch]
+    counts = felt.groupby("x")["yes"].agg(["sum", "count"])
+    return Cell(
+        participant=str(key[0]),
+        condition=tuple(key[1 : 1 + n_factors]),
+        task=str(key[-1]),
+        levels=tuple(float(x) for x in counts.index),
+        n_yes=tuple(int(k) for k in counts["sum"]),
+        n_trials=tuple(int(n) for n in counts["count"]),
+        n_catch=int(catch.sum()),
+        n_false_alarms=int(part["yes"].to_numpy()[catch].sum()),
+    )
+
+
+def n_alternatives(trials: Trials) -> int:
+    """Alternatives of the forced choice: the largest interval ever chosen or used as target, at least 2."""
+    rows = trials.rows[trials.rows["task"] == "forced_choice"]
+    answers = pd.to_numeric(rows["response"], errors="coerce")
+    largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
+    return max(2, int(largest)) if np.isfinite(largest) else 2
+
+
+def estimates(found: Sequence[Cell], n_choices: int, interval: float = 0.95) -> list[Estimate]:
+    """Fit every cell, those of one task in one batch; in the order of the cells.
+
+    Yes/no: posterior mean, free guess rate under prior and catch trials, lapse rate under its prior. Forced choice: the
+    same with the guess rate 1/m. Comparison: maximum likelihood without guesses and lapses, profile interval.
+    """
+    fits: dict[Cell, ThresholdFit] = {}
+    for task in FITTED_TASKS:
+        chosen = [cell for cell in found if cell.task == task]
+        if chosen:
+            fits |= dict(zip(chosen, _fits(chosen, task, n_choices, interval), strict=True))
+    return [Estimate(cell, fits[cell]) for cell in found]
+
+
+def _fits(chosen: Sequence[Cell], task: str, n_choices: int, interval: float) -> tuple[ThresholdFit, ...]:
+    counts = [_stack([getattr(cell, name) for cell in chosen]) for name in ("levels", "n_yes", "n_trials")]
+    if task == "comparison":
+        return fit_many(*counts, shape=SHAPE, guess_rate=0.0, lapse_rate=0.0, method="profile", interval=interval)
+    is_detection = task == "yes_no"
+    return fit_many(
+        *counts,
+        shape=SHAPE,
+        guess_rate=None if is_detection else 1 / n_choices,
+        interval=interval,
+        n_false_alarms=[cell.n_false_alarms if is_detection else 0 for cell in chosen],
+        n_catch=[cell.n_catch if is_detection else 0 for cell in chosen],
+    )
+
+
+def _stack(rows: Sequence[Sequence[float]]) -> "np.ndarray[tuple[int, int], np.dtype[np.float64]]":
+    """Rows of different lengths, filled up with zeros: no trials there."""
+    stacked = np.zeros((len(rows), max(1, *(len(row) for row in rows)) if rows else 1))
+    for place, row in enumerate(rows):
+        stacked[place, : len(row)] = row
+    return stacked
+
+
+def estimate_table(found: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
+    """One row per participant and condition; empty where the data do not tell.
+
+    `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a comparison, where
+    `jnd` is 0.6745 standard deviations.
+    """
+    return pd.DataFrame([_row(estimate, factors, unit) for estimate in found])
+
+
+def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, object]:
+    cell, fit = estimate.cell, estimate.fit
+    row: dict[str, object] = {"participant": cell.participant}
+    row |= dict(zip(factors, cell.condition, strict=True))
+    row |= {
+        "task": cell.task,
+        "threshold": fit.threshold,
+        "interval_low": fit.interval_low,
+        "interval_high": fit.interval_high,
+        "level_unit": unit,
+        "status": fit.status.value,
+        "width": fit.width,
+        "width_low": fit.width_low,
+        "width_high": fit.width_high,
+        "guess_rate": fit.guess_rate,
+        "lapse_rate": fit.lapse_rate,
+        "n_trials": fit.n_trials,
+        "n_levels": fit.n_levels,
+        "n_catch": cell.n_catch,
+        "n_false_alarms": cell.n_false_alarms,
+        "deviance": fit.deviance,
+        "method": fit.method,
+        "shape": fit.shape,
+        "interval": fit.interval,
+        "note": fit.note,
+    }
+    return row | (_difference(fit) if cell.task == "comparison" else {})
+
+
+def _difference(fit: ThresholdFit) -> dict[str, float | None]:
+    names = {"jnd": fit.width, "jnd_low": fit.width_low, "jnd_high": fit.width_high}
+    scale = JND_PER_SD / SHAPES[SHAPE].z_width
+    scaled = {name: None if width is None else width * scale for name, width in names.items()}
+    return {"pse": fit.threshold, **scaled}

@@ -1,0 +1,87 @@
+"""The largest complete part of a within-participant design that has holes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+MAX_SUBSETS = 200_000
+
+
+@dataclass(frozen=True)
+class SubDesign:
+    """What is kept, and in words what was left out (empty: nothing).
+
+    `table` has a value in every cell of its participants and conditions; `within` names the factors that keep at least
+    two levels.
+    """
+
+    table: pd.DataFrame
+    within: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
+    """Participants and factor levels that are complete together, with as many values as possible.
+
+    Every combination of subsets of levels is tried (of one level each beyond `MAX_SUBSETS`: all levels only); ties go to
+    more participants. None if no two participants share two levels of a factor.
+    """
+    levels = [sorted(table[name].unique()) for name in within]
+    subjects = sorted(table[subject].unique())
+    has = _presence(table, dependent, within, subject, levels, subjects)
+    best: tuple[int, int, int, tuple[tuple[int, ...], ...]] | None = None
+    for chosen in _subsets(levels):
+        if all(len(part) < 2 for part in chosen):
+            continue
+        complete = has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)
+        n_cells = int(np.prod([len(part) for part in chosen]))
+        rank = (int(complete.sum()) * n_cells, int(complete.sum()), n_cells, chosen)
+        if complete.sum() >= 2 and (best is None or rank[:3] > best[:3]):
+            best = rank
+    return None if best is None else _kept(table, within, subject, levels, subjects, has, best[3])
+
+
+def _presence(
+    table: pd.DataFrame,
+    dependent: str,
+    within: Sequence[str],
+    subject: str,
+    levels: Sequence[Sequence[object]],
+    subjects: Sequence[object],
+) -> NDArray[np.bool_]:
+    has = np.zeros((len(subjects), *(len(part) for part in levels)), dtype=bool)
+    present = table[table[dependent].notna()]
+    places = [[subjects.index(code) for code in present[subject]]]
+    places += [[part.index(v) for v in present[name]] for name, part in zip(within, levels, strict=True)]
+    has[tuple(places)] = True
+    return has
+
+
+def _subsets(levels: Sequence[Sequence[object]]) -> "list[tuple[tuple[int, ...], ...]]":
+    each = [[c for r in range(len(part), 0, -1) for c in combinations(range(len(part)), r)] for part in levels]
+    if np.prod([len(part) for part in each], dtype=float) > MAX_SUBSETS:
+        return [tuple(tuple(range(len(part))) for part in levels)]
+    return list(product(*each))
+
+
+def _kept(
+    table: pd.DataFrame,
+    within: Sequence[str],
+    subject: str,
+    levels: Sequence[Sequence[object]],
+    subjects: Sequence[object],
+    has: NDArray[np.bool_],
+    chosen: tuple[tuple[int, ...], ...],
+) -> SubDesign:
+    complete = has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)
+    kept = table[table[subject].isin([code for code, ok in zip(subjects, complete, strict=True) if ok])]
+    left_out = [f"participant {code}" for code, ok in zip(subjects, complete, strict=True) if not ok]
+    for name, part, places in zip(within, levels, chosen, strict=True):
+        kept = kept[kept[name].isin([part[i] for i in places])]
+        left_out += [f"{name} = {part[i]}" for i in range(len(part)) if i not in places]
+    factors = tuple(name for name, places in zip(within, chosen, strict=True) if len(places) > 1)
+    return SubDesign(kept, factors, tuple(left_out))

@@ -1,0 +1,342 @@
+"""Trials tables: found, read and checked, so that all later steps may trust them.
+
+Every refusal is one sentence with the file, the row (the header is row 1) and the column.
+"""
+
+import io
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+
+TASKS = (
+    "yes_no",
+    "forced_choice",
+    "comparison",
+    "same_different",
+    "magnitude",
+    "adjustment",
+    "rating",
+    "localisation",
+    "preference",
+    "measurement",
+)
+REQUIRED = ("participant", "level", "task", "response")
+NUMBERS = (
+    "level",
+    "onset_s",
+    "latency_s",
+    "force_mean_n",
+    "force_sd_n",
+    "force_in_band",
+    "level_delivered",
+    "level_measured",
+    "speed_target_m_per_s",
+    "speed_mean_m_per_s",
+    "standard_level",
+)
+FLAGS = ("correct", "valid", "catch", "practice")
+WHOLE = ("session", "block", "trial", "attempt", "target")
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+EVERYWHERE = ("participant", "session", "study", "block", "trial")
+
+
+@dataclass(frozen=True)
+class Trials:
+    """A checked trials table.
+
+    `rows` has one row per trial, with numbers as float (NaN: not measured) and the columns `source` (file) and `row`.
+    `factors` are the names of the columns that hold conditions. `n_files` files were read from `path`.
+    """
+
+    rows: pd.DataFrame
+    factors: tuple[str, ...]
+    path: Path
+    n_files: int
+
+
+@dataclass(frozen=True)
+class ColumnMap:
+    """How the columns of a foreign table are called, and what it does not say: our name to theirs, or to a value."""
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    constants: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap | None = None) -> Trials:
+    """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
+
+    Factors are the columns between ``trial`` and ``procedure``, or those named by `within`.
+
+    Raises
+    ------
+    InvalidFile
+        If there is nothing to read, or a table is damaged: file, row, column, what was found and expected.
+    InvalidParameter
+        If `within` names a column that is not there.
+    """
+    files = trial_files(path)
+    tables = [_one_file(file, column_map or ColumnMap()) for file in files]
+    headers = [list(table.columns) for table in tables]
+    for file, header in zip(files, headers, strict=True):
+        if header != headers[0]:
+            raise InvalidFile(
+                f"{file}: found other columns than in {files[0].name} ({_difference(header, headers[0])}), expected "
+                "the same; analyse different studies apart"
+            )
+    rows = pd.concat(tables, ignore_index=True)
+    factors = _factors(headers[0], within, path)
+    for name in factors:
+        rows[name] = _factor_values(rows, name)
+    return Trials(rows, factors, path, len(files))
+
+
+def trial_files(path: Path) -> list[Path]:
+    """The trials files of a data set, or the one file that `path` is.
+
+    Raises
+    ------
+    InvalidFile
+        If there is none.
+    """
+    if path.is_file():
+        return [path]
+    if not path.is_dir():
+        raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
+    found = sorted((path / "data").glob("*_data.csv"))
+    if not found:
+        raise InvalidFile(f"{path}: found no data/*_data.csv, expected a data set's folder or a CSV file of trials")
+    return found
+
+
+def _difference(header: list[str], first: list[str]) -> str:
+    odd = sorted(set(header) ^ set(first))
+    return ", ".join(odd) if odd else "in another order"
+
+
+def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
+    raw = _renamed(_raw(file), column_map, file)
+    for name in REQUIRED:
+        if name not in raw.columns:
+            hint = nearest(name, [str(column) for column in raw.columns])
+            raise InvalidFile(f"{file}: found no column {name!r}{hint}; name it with a column map (--columns)")
+    if raw.empty:
+        raise InvalidFile(f"{file}: found no row below the header, expected trials")
+    return _checked(raw, file)
+
+
+def _raw(file: Path) -> pd.DataFrame:
+    """All cells as text, with the number of their row in the column `row`."""
+    text = _text(file)
+    header = text.split("\n", 1)[0].rstrip("\r")
+    separator = "\t" if file.suffix == ".tsv" else ","
+    if separator == "," and "," not in header and (";" in header or "\t" in header):
+        raise InvalidFile(
+            f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
+            "named .tsv with tabs); save it as comma-separated values with decimal points"
+        )
+    try:
+        cells = pd.read_csv(
+            io.StringIO(text),
+            sep=separator,
+            header=None,
+            dtype=str,
+            keep_default_na=False,
+            na_filter=False,
+            skip_blank_lines=False,
+            index_col=False,
+        )
+    except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
+        raise InvalidFile(f"{file}: {_plainly(str(damage))}") from None
+    return _with_header(cells, file)
+
+
+def _text(file: Path) -> str:
+    try:
+        content = file.read_bytes()
+    except OSError as failure:
+        raise InvalidFile(f"{file}: cannot be read ({failure.strerror})") from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as damage:
+        row = content.count(b"\n", 0, damage.start) + 1
+        raise InvalidFile(
+            f"{file}, row {row}: found the byte 0x{content[damage.start]:02x}, expected UTF-8 text; save the table as "
+            "UTF-8"
+        ) from None
+    if "\0" in text:
+        raise InvalidFile(
+            f"{file}, row {text.count(chr(10), 0, text.index(chr(0))) + 1}: found a zero byte, expected text"
+        )
+    if not text.strip():
+        raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
+    return text
+
+
+def _plainly(message: str) -> str:
+    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
+    if found:
+        return f"row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
+    if "EOF inside string" in message:
+        return "found a quotation mark that is never closed, expected it in pairs"
+    return f"found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
+
+
+def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
+    names = [str(name).strip() for name in cells.iloc[0]]
+    for place, name in enumerate(names):
+        if not name:
+            raise InvalidFile(f"{file}, row 1: found no name for column {place + 1}, expected one for each")
+        if name in names[:place]:
+            raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
+    body = cells.iloc[1:].set_axis(names, axis=1)
+    blank = (body == "").all(axis=1) if len(names) > 1 else pd.Series(False, index=body.index)
+    body = body[~blank]
+    return body.assign(row=body.index + 1)
+
+
+def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    for ours, theirs in column_map.columns.items():
+        if theirs not in raw.columns:
+            hint = nearest(theirs, [str(column) for column in raw.columns])
+            raise InvalidFile(f"{file}: found no column {theirs!r}{hint}, which the column map names for {ours!r}")
+        if ours != theirs and ours in raw.columns:
+            raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
+    renamed = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
+    return renamed.assign(**dict(column_map.constants))
+
+
+def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
+    table = raw.assign(source=str(file))
+    _all_match(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
+    _all_match(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
+    for name in (name for name in NUMBERS if name in table.columns):
+        table[name] = _numbers(table, name, file)
+    for name in (name for name in WHOLE if name in table.columns):
+        table[name] = _whole(table, name, file)
+    for name in (name for name in FLAGS if name in table.columns):
+        _all_match(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
+        table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
+    _check_answers(table, file)
+    return table
+
+
+_CODE = "a code of 1 to 32 letters and digits, no name and no path"
+
+
+def _all_match(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
+    wrong = {value for value in table[name].unique() if not holds(value)}
+    if wrong:
+        _refuse(table, name, file, table[name].isin(wrong).to_numpy(), expected)
+
+
+def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str) -> None:
+    """Raise for the first row that is bad."""
+    first = int(np.flatnonzero(bad)[0])
+    found = str(table[name].iloc[first])
+    shown = "nothing" if found in ("", "nan") else repr(found if len(found) <= 40 else found[:40] + "...")
+    raise InvalidFile(f"{file}, row {table['row'].iloc[first]}, column {name!r}: found {shown}, expected {expected}")
+
+
+def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
+    empty = table[name] == ""
+    values = pd.to_numeric(table[name].where(~empty, "nan"), errors="coerce").astype(np.float64)
+    bad = (~np.isfinite(values) & ~empty).to_numpy()
+    if bad.any():
+        comma = re.fullmatch(r"-?\d+,\d+", table[name].to_numpy()[bad][0]) is not None
+        _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
+    return values
+
+
+def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
+    values = _numbers(table, name, file)
+    bad = (values.notna() & ((values != np.floor(values)) | (values < 0))).to_numpy()
+    if bad.any():
+        _refuse(table, name, file, bad, "a whole number from 0")
+    return values
+
+
+def _check_answers(table: pd.DataFrame, file: Path) -> None:
+    binary = table["task"].isin(["yes_no", "comparison"])
+    odd = binary & ~table["response"].isin(["", "0", "1", "0.0", "1.0"])
+    if odd.any():
+        _refuse(table, "response", file, odd.to_numpy(), "1, 0 or nothing in a yes/no or comparison task")
+    choice = table["task"] == "forced_choice"
+    odd = choice & ~table["response"].str.fullmatch(r"|\d{1,3}(\.0)?")
+    if odd.any():
+        _refuse(table, "response", file, odd.to_numpy(), "the number of an interval or nothing in a forced choice")
+    catch = table["catch"] == 1 if "catch" in table.columns else pd.Series(False, index=table.index)
+    lost = (binary | choice) & table["level"].isna() & ~catch
+    if lost.any():
+        _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
+
+
+def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[str, ...]:
+    for name in within:
+        if name not in header:
+            raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, header)}")
+    if within:
+        return tuple(dict.fromkeys(within))
+    if "procedure" not in header or "trial" not in header:
+        raise InvalidFile(
+            f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors between "
+            "'trial' and 'procedure'; name the factors with --within"
+        )
+    return tuple(header[header.index("trial") + 1 : header.index("procedure")])
+
+
+def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
+    """Numbers where every cell is one, else text; an empty cell of a psychophysical trial is refused."""
+    text = rows[name].astype(str)
+    lost = (text == "") & rows["task"].isin(["yes_no", "forced_choice", "comparison"])
+    if lost.any():
+        first = rows[lost].iloc[0]
+        raise InvalidFile(
+            f"{first['source']}, row {first['row']}, column {name!r}: found nothing, expected the factor's value"
+        )
+    numbers = pd.to_numeric(text.where(text != "", "nan"), errors="coerce")
+    return numbers if np.isfinite(numbers[text != ""]).all() else text
+
+
+def used_rows(trials: Trials) -> pd.DataFrame:
+    """The rows that enter a fit: valid, answered, and no practice."""
+    rows = trials.rows
+    used = rows["response"] != ""
+    if "valid" in rows.columns:
+        used &= rows["valid"] != 0
+    if "practice" in rows.columns:
+        used &= rows["practice"] != 1
+    return rows[used]
+
+
+def read_column_map(path: Path) -> ColumnMap:
+    """Read a column map: ``[columns]`` our name = "theirs", ``[constants]`` our name = "value of every row".
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, is no TOML, or holds something else.
+    """
+    import tomllib
+
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as failure:
+        raise InvalidFile(f"{path}: cannot be read ({failure.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
+        raise InvalidFile(f"{path}: found no valid TOML ({damage})") from None
+    for name, part in content.items():
+        if name not in ("columns", "constants") or not isinstance(part, dict):
+            hint = nearest(name, ("columns", "constants"))
+            raise InvalidFile(f"{path}: found {name!r}, expected the tables [columns] and [constants]{hint}")
+        for key, value in part.items():
+            if not isinstance(value, str | int | float) or isinstance(value, bool):
+                raise InvalidFile(f"{path}, {name}.{key}: found {value!r}, expected a text or a number")
+    columns, constants = ({k: str(v) for k, v in content.get(name, {}).items()} for name in ("columns", "constants"))
+    return ColumnMap(columns, constants)

@@ -1,0 +1,164 @@
+"""Sentences of a report, made from the numbers."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.cells import FITTED_TASKS
+from tactometry.analysis.figures import condition_name
+from tactometry.analysis.status import Status
+from tactometry.analysis.table import Trials
+
+PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
+MANY_FALSE_ALARMS = 0.25
+MANY_INVALID = 0.2
+"""Shares above these are warned of; unverified defaults."""
+FEW_TRIALS = 15
+NAMED = 6
+"""So many cells are named one by one."""
+STATUS_WORDS = {
+    Status.BELOW: "have a threshold below their levels: its upper bound is given",
+    Status.ABOVE: "have a threshold above their levels: its lower bound is given",
+    Status.SEPARATED: "change in one step between two levels: the width has an upper bound only",
+    Status.FLAT: "do not rise with the level: no threshold is given",
+    Status.NON_MONOTONE: "fall somewhere with rising level, more than chance explains",
+    Status.TOO_FEW_LEVELS: "have fewer than three levels",
+    Status.NO_DATA: "have no trial with a level",
+}
+
+
+def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
+    """Rows as plain values: None for what is missing."""
+    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def p_text(p: float) -> str:
+    """
+    >>> p_text(0.03141), p_text(1e-9)
+    ('p = .031', 'p < .001')
+    """
+    return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def anova_sentences(anova: pd.DataFrame) -> list[str]:
+    """F, corrected degrees of freedom where a correction exists, p and generalised eta squared for each effect."""
+    return [_anova_sentence(anova, row) for _, row in anova.iterrows() if pd.notna(row["F"])]
+
+
+def _anova_sentence(anova: pd.DataFrame, row: "pd.Series[float]") -> str:
+    first = row["ddof1"] if "ddof1" in anova.columns else row["DF"]
+    second = row["ddof2"] if "ddof2" in anova.columns else anova["DF"].iloc[-1]
+    corrected = first > 1 and pd.notna(row.get("p_GG_corr"))
+    epsilon = float(row["eps"]) if corrected else 1.0
+    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if corrected else f"{first:.0f}, {second:.0f}"
+    p = p_text(float(row["p_GG_corr"] if corrected else row["p_unc"]))
+    how = f" (Greenhouse-Geisser, epsilon = {epsilon:.2f})" if corrected else ""
+    return f"{row['Source']}: F({degrees}) = {row['F']:.2f}, {p}, generalised eta squared = {row['ng2']:.3f}{how}"
+
+
+def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choices: int) -> tuple[str, ...]:
+    """What a reader must know before the numbers."""
+    return (
+        *_status_warnings(table, trials.factors),
+        *_few_trials(table, trials.factors),
+        *_answer_warnings(trials, table, n_choices),
+        *_quality_warnings(quality),
+    )
+
+
+def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    found = []
+    for status, text in STATUS_WORDS.items():
+        part = table[table["status"] == status.value]
+        if len(part):
+            found.append(f"{len(part)} of {len(table)} cells {text} ({_named(part, factors)})")
+    return found
+
+
+def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    part = table[table["n_trials"] < FEW_TRIALS]
+    if not len(part):
+        return []
+    return [
+        f"{len(part)} of {len(table)} cells have fewer than {FEW_TRIALS} trials: their intervals rest on the priors "
+        f"({_named(part, factors)})"
+    ]
+
+
+def _named(part: pd.DataFrame, factors: Sequence[str]) -> str:
+    names = [
+        f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}"
+        for _, row in part.head(NAMED).iterrows()
+    ]
+    more = len(part) - len(names)
+    return "; ".join(names) + (f"; and {more} more" if more else "")
+
+
+def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> list[str]:
+    found = []
+    yes_no = table[table["task"] == "yes_no"]
+    if len(yes_no) and not yes_no["n_catch"].sum():
+        found.append("no catch trials in a yes/no task: the guess rate rests on its prior alone")
+    choice = trials.rows["task"] == "forced_choice"
+    if choice.any() and "target" not in trials.rows.columns:
+        found.append(
+            f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
+        )
+    other = trials.rows[~trials.rows["task"].isin(FITTED_TASKS)]
+    if len(other):
+        tasks = ", ".join(sorted(other["task"].unique()))
+        found.append(f"{len(other)} rows of other tasks are not analysed here ({tasks})")
+    return found
+
+
+def _quality_warnings(quality: pd.DataFrame) -> list[str]:
+    found = []
+    many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
+    if len(many):
+        names = ", ".join(
+            f"{code} {rate:.0%}" for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
+        )
+        found.append(f"more than {MANY_FALSE_ALARMS:.0%} false alarms in catch trials: {names}")
+    invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
+    if len(invalid):
+        found.append(f"more than {MANY_INVALID:.0%} invalid trials: {', '.join(invalid['participant'])}")
+    return found
+
+
+def methods(table: pd.DataFrame, n_choices: int) -> str:
+    """A paragraph for the methods section, with versions."""
+    tasks = set(table["task"])
+    parts = [
+        "In each participant and condition a cumulative normal function of the level with asymptotes for guesses and "
+        "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
+    ]
+    if tasks & {"yes_no", "forced_choice"}:
+        parts.append(
+            "Detection thresholds are posterior means with central 95 % intervals of the marginal posterior under "
+            "psignifit 4's priors (threshold and width from the range and spacing of the levels, lapse rate Beta(1, 10))."
+        )
+    if "yes_no" in tasks:
+        parts.append("The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.")
+    if "forced_choice" in tasks:
+        parts.append(f"The guess rate of forced choices was 1/{n_choices}.")
+    if "comparison" in tasks:
+        parts.append(
+            "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons are "
+            "maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile likelihood's "
+            "95 % interval for the former and Wald's, of the logarithm, for the latter."
+        )
+    parts.append(
+        "Means over participants are given with t-intervals; a condition in which a threshold is censored is given as a "
+        "bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction and generalised eta squared "
+        "(Bakeman 2005)."
+    )
+    parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
+    return " ".join(parts)

@@ -1,0 +1,58 @@
+"""`tactometry analyse`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.analysis.pipeline import Analysis
+
+
+@click.command(
+    name="analyse",
+    epilog="Example: tactometry analyse demo --report demo/report.html",
+)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--report", type=click.Path(path_type=Path), metavar="FILE.html", help="Write a report and its tables.")
+@click.option("--pdf", is_flag=True, help="Print the report to a PDF too.")
+@click.option("--within", default="", metavar="A,B", help="Factors; else the columns between trial and procedure.")
+@click.option(
+    "--columns", type=click.Path(path_type=Path), metavar="MAP.toml", help="How a foreign table's columns are called."
+)
+@json_option
+def command(path: Path, report: Path | None, within: str, columns: Path | None, *, pdf: bool, as_json: bool) -> None:
+    """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
+    from tactometry.analysis.pipeline import analyse
+    from tactometry.analysis.table import read_column_map
+
+    factors = [name.strip() for name in within.split(",") if name.strip()]
+    found = analyse(
+        path,
+        report=report,
+        pdf=pdf,
+        within=factors,
+        column_map=None if columns is None else read_column_map(columns),
+    )
+    say(summary_text(found), found.summary(), as_json=as_json)
+
+
+def summary_text(found: "Analysis") -> str:
+    """Warnings, group tables and analyses of variance for a terminal."""
+    from rich.console import Console
+
+    from tactometry.analysis.tell import tables
+
+    console = Console(width=None)
+    with console.capture() as capture:
+        for warning in found.warnings:
+            console.print(f"! {warning}", markup=False, highlight=False)
+        for table, sentences in tables(found):
+            console.print(table)
+            for sentence in sentences:
+                console.print(sentence, markup=False, highlight=False)
+        if found.report is not None:
+            console.print(f"report: {found.report}\ntables: {found.tables_folder}", markup=False, soft_wrap=True)
+    return capture.get().rstrip("\n")
