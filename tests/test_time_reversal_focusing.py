@@ -44,9 +44,7 @@ def learnt() -> Responses:
     return impulse_responses(A4_PROTOTYPE, [FOCUS, (0.2, 0.15), (0.05, 0.04)], **TIMING)
 
 
-some_responses = arrays(float, (1, 3, 20), elements=st.floats(-1, 1, width=32)).filter(
-    lambda h: bool(h.any())
-)
+some_responses = arrays(float, (1, 3, 20), elements=st.floats(-1, 1, width=32)).filter(lambda h: bool(h.any()))
 
 
 @given(some_responses)
@@ -197,9 +195,7 @@ def test_matrix_product_field_is_the_sum_over_modes(boundary):
     amplitude = np.random.default_rng().normal(size=(2, len(modes.frequency_hz)))
     x, y = np.linspace(0, 0.297, 13), np.linspace(0, 0.21, 9)
     summed = amplitude @ values(modes, np.repeat(x, 9), np.tile(y, 13))
-    assert modes.field(amplitude, x, y) == pytest.approx(
-        summed.reshape(2, 13, 9), abs=1e-12 * np.abs(summed).max()
-    )
+    assert modes.field(amplitude, x, y) == pytest.approx(summed.reshape(2, 13, 9), abs=1e-12 * np.abs(summed).max())
 
 
 def test_movie_meets_the_matrix_product_during_and_after_the_drive(learnt):

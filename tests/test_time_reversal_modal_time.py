@@ -26,9 +26,7 @@ def exact(omega: float, decay: float, time: mpf) -> tuple[float, float]:
             exp(-a * time) * (mp_cos(s * time) - a * sin(s * time) / s)
         )
     s = sqrt(a * a - w * w)
-    return float(exp(-a * time) * sinh(s * time) / s), float(
-        exp(-a * time) * (cosh(s * time) - a * sinh(s * time) / s)
-    )
+    return float(exp(-a * time) * sinh(s * time) / s), float(exp(-a * time) * (cosh(s * time) - a * sinh(s * time) / s))
 
 
 CASES = {

@@ -56,9 +56,7 @@ def test_modal_density_in_milliseconds():
 
 def test_modal_density_is_the_slope_of_the_exact_count():
     count = [len(A4_SCREEN.frequencies_hz(f)) for f in (100e3, 400e3)]
-    perimeter = (
-        A4_SCREEN.perimeter_m / (4 * math.pi) * np.diff(wavenumber_rad_per_m(A4_SCREEN, [100e3, 400e3]))[0]
-    )
+    perimeter = A4_SCREEN.perimeter_m / (4 * math.pi) * np.diff(wavenumber_rad_per_m(A4_SCREEN, [100e3, 400e3]))[0]
     assert (count[1] - count[0] + perimeter) / 300e3 == pytest.approx(A4_SCREEN.modal_density_s, rel=2e-3)
 
 
@@ -130,9 +128,7 @@ def test_deflection_is_reciprocal_and_zero_on_the_edge():
     there = deflection_m(A4_SCREEN, 1.0, (0.05, 0.06), 0.2, 0.15)[0]
     back = deflection_m(A4_SCREEN, 1.0, (0.2, 0.15), 0.05, 0.06)[0]
     assert there == pytest.approx(back, rel=1e-9)
-    assert np.abs(deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), [0.0, 0.1], [0.1, 0.21])) == pytest.approx(
-        0, abs=1e-18
-    )
+    assert np.abs(deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), [0.0, 0.1], [0.1, 0.21])) == pytest.approx(0, abs=1e-18)
 
 
 def test_ritz_deflection_meets_levys_series_away_from_the_force():
@@ -150,9 +146,7 @@ def test_deflection_of_the_clamped_square_is_0_0056():
 
 
 def test_bending_stress_falls_with_the_square_of_thickness():
-    thin, thick = (
-        bending_stress_pa(BOROFLOAT_33.plate(0.297, 0.21, h, "SSSS"), 2.0, 10e-3) for h in (1e-3, 2e-3)
-    )
+    thin, thick = (bending_stress_pa(BOROFLOAT_33.plate(0.297, 0.21, h, "SSSS"), 2.0, 10e-3) for h in (1e-3, 2e-3))
     assert thin / thick == pytest.approx(4.0, rel=1e-9)
 
 

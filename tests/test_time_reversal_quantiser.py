@@ -115,9 +115,7 @@ def test_rice_transition_rates():
     f = np.fft.rfftfreq(n, 1 / rate)
     for low, high, expected in ((1e3, 25e3, 29.5e3), (20e3, 60e3, 83.3e3)):
         rng = np.random.default_rng()
-        spectrum = np.where(
-            (f >= low) & (f <= high), rng.normal(size=f.size) + 1j * rng.normal(size=f.size), 0
-        )
+        spectrum = np.where((f >= low) & (f <= high), rng.normal(size=f.size) + 1j * rng.normal(size=f.size), 0)
         bits = OneBit().quantise(np.fft.irfft(spectrum)[None], rate)
         assert transitions_per_s(bits, rate)[0] == pytest.approx(expected, rel=0.03)
 

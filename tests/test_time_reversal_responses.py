@@ -47,7 +47,7 @@ def test_reciprocity(boundary, quantity):
     tau_s=st.floats(1e-6, 1.0),
     n_modes=st.integers(1, 60),
 )
-def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x, y, tau_s, n_modes):  # noqa: PLR0917
+def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x, y, tau_s, n_modes):
     plate = Plate(0.3, 0.3 / aspect, thickness_m, *glass, 2300.0, "SSSS")
     p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
     f_max = float(plate.frequencies_hz((n_modes + 5 * aspect**2) / plate.modal_density_s)[-1])
@@ -120,9 +120,7 @@ def test_frequencies_at_nyquist_are_allowed_and_above_are_refused():
     screen = point_screen(A4_SCREEN, (0.08, 0.13))
     at_limit = impulse_responses(screen, [(0.2, 0.1)], rate_hz=20e3, duration_s=1e-2, f_max_hz=10e3)
     assert np.isfinite(at_limit.samples).all()
-    with pytest.raises(
-        InvalidParameter, match=r"f_max_hz: found 10001.0, above the Nyquist frequency 10000.0; raise"
-    ):
+    with pytest.raises(InvalidParameter, match=r"f_max_hz: found 10001.0, above the Nyquist frequency 10000.0; raise"):
         impulse_responses(screen, [(0.2, 0.1)], rate_hz=20e3, duration_s=1e-2, f_max_hz=10001.0)
 
 
@@ -187,9 +185,7 @@ def test_transducer_as_large_as_the_plate_is_the_exact_integral():
     modes = A4_SCREEN.modes(5e3)
     odd = (modes.m % 2 == 1) & (modes.n % 2 == 1)
     k2 = (math.pi * modes.m / 0.297) ** 2 + (math.pi * modes.n / 0.210) ** 2
-    expected = np.where(
-        odd, k2 * 2 * (2 * 0.297 / (math.pi * modes.m)) * (2 * 0.210 / (math.pi * modes.n)), 0.0
-    )
+    expected = np.where(odd, k2 * 2 * (2 * 0.297 / (math.pi * modes.m)) * (2 * 0.210 / (math.pi * modes.n)), 0.0)
     assert whole.modal_force(modes) == pytest.approx(expected, abs=1e-9 * expected.max())
     assert np.isfinite(
         impulse_responses(Screen(A4_SCREEN, (whole,), Attenuation(3e-3)), [(0.1, 0.1)], **FAST).samples

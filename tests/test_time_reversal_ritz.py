@@ -178,9 +178,7 @@ def test_2000_free_edge_modes_against_8_more_degrees():
     found = a4.frequencies_hz(106e3)
     p_x, p_y = degrees(a4, 106e3)
     more = solve(a4, 106e3, (p_x + 8, p_y + 8))
-    reference = np.sort(np.concatenate([b.angular_frequency_rad_per_s for b in more]))[: len(found)] / (
-        2 * np.pi
-    )
+    reference = np.sort(np.concatenate([b.angular_frequency_rad_per_s for b in more]))[: len(found)] / (2 * np.pi)
     assert found[3:] == pytest.approx(reference[3:], rel=2e-9)
 
 

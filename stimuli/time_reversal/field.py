@@ -54,9 +54,7 @@ def field(screen: Screen, signal: Signal, sample: int, at_m: Grid, f_max_hz: flo
     return screen.modes(f_max_hz).field(modal_amplitudes(screen, signal, sample, f_max_hz), *at_m)
 
 
-def movie(
-    screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float
-) -> Iterator[FloatArray]:
+def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float) -> Iterator[FloatArray]:
     """The fields at ascending samples, one at a time, from one exact run through the drive."""
     draw = screen.modes(f_max_hz).frame(*at_m)
     for amplitudes in modal_history(screen, signal, samples, f_max_hz).T:
@@ -68,9 +66,7 @@ def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_
     from tactometry.stimuli.time_reversal.propagator import run_impulses
 
     if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):
-        raise InvalidParameter(
-            f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0"
-        )
+        raise InvalidParameter(f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0")
     forces = screen.modal_forces(f_max_hz) / (screen.plate.mass_kg * signal.rate_hz)
     padded = np.zeros((signal.samples.shape[0], samples[-1] + 1))
     n = min(signal.samples.shape[1], padded.shape[1])

@@ -105,9 +105,7 @@ def emitted(signal: Signal, responses: Responses) -> FloatArray:
     if signal.samples.shape[1] == 0 or responses.n_samples == 0:
         return np.zeros((responses.n_points, n))
     n_fft = int(next_fast_len(n, real=True))
-    spectrum = np.einsum(
-        "qf,pqf->pf", np.fft.rfft(signal.samples, n_fft), np.fft.rfft(responses.samples, n_fft)
-    )
+    spectrum = np.einsum("qf,pqf->pf", np.fft.rfft(signal.samples, n_fft), np.fft.rfft(responses.samples, n_fft))
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n])
 
 
@@ -119,8 +117,7 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
     n = signal.samples.shape[1]
     if n > responses.n_samples:
         raise InvalidParameter(
-            f"signal: found {n} samples, more than the {responses.n_samples} of the responses; "
-            "learn longer ones"
+            f"signal: found {n} samples, more than the {responses.n_samples} of the responses; learn longer ones"
         )
     return np.asarray(np.einsum("qn,pqn->p", signal.samples[:, ::-1], responses.samples[:, :, :n]))
 

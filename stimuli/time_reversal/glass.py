@@ -35,9 +35,7 @@ class Glass:
 BOROFLOAT_33 = Glass("Borofloat 33", 64e9, 0.20, 2230.0, "SCHOTT, mechanical properties of BOROFLOAT 33")
 DURAN = Glass("DURAN borosilicate 3.3", 63e9, 0.20, 2230.0, "DURAN data sheet")
 SODA_LIME = Glass("soda-lime", 72.8e9, 0.222, 2563.0, "Sci. Rep. 2021, s41598-021-04045-6, table 1")
-GORILLA_4 = Glass(
-    "Gorilla 4", 66e9, 0.22, 2420.0, "density: release of Gorilla Glass 4; moduli: unverified default"
-)
+GORILLA_4 = Glass("Gorilla 4", 66e9, 0.22, 2420.0, "density: release of Gorilla Glass 4; moduli: unverified default")
 D263T = Glass("D263T", 72.9e9, 0.208, 2510.0, "unverified default")
 
 GLASSES = {glass.name: glass for glass in (BOROFLOAT_33, DURAN, SODA_LIME, GORILLA_4, D263T)}

@@ -86,9 +86,7 @@ class Oscillators:
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:
         """Im of w e^{(-1/tau + i w_d) t}, from phases of blocks times phases inside a block."""
         first, last = start // BLOCK, (stop - 1) // BLOCK + 1
-        anchors = (
-            self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
-        )
+        anchors = self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
         inner = self._phasor(np.arange(float(BLOCK)), rate_hz)
         out = anchors.real[:, :, None] * inner.imag[:, None, :]
         out += anchors.imag[:, :, None] * inner.real[:, None, :]

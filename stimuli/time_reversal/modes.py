@@ -142,9 +142,7 @@ class RitzModes:
         return draw
 
 
-def modes_of(
-    plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
-) -> SeparableModes | RitzModes:
+def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
     """The modes of a plate from 0 Hz to `f_max_hz`.
 
     Parameters
@@ -201,12 +199,9 @@ def _ritz(plate: Plate, f_max_hz: float) -> RitzModes:
     return RitzModes(plate, omega[order], blocks, order)
 
 
-def _draw(
-    block: "Block", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray
-) -> FloatArray:
+def _draw(block: "Block", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
     table = np.zeros((*amplitude.shape[:-1], x_functions.shape[1] * len(y_functions)))
     table[..., block.i * len(y_functions) + block.j] = amplitude @ block.vectors
     return np.asarray(
-        x_functions
-        @ (table.reshape(*amplitude.shape[:-1], x_functions.shape[1], len(y_functions)) @ y_functions)
+        x_functions @ (table.reshape(*amplitude.shape[:-1], x_functions.shape[1], len(y_functions)) @ y_functions)
     )

@@ -42,15 +42,11 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
     creeps = ~oscillators.oscillates & ~close
     out[swings] = _swinging_input(-a[swings] + 1j * split[swings], step_s)
     out[creeps] = _creeping_input(omega[creeps], a[creeps], split[creeps], step_s)
-    out[close] = [
-        _exponential_input(w, d, step_s) for w, d in zip(omega[close], a[close], strict=True)
-    ] or out[close]
+    out[close] = [_exponential_input(w, d, step_s) for w, d in zip(omega[close], a[close], strict=True)] or out[close]
     return out
 
 
-def run_impulses(
-    oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: NDArray[np.int64]
-) -> FloatArray:
+def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: NDArray[np.int64]) -> FloatArray:
     """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
     mass.
     """

@@ -113,8 +113,7 @@ def impulse_responses(
     n_samples = samples_in("duration_s", duration_s, rate_hz)
     if 2 * f_max_hz > rate_hz:
         raise InvalidParameter(
-            f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; "
-            "raise rate_hz or lower f_max_hz"
+            f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
         )
     weights = _weights(screen, points, f_max_hz)
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))

@@ -75,9 +75,7 @@ def _block(plate: Plate, f_max_hz: float, on_x: Family, on_y: Family, degree: tu
     i, j = ellipse(on_x, on_y, *degree)
     stiffness, mass = pencil(plate, on_x, on_y, i, j)
     unit = 4 * plate.wave_constant_m2_per_s / plate.length_m**2
-    theta, vectors = _largest(
-        mass, stiffness + SHIFT * mass, 1 / ((2 * math.pi * f_max_hz / unit) ** 2 + SHIFT)
-    )
+    theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / ((2 * math.pi * f_max_hz / unit) ** 2 + SHIFT))
     eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)
     return Block(on_x, on_y, i, j, unit * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
 
@@ -89,9 +87,7 @@ def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, I
     return i, j
 
 
-def pencil(
-    plate: Plate, on_x: Family, on_y: Family, i: IntArray, j: IntArray
-) -> tuple[FloatArray, FloatArray]:
+def pencil(plate: Plate, on_x: Family, on_y: Family, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
     """Stiffness and mass in units of (length / 2)^4 k^4: the quadratic form of Kirchhoff's plate."""
     from scipy.sparse import csr_array, kron
 

@@ -18,9 +18,7 @@ N_TERMS_PATCH: Final = 1_200
 RITZ_DEGREE: Final = 50
 
 
-def deflection_m(
-    plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike
-) -> FloatArray:
+def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Static deflection at points under a point force.
 
     Parameters
@@ -51,9 +49,7 @@ def deflection_m(
     if not plate.contains(*at_m):
         raise InvalidParameter(f"at_m: found {at_m}, expected a point of the plate")
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
-        raise InvalidParameter(
-            f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force"
-        )
+        raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     solve = _levy if plate.boundary == "SSSS" else _ritz
     return force_n * solve(plate, at_m, x.astype(float), y.astype(float))
@@ -89,9 +85,7 @@ def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray)
     """One sine series; across it the Green's function of (d^2/dy^2 - mu^2)^2 in decaying exponentials."""
     axis = SineAxis(plate.length_m, N_TERMS)
     along = axis.value(at_m[0])[:, 0]
-    across = np.stack(
-        [_across(axis.wavenumber_rad_per_m, plate.width_m, at_m[1], float(place)) for place in y]
-    )
+    across = np.stack([_across(axis.wavenumber_rad_per_m, plate.width_m, at_m[1], float(place)) for place in y])
     terms = axis.value(x).T * along * across
     return np.asarray(terms.sum(axis=1) / (plate.length_m * plate.bending_rigidity_n_m))
 

@@ -125,9 +125,7 @@ class Disc:
     def _rule(self, modes: Modes) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Points and weights for the shortest wave: 12 and wavenumber times radius nodes along the radius."""
         radius = self.diameter_m / 2
-        k_max = math.sqrt(
-            modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s
-        )
+        k_max = math.sqrt(modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s)
         n_radii = 12 + math.ceil(k_max * radius)
         nodes, weights = np.polynomial.legendre.leggauss(n_radii)
         r = radius * (nodes + 1) / 2
@@ -163,9 +161,7 @@ def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: flo
         raise InvalidParameter(f"n_transducers: found {n_transducers}, expected at least 1")
     a, b = plate.length_m - 2 * inset_m, plate.width_m - 2 * inset_m
     if min(a, b) <= 0 or side_m > 2 * inset_m:
-        raise InvalidParameter(
-            f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate"
-        )
+        raise InvalidParameter(f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate")
     along = (np.arange(n_transducers) + 0.5) / n_transducers * 2 * (a + b)
     corners = np.array([0, a, a + b, 2 * a + b, 2 * (a + b)])
     x = inset_m + np.interp(along, corners, [0, a, a, 0, 0])

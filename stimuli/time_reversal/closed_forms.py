@@ -1,0 +1,168 @@
+"""What theory says of a focus before anything is simulated.
+
+Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates
+with equal mode weights, exponential decay and many modes; the latter is derived, not the thesis's, and
+holds to 15-20 % for contrast. Symbols as in the thesis: Q transducers, T reversal time, tau attenuation
+constant, B bandwidth, T_c = modal density.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.spectrum import Band
+
+FloatArray = NDArray[np.float64]
+
+CHAOTIC_KURTOSIS: Final = 2.0
+"""<phi^4> / <phi^2>^2 - 1 of Gaussian shapes."""
+
+RECTANGLE_KURTOSIS: Final = 1.25
+"""The same for products of sines."""
+
+ALPHA: Final = math.sqrt(math.pi / 2)
+"""Factor of the resolution law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean): half a wavelength."""
+
+
+def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
+    """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive.
+
+    >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
+    0.865
+    """
+    return np.asarray(-np.expm1(-np.asarray(reversal_s, float) / tau_s))
+
+
+def analogue_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
+    """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
+    return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
+
+
+@dataclass(frozen=True)
+class Reverberation:
+    """What the contrast of a focus depends on.
+
+    Parameters
+    ----------
+    n_channels : int
+        Q, at least 1.
+    bandwidth_hz, tau_s, reversal_s, modal_density_s : float
+        B, tau, T and T_c, each above 0.
+    kurtosis : float
+        kappa: 2 for chaotic shapes, 5/4 for a simply supported rectangle.
+    """
+
+    n_channels: int
+    bandwidth_hz: float
+    tau_s: float
+    reversal_s: float
+    modal_density_s: float
+    kurtosis: float = CHAOTIC_KURTOSIS
+
+    def __post_init__(self) -> None:
+        for name in ("n_channels", "bandwidth_hz", "tau_s", "reversal_s", "modal_density_s"):
+            positive(f"Reverberation.{name}", getattr(self, name))
+
+    @property
+    def n_modes(self) -> float:
+        """N = n_f B."""
+        return self.modal_density_s * self.bandwidth_hz
+
+    @property
+    def absorption(self) -> float:
+        """G = (T_c / 2 tau) coth(T / tau)."""
+        return self.modal_density_s / (2 * self.tau_s) / math.tanh(self.reversal_s / self.tau_s)
+
+
+def contrast_whole(room: Reverberation) -> float:
+    """Amplitude over the rms of the whole plate at the focus instant: sqrt(Q N / (Q + kappa + G)).
+
+    >>> round(contrast_whole(Reverberation(32, 25e3, 3e-3, 6e-3, 17.96e-3, 2.0)), 1)
+    19.7
+    """
+    q, spread = room.n_channels, room.kurtosis + room.absorption
+    return math.sqrt(q * room.n_modes / (q + spread))
+
+
+def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -> float:
+    """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
+    r).
+    """
+    q, near = room.n_channels, 2 / (math.pi * k_max_rad_per_m * radius_m)
+    return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
+
+
+def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> float:
+    """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus."""
+    decay = math.exp(-2 * start_s / room.tau_s) - math.exp(-2 * stop_s / room.tau_s)
+    share = decay / (2 * (stop_s - start_s) / room.tau_s)
+    q, kappa = room.n_channels, room.kurtosis
+    return math.sqrt(q * room.n_modes / (((kappa + 1) * (q + kappa) / 2 + room.absorption) * share))
+
+
+def contrast_limit(room: Reverberation) -> float:
+    """sqrt(N): what no number of transducers and no reversal time exceeds."""
+    return math.sqrt(room.n_modes)
+
+
+def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
+    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
+    tau)).
+    """
+    return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
+
+
+def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
+    """u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
+
+    Written as the weighted mean of the Airy functions 2 J1(x) / x of both ends, which is regular at r = 0.
+    """
+    from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
+
+    r = np.asarray(radius_m, float)
+    k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
+    return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
+
+
+def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
+    """Full width of `focus_profile` where it first falls to `level` (0.5: -6 dB; 0.7071: -3 dB).
+
+    >>> from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+    >>> round(resolution_m(A4_SCREEN, Band(20e3, 60e3)) * 1e3, 1)
+    8.1
+    """
+    from scipy.optimize import brentq
+
+    k_mean = math.sqrt(2 * math.pi * band.mean_hz / plate.wave_constant_m2_per_s)
+    return 2 * float(brentq(lambda r: float(focus_profile(plate, band, r)) - level, 0.0, 2.0 / k_mean, xtol=1e-15))
+
+
+def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
+    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), within 3 % of `resolution_m`."""
+    return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
+
+
+def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) -> float:
+    """A(d) / A(0) when every frequency moves by 1 + d: the band's mean of 1 / (1 + (d w tau / 2)^2).
+
+    >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
+    1.0
+    """
+    reach = abs(relative_shift) * math.pi * tau_s
+    low, high = reach * band.f_min_hz, reach * band.f_max_hz
+    if high - low < 1e-8:
+        return 1 / (1 + ((low + high) / 2) ** 2)
+    return (math.atan(high) - math.atan(low)) / (high - low)
+
+
+def _airy(x: FloatArray) -> FloatArray:
+    """2 J1(x) / x, 1 at 0."""
+    from scipy.special import j1
+
+    safe = np.where(np.abs(x) < 1e-4, 1.0, x)
+    return np.where(np.abs(x) < 1e-4, 1 - np.square(x) / 8, 2 * j1(safe) / safe)

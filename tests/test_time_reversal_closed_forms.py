@@ -1,0 +1,175 @@
+"""Theory of the focus: its own numbers, and the simulation beside it."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import j0
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_forms import (
+    RECTANGLE_KURTOSIS,
+    Reverberation,
+    analogue_amplitude_ratio,
+    contrast_far,
+    contrast_limit,
+    contrast_temporal,
+    contrast_whole,
+    focus_profile,
+    half_wavelength_m,
+    mistuned_amplitude_ratio,
+    one_bit_amplitude_ratio,
+    repetition_noise_ratio,
+    resolution_m,
+)
+from tactometry.stimuli.time_reversal.dispersion import wavelength_m, wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.field import field, grid
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33, D263T
+from tactometry.stimuli.time_reversal.merit import (
+    contrast_far_of,
+    contrast_temporal_of,
+    contrast_whole_of,
+    width_m,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.transducer import border
+
+RATE_HZ, BAND, TAU_S, T_S = 100e3, Band(500.0, 25e3), 3e-3, 6e-3
+FOCI = [(0.121, 0.093), (0.187, 0.067), (0.081, 0.141)]
+
+
+def a4(n_channels: int) -> Screen:
+    return Screen(A4_SCREEN, tuple(border(A4_SCREEN, n_channels)), Attenuation(TAU_S))
+
+
+def room(n_channels: int) -> Reverberation:
+    return Reverberation(n_channels, BAND.width_hz, TAU_S, T_S, A4_SCREEN.modal_density_s, RECTANGLE_KURTOSIS)
+
+
+def test_amplitude_ratios_at_twice_tau():
+    assert one_bit_amplitude_ratio(2.0, 1.0) == pytest.approx(0.865, abs=5e-4)
+    assert analogue_amplitude_ratio(2.0, 1.0) == pytest.approx(0.982, abs=5e-4)
+
+
+def test_contrast_of_the_worked_example():
+    example = Reverberation(32, 25e3, 3e-3, 6e-3, 17.96e-3)
+    assert example.absorption == pytest.approx(3.10, abs=0.01)
+    assert contrast_whole(example) == pytest.approx(19.7, abs=0.05)
+    assert contrast_limit(example) == pytest.approx(21.2, abs=0.05)
+
+
+def test_contrast_limits():
+    """Absorption limited: C^2 = 2 B Q tau tanh(T / tau); mode limited: sqrt(N)."""
+    few = Reverberation(1, 25e3, 1e-5, 2e-5, 17.96e-3)
+    assert contrast_whole(few) ** 2 == pytest.approx(2 * 25e3 * 1e-5 * math.tanh(2.0), rel=0.01)
+    many = Reverberation(10**9, 25e3, 3e-3, 6e-3, 17.96e-3)
+    assert contrast_whole(many) == pytest.approx(math.sqrt(many.n_modes), rel=1e-6)
+
+
+@pytest.mark.parametrize("n_channels", [1, 8, 32])
+def test_simulated_contrasts_meet_the_formulas_within_20_percent(n_channels):
+    screen = a4(n_channels)
+    h = band_limited(impulse_responses(screen, FOCI, rate_hz=RATE_HZ, duration_s=14e-3, f_max_hz=27e3), BAND)
+    x, y = grid(screen, 120, 85)
+    found = []
+    for i, place in enumerate(FOCI):
+        signal = drive(h.at_point(i), 1.0, reversal_s=T_S)
+        u = field(screen, signal, signal.samples.shape[1] - 1, (x, y), 27e3)
+        amplitude = focus_amplitude(signal, h, i)
+        time_signal = emitted(signal, h.at_point(i))[0]
+        found.append(
+            (
+                contrast_whole_of(amplitude, u),
+                contrast_far_of(amplitude, u, (x, y), place, 20e-3),
+                contrast_temporal_of(time_signal, signal.samples.shape[1] - 1, RATE_HZ, 1e-3, 4e-3),
+            )
+        )
+    k_max = float(wavenumber_rad_per_m(A4_SCREEN, BAND.f_max_hz))
+    theory = (
+        contrast_whole(room(n_channels)),
+        contrast_far(room(n_channels), k_max, 20e-3),
+        contrast_temporal(room(n_channels), 1e-3, 4e-3),
+    )
+    assert np.mean(found, axis=0) == pytest.approx(theory, rel=0.2)
+
+
+def test_more_of_anything_raises_the_contrast():
+    base = Reverberation(8, 25e3, 3e-3, 6e-3, 18e-3)
+    for change in ({"n_channels": 16}, {"bandwidth_hz": 50e3}, {"tau_s": 6e-3}, {"reversal_s": 12e-3}):
+        assert contrast_whole(Reverberation(**{**base.__dict__, **change})) > contrast_whole(base)
+
+
+def test_single_frequency_focus_is_bessel_j0_with_its_widths():
+    f = 12.5e3
+    narrow = Band(f * (1 - 1e-7), f * (1 + 1e-7))
+    wavelength = float(wavelength_m(A4_SCREEN, f))
+    r = np.linspace(0, 0.05, 30)
+    assert focus_profile(A4_SCREEN, narrow, r) == pytest.approx(j0(2 * np.pi * r / wavelength), abs=2e-8)
+    assert resolution_m(A4_SCREEN, narrow) / wavelength == pytest.approx(0.4842, abs=1e-4)
+    assert resolution_m(A4_SCREEN, narrow, math.sqrt(0.5)) / wavelength == pytest.approx(0.3585, abs=3e-4)
+
+
+def test_band_from_zero_is_the_airy_function_with_its_widths():
+    wavelength = float(wavelength_m(A4_SCREEN, 25e3))
+    assert resolution_m(A4_SCREEN, Band(0.0, 25e3)) / wavelength == pytest.approx(0.7051, abs=1e-4)
+    assert resolution_m(A4_SCREEN, Band(0.0, 25e3), math.sqrt(0.5)) / wavelength == pytest.approx(0.5145, abs=3e-4)
+    assert focus_profile(A4_SCREEN, Band(0.0, 25e3), 0.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("thickness_m", "band", "expected_mm"),
+    [
+        (1.1e-3, Band(0, 25e3), 14.7),
+        (1.1e-3, Band(0, 60e3), 9.5),
+        (1.1e-3, Band(20e3, 60e3), 8.1),
+        (1.1e-3, Band(20e3, 100e3), 6.6),
+        (2e-3, Band(0, 25e3), 19.9),
+        (3e-3, Band(0, 25e3), 24.3),
+    ],
+)
+def test_resolution_table(thickness_m, band, expected_mm):
+    plate = BOROFLOAT_33.plate(0.297, 0.21, thickness_m, "SSSS")
+    assert resolution_m(plate, band) * 1e3 == pytest.approx(expected_mm, abs=0.06)
+    assert float(half_wavelength_m(plate, band.mean_hz)) == pytest.approx(resolution_m(plate, band), rel=0.03)
+
+
+def test_hudin_2015_resolution_and_area():
+    """148 x 210 x 0.5 mm glass, 20-70 kHz (band from memory): published 5.2 mm and 20 mm^2."""
+    plate = D263T.plate(0.210, 0.148, 0.5e-3, "FFFF")
+    width = resolution_m(plate, Band(20e3, 70e3))
+    assert width * 1e3 == pytest.approx(5.15, abs=0.01)
+    assert math.pi * width**2 / 4 * 1e6 == pytest.approx(20.8, abs=0.1)
+
+
+def test_simulated_focus_is_as_wide_as_theory_says():
+    screen = a4(32)
+    widths = []
+    x = np.linspace(0.04, 0.257, 800)
+    for place in FOCI:
+        raw = impulse_responses(screen, [place], rate_hz=RATE_HZ, duration_s=T_S, f_max_hz=27e3)
+        signal = drive(band_limited(raw, BAND), 1.0, Analogue(per_channel=True))
+        u = field(screen, signal, signal.samples.shape[1] - 1, (x, np.array([place[1]])), 27e3)[:, 0]
+        near = np.abs(x - place[0]) < 20e-3
+        widths.append(width_m(x[near], u[near]))
+    assert np.mean(widths) == pytest.approx(resolution_m(A4_SCREEN, BAND), rel=0.10)
+
+
+def test_mistuning():
+    assert mistuned_amplitude_ratio(0.0, Band(1e3, 25e3), 3e-3) == 1.0
+    assert mistuned_amplitude_ratio(1e-2, Band(1e3, 25e3), 3e-3) == pytest.approx(0.478, abs=0.02)
+    assert mistuned_amplitude_ratio(1e-6, Band(1e3, 25e3), 3e-3) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_repetition_noise():
+    assert repetition_noise_ratio(np.inf, 3e-3) == 1.0
+    assert repetition_noise_ratio(3e-3, 3e-3) == pytest.approx(1 / (1 - math.exp(-2)))
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(InvalidParameter, match=r"Reverberation.n_channels: found 0, expected a finite number above 0"):
+        Reverberation(0, 25e3, 3e-3, 6e-3, 18e-3)

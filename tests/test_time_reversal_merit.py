@@ -1,0 +1,190 @@
+"""Figures of merit, energy, consumption and sound on fields and signals whose answer is known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.energy import (
+    average_power_w,
+    bridge_power_w,
+    capacitance_f,
+    deformation_energy_j,
+    kinetic_energy_j,
+    switched_power_w,
+)
+from tactometry.stimuli.time_reversal.focusing import drive
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.merit import (
+    MINUS_3_DB,
+    area_m2,
+    contrast_far_of,
+    contrast_whole_of,
+    deformation_energy_estimate_j,
+    temporal_width_s,
+    uniformity,
+    width_m,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.sound import (
+    NoiseSpectrum,
+    a_weighting_db,
+    coincidence_frequency_hz,
+    noise,
+    velocity_spectrum,
+)
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited, inaudible
+from tactometry.stimuli.time_reversal.transducer import PointForce
+
+X = np.linspace(-0.05, 0.05, 401)
+SIGMA = 6e-3
+
+
+def gaussian_field() -> np.ndarray:
+    return -3e-6 * np.exp(-(X[:, None] ** 2 + X[None, :] ** 2) / (2 * SIGMA**2))
+
+
+def test_widths_of_a_gaussian():
+    line = gaussian_field()[:, 200]
+    assert width_m(X, line) == pytest.approx(2 * SIGMA * math.sqrt(2 * math.log(2)), rel=1e-3)
+    assert width_m(X, line, MINUS_3_DB) == pytest.approx(2 * SIGMA * math.sqrt(math.log(2)), rel=1e-3)
+
+
+def test_area_of_a_gaussian_counts_one_island():
+    field = gaussian_field()
+    field[:20, :20] = field.min()
+    expected = math.pi * 2 * SIGMA**2 * math.log(2)
+    assert area_m2(gaussian_field(), (X, X)) == pytest.approx(expected, rel=0.02)
+    assert area_m2(field, (X, X)) <= expected * 1.02 + 400 * (X[1] - X[0]) ** 2
+
+
+def test_contrasts_of_a_known_field():
+    field = np.full((401, 401), 0.5)
+    field[200, 200] = 10.0
+    assert contrast_far_of(10.0, field, (X, X), (0.0, 0.0), 1e-3) == pytest.approx(20.0)
+    assert contrast_whole_of(10.0, field) < 20.0
+
+
+def test_temporal_width_of_a_gated_tone():
+    rate, spread = 1e6, 50e-6
+    t = (np.arange(4001) - 2000) / rate
+    tone = np.exp(-(t**2) / (2 * spread**2)) * np.cos(2 * np.pi * 40e3 * t)
+    assert temporal_width_s(tone, rate) == pytest.approx(2 * spread * math.sqrt(2 * math.log(2)), rel=5e-3)
+
+
+def test_uniformity():
+    assert uniformity(np.array([2.0, 2.0, 2.0])) == 1.0
+    assert uniformity(np.array([1.0, 3.0])) == pytest.approx(1 - math.sqrt(2) / 2)
+
+
+def test_energy_estimate_of_the_notes():
+    estimate = deformation_energy_estimate_j(A4_SCREEN.area_density_kg_per_m2, 12.5e3, 10e-6, 14.7e-3)
+    assert estimate == pytest.approx(0.13e-3, rel=0.03)
+
+
+def test_modal_energy_of_an_impulse_without_loss_is_kept():
+    screen = Screen(A4_SCREEN, (PointForce(0.08, 0.13),), Attenuation(math.inf))
+    tap = Signal(np.array([[1.0]]), 100e3, "V")
+    total = [deformation_energy_j(screen, tap, k, 20e3) + kinetic_energy_j(screen, tap, k, 20e3) for k in (0, 5, 500)]
+    assert total == pytest.approx([total[0]] * 3, rel=1e-12)
+
+
+def test_energy_of_a_focus_is_of_the_estimated_order():
+    h = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=100e3, duration_s=7e-3, f_max_hz=25e3)
+    signal = drive(h, 30.0, Analogue())
+    amplitude = np.einsum("qn,qn", signal.samples[:, ::-1], h.samples[0])
+    estimate = deformation_energy_estimate_j(A4_SCREEN.area_density_kg_per_m2, 12.5e3, amplitude, 14.7e-3)
+    assert 0.3 < deformation_energy_j(A4_PROTOTYPE, signal, 699, 25e3) / estimate < 3
+
+
+def test_switched_power_is_half_c_swing_squared_per_transition():
+    signal = Signal(np.array([[30.0, -30.0, -30.0, 30.0, 30.0]]), 1e5, "V")
+    expected = 2 * 0.5 * 5e-9 * 60.0**2 * 1e5 / 4
+    assert switched_power_w(signal, 5e-9) == pytest.approx(expected)
+    assert bridge_power_w(signal, 5e-9) == pytest.approx(expected)
+
+
+def test_sigma_delta_costs_an_order_of_magnitude_more_than_one_bit():
+    raw = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=1e6, duration_s=4e-3, f_max_hz=60e3)
+    h = inaudible(raw)
+    one_bit, sdm = (switched_power_w(drive(h, 30.0, q), 5e-9) for q in (OneBit(), SigmaDelta(2)))
+    assert 7 < sdm / one_bit < 13
+
+
+def test_capacitance_and_duty():
+    assert capacitance_f(1e-4, 0.3e-3, 1800.0) == pytest.approx(5.31e-9, rel=1e-3)
+    assert average_power_w(2.0, 4e-3, 100.0) == pytest.approx(0.8)
+    assert average_power_w(2.0, 4e-3, 500.0) == 2.0
+
+
+A_TABLE = {20: -50.4, 31.5: -39.5, 100: -19.1, 200: -10.8, 500: -3.2, 1e3: 0.0, 2e3: 1.2, 2.5e3: 1.3, 4e3: 1.0}
+A_TABLE |= {8e3: -1.1, 10e3: -2.5, 16e3: -6.7, 20e3: -9.3}
+
+
+@pytest.mark.parametrize("frequency_hz", A_TABLE)
+def test_a_weighting_table(frequency_hz):
+    assert a_weighting_db(frequency_hz)[0] == pytest.approx(A_TABLE[frequency_hz], abs=0.1)
+
+
+def test_a_weighting_gives_nothing_above_20_khz_nor_at_0():
+    assert list(a_weighting_db([0.0, 20.1e3])) == [-np.inf, -np.inf]
+
+
+def test_coincidence_frequencies():
+    for thickness, expected in ((0.5e-3, 23.7), (1.1e-3, 10.8), (2e-3, 5.9), (3e-3, 4.0)):
+        plate = BOROFLOAT_33.plate(0.297, 0.21, thickness, "SSSS")
+        assert coincidence_frequency_hz(plate) / 1e3 == pytest.approx(expected, abs=0.06)
+
+
+def test_a_tone_of_94_db_at_1_khz_is_94_dba():
+    f = np.arange(0.0, 25e3, 10.0)
+    power = np.zeros(f.size)
+    power[100] = 1.0 / 10.0
+    assert NoiseSpectrum(f, power).a_weighted_db == pytest.approx(93.98, abs=0.01)
+
+
+def test_velocity_spectrum_is_the_time_integral_of_the_velocity():
+    screen = Screen(A4_SCREEN, (PointForce(0.08, 0.13),), Attenuation(2e-3))
+    rng = np.random.default_rng()
+    smooth = np.convolve(rng.normal(size=2000), np.hanning(40), "same")[None]
+    signal = Signal(smooth, 100e3, "V")
+    f, energy = velocity_spectrum(screen, signal, 5e3)
+    direct = sum(2 * kinetic_energy_j(screen, signal, k, 5e3) / A4_SCREEN.mass_kg for k in range(0, 3200, 16)) * (
+        16 / 100e3
+    )
+    assert np.sum(energy) * (f[1] - f[0]) == pytest.approx(direct, rel=0.03)
+
+
+def test_filtering_lowers_the_a_weighted_level_and_one_bit_keeps_some():
+    raw = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=250e3, duration_s=4e-3, f_max_hz=60e3)
+    plain = band_limited(raw, Band(200.0, 60e3))
+    level = {
+        name: noise(A4_PROTOTYPE, drive(h, 30.0, q), 60e3).a_weighted_db
+        for name, h, q in (
+            ("1 bit", plain, OneBit()),
+            ("1 bit filtered", inaudible(plain), OneBit()),
+            ("analogue filtered", inaudible(plain), Analogue()),
+        )
+    }
+    assert level["1 bit"] - level["1 bit filtered"] > 5
+    assert level["1 bit filtered"] > level["analogue filtered"]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: width_m(X, np.ones(401)), "profile: found no point below 0.5"),
+        (lambda: contrast_whole_of(1.0, np.zeros(4)), "field: found zero everywhere"),
+        (lambda: uniformity(np.zeros(3)), "amplitudes_m: found 3 values"),
+        (lambda: switched_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value).startswith(message)
