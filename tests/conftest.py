@@ -1,17 +1,25 @@
 """A display of its own for the tests that need one, and hands that press its keys and touch it."""
 
 import os
+import queue
 import shutil
-import subprocess
 import threading
 import time
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
-SCREEN_PX = (1920, 1080)
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+settings.register_profile("reduced", deadline=None, max_examples=100)
+settings.register_profile("soak", deadline=None, max_examples=1000)
+settings.load_profile("soak" if SOAK else "reduced")
+
+SCREEN_PX = (1280, 800)
 ARTEFACTS = Path(__file__).resolve().parents[1] / "artefacts"
 LONGEST_WAIT_S = 30.0
+KEPT = []
+"""The connection that keeps the server up lives as long as this process."""
 
 
 class Hands:
@@ -37,9 +45,9 @@ class Hands:
         self._send(self._X.KeyRelease, code)
         return down_s, time.perf_counter()
 
-    def touch(self, x, y, window_px):
-        """A click of no duration at (x, y) in heights of a window that lies in the corner of the screen."""
-        width, height = window_px
+    def touch(self, x, y):
+        """A click of no duration at (x, y) in heights of the screen, from its middle."""
+        width, height = SCREEN_PX
         self._send(self._X.MotionNotify, x=round(width / 2 + x * height), y=round(height / 2 - y * height))
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)
@@ -58,37 +66,30 @@ def display(tmp_path_factory):
     read_end, write_end = os.pipe()
     size = "{}x{}x24".format(*SCREEN_PX)
     command = ["setpriv", "--pdeathsig", "KILL", "Xvfb", "-displayfd", str(write_end), "-screen", "0", size]
-    server = subprocess.Popen(
-        [*command, "-terminate", "-nolisten", "tcp"],
-        pass_fds=[write_end],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    os.set_inheritable(write_end, True)
+    silent = [(os.POSIX_SPAWN_OPEN, fd, os.devnull, os.O_WRONLY, 0) for fd in (1, 2)]
+    os.posix_spawnp("setpriv", [*command, "-terminate", "-nolisten", "tcp"], os.environ, file_actions=silent)
     os.close(write_end)
     with os.fdopen(read_end) as answer:
         number = answer.readline().strip()
-    assert number, f"Xvfb ended with {server.poll()}"
+    assert number, "Xvfb did not start"
     os.environ["DISPLAY"] = f":{number}"
     os.environ["HOME"] = str(tmp_path_factory.mktemp("home"))
-    return Hands(f":{number}"), server
+    KEPT.append(Hands(f":{number}"))
+    return KEPT[-1]
 
 
 @pytest.fixture
 def hands(display):
-    return display[0]
+    return display
 
 
 @pytest.fixture(scope="session")
-def window_px():
-    return (1280, 800)
-
-
-@pytest.fixture(scope="session")
-def screen(display, window_px):
+def screen(display):
     """The one window of all tests in this process."""
     from tactometry.rigs.window import Window
 
-    return Window(fullscreen=False, size=window_px)
+    return Window(fullscreen=False, size=SCREEN_PX)
 
 
 @pytest.fixture(scope="session")
@@ -118,3 +119,98 @@ def in_background():
         assert not thread.is_alive(), "a thread of the test did not end"
     if errors:
         raise errors[0]
+
+
+class Watched:
+    """A window that tells a thread when a page is shown, and notes when it would be closed."""
+
+    def __init__(self, window, log):
+        self._window = window
+        self._log = log
+        self.shown = queue.Queue()
+
+    def __getattr__(self, name):
+        return getattr(self._window, name)
+
+    def present(self, page):
+        flipped_s = self._window.present(page)
+        self.shown.put(flipped_s)
+        return flipped_s
+
+    def close(self):
+        self._log.append("screen.close")
+
+
+class LoggedOutput:
+    """An output that is connected to a list."""
+
+    name, n_channels, rate_hz = "list", 1, 20_000.0
+
+    def __init__(self, log, limits):
+        self._log = log
+        self.limits = limits
+
+    def open(self):
+        self._log.append("output.open")
+
+    def play(self, signal):
+        self._log.append(f"play {signal.peak:.3g} V")
+        return time.perf_counter()
+
+    def stop(self):
+        self._log.append("output.stop")
+
+    def close(self):
+        self._log.append("output.close")
+
+
+@pytest.fixture
+def log():
+    return []
+
+
+@pytest.fixture
+def watched(screen, log):
+    screen.events()
+    return Watched(screen, log)
+
+
+@pytest.fixture
+def output(log):
+    from tactometry.limits import Limits
+
+    return LoggedOutput(log, Limits(voltage_peak_v=50.0))
+
+
+class Participant:
+    """Acts in the background once a page is shown: taps a key (str), touches a place (x, y), pauses (seconds)."""
+
+    def __init__(self, watched, hands, in_background):
+        self._watched, self._hands, self._in_background = watched, hands, in_background
+
+    def answers(self, *acts):
+        self._in_background(self._act, acts)
+
+    def answers_each_page(self, *keys, hold_s=0.0):
+        self._in_background(self._tap_each, keys, hold_s)
+
+    def _act(self, acts):
+        self._watched.shown.get(timeout=LONGEST_WAIT_S)
+        for act in acts:
+            match act:
+                case str():
+                    self._hands.tap(act)
+                case (x, y):
+                    self._hands.touch(x, y)
+                case _:
+                    time.sleep(act)
+
+    def _tap_each(self, keys, hold_s):
+        for key in keys:
+            self._watched.shown.get(timeout=LONGEST_WAIT_S)
+            self._hands.tap(key, hold_s)
+
+
+@pytest.fixture
+def participant(watched, hands, in_background):
+    return Participant(watched, hands, in_background)

@@ -7,7 +7,7 @@ import numpy as np
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.force_gate import compliance
+from tactometry.force_gate import VALID_PART, compliance
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.observer import Observer
@@ -29,9 +29,6 @@ from tactometry.request import (
     Wait,
 )
 from tactometry.signal import Signal, Stimulus
-
-VALID_PART = 0.8
-"""The part of a touch that must be in the band (unverified default, science of force control)."""
 
 
 class Sensation(Protocol):
@@ -91,9 +88,7 @@ class SimulatedRig:
         return signal
 
     def _feel(self, signal: Signal | None, contact: Contact) -> None:
-        self._felt_db.append(
-            float("-inf") if signal is None else self._sensation.sensation_db(signal, contact)
-        )
+        self._felt_db.append(float("-inf") if signal is None else self._sensation.sensation_db(signal, contact))
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -115,9 +110,7 @@ class SimulatedRig:
 
     def _touch(self, request: Press | Slide, speed_m_per_s: float) -> Touched:
         signal = self._signal(request.stimulus, request.level)
-        grip = self._finger.hold(
-            request.target_n, request.tolerance, speed_m_per_s, request.duration_s, self._rng
-        )
+        grip = self._finger.hold(request.target_n, request.tolerance, speed_m_per_s, request.duration_s, self._rng)
         mean_n, sd_n, in_band = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         self._feel(signal, Contact(mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)

@@ -1,0 +1,133 @@
+"""Every stimulus, procedure, protocol, observer and rig: the laws of test_laws.py run over these tables.
+
+A thing that is added gets one line here.
+"""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+
+from tactometry.contact import Contact
+from tactometry.experiments.study import builtin, load
+from tactometry.experiments.wiring import wire
+from tactometry.limits import Limits
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols import Block, Condition, ConstantStimuli, ForcedChoice, Pressing, Sliding, Staircase, YesNo
+from tactometry.protocols.block import run_block, session
+from tactometry.rigs.console import Console
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.rigs.texts import texts_in
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
+
+LIMITS = Limits(voltage_peak_v=200.0)
+
+STIMULI = {
+    "sine": Sine(frequency_hz=60.0, duration_s=0.2),
+    "amplitude_modulated": AmplitudeModulated(frequency_hz=240.0, duration_s=0.2),
+}
+
+PROCEDURES = {
+    "constant_stimuli": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4),
+    "constant_stimuli_shuffled": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4).shuffled(
+        np.random.default_rng(0)
+    ),
+    "staircase_1_up_1_down": Staircase(
+        start=30.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=1, n_reversals=6, n_trials=30
+    ),
+    "staircase_1_up_2_down": Staircase(
+        start=30.0, steps=(8.0, 4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=8, n_trials=40
+    ),
+    "staircase_2_up_3_down_no_initial_rule": Staircase(
+        start=20.0, steps=(3.0,), low=0.0, high=40.0, n_up=2, n_down=3, n_trials=40, initial_rule=False
+    ),
+}
+
+TOUCHES = {
+    "press": Pressing(duration_s=0.2, force_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0),
+    "slide": Sliding(duration_s=0.2, force_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05),
+}
+
+TASKS = {"yes_no": YesNo(), "two_interval": ForcedChoice(2), "four_interval": ForcedChoice(4)}
+
+
+def block(task, procedure, touch="slide", stimulus="amplitude_modulated"):
+    """A block of the catalogue's parts, by their names."""
+    condition = Condition({"frequency_hz": 240.0}, stimulus, "dB re 1 V", TOUCHES[touch])
+    catch_rate = 0.25 if TASKS[task].takes_catch_trials else 0.0
+    return Block(condition, TASKS[task], PROCEDURES[procedure], catch_rate)
+
+
+def _one_block(task, procedure):
+    return lambda rng: run_block(block(task, procedure), 1, 1, rng)
+
+
+def _built_in(name):
+    experiment = wire(load(name)[0], name)
+    return lambda rng: session(experiment.blocks(1, rng)[:3], rng)
+
+
+PROTOCOLS = {
+    **{f"{task} x {rule}": _one_block(task, rule) for task in TASKS for rule in PROCEDURES},
+    "session": lambda rng: session([block("yes_no", rule) for rule in PROCEDURES], rng),
+    **{name: _built_in(name) for name in builtin()},
+}
+
+OBSERVERS = {
+    "default": SignalDetectionObserver(),
+    "keen": SignalDetectionObserver(sensitivity_db=20.0, lapse_rate=0.0),
+    "numb": SignalDetectionObserver(sensitivity_db=-400.0),
+    "lax": SignalDetectionObserver(criterion=0.1, exponent=3.0),
+}
+
+
+class Loudness:
+    """A sensation that is the peak in dB re 1 V, for protocols whose stimuli are of no matter."""
+
+    def sensation_db(self, signal: Signal, contact: Contact) -> float:
+        del contact
+        return 20 * float(np.log10(signal.peak)) - 20.0 if signal.peak > 0 else -np.inf
+
+
+class AnyStimulus(dict):
+    """A bank in which every name is a short tone."""
+
+    def __missing__(self, name):
+        return replace(STIMULI["amplitude_modulated"], duration_s=0.1)
+
+
+def simulated(seed=0, observer="default"):
+    """A simulated rig for any protocol."""
+    return SimulatedRig(
+        AnyStimulus(),
+        LIMITS,
+        Loudness(),
+        OBSERVERS[observer],
+        SimulatedFinger(),
+        lambda n_trials: np.random.default_rng([seed, n_trials]),
+    )
+
+
+def console(seed=0):
+    """A console whose input is one endless answer."""
+    return Console(AnyStimulus(), LIMITS, texts_in("en", {}), source=Answers(seed), output=io.StringIO())
+
+
+class Answers(io.StringIO):
+    """An input of which every line is 1, an answer that every question takes."""
+
+    def __init__(self, seed):
+        super().__init__()
+        del seed
+
+    def readline(self, size=-1):
+        del size
+        return "1\n"
+
+    def isatty(self):
+        return False
+
+
+RIGS = {"simulated": simulated, "console": console}

@@ -1,0 +1,187 @@
+"""What holds for every stimulus, procedure, protocol, observer and rig of the catalogue."""
+
+import math
+
+import catalogue
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from memory import Memory
+
+from tactometry.errors import Diverged, InvalidParameter
+from tactometry.journal import decode_entry, encode_entry
+from tactometry.request import Record
+from tactometry.rigs.replay import Replay
+from tactometry.run import replay, run
+
+seeds = st.integers(0, 2**32 - 1)
+per_stimulus = pytest.mark.parametrize("stimulus", catalogue.STIMULI.values(), ids=catalogue.STIMULI)
+per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
+per_protocol = pytest.mark.parametrize("protocol", catalogue.PROTOCOLS.values(), ids=catalogue.PROTOCOLS)
+per_observer = pytest.mark.parametrize("observer", catalogue.OBSERVERS.values(), ids=catalogue.OBSERVERS)
+per_rig = pytest.mark.parametrize("rig", catalogue.RIGS.values(), ids=catalogue.RIGS)
+
+
+@per_stimulus
+@given(low=st.floats(-40, 45), higher_by=st.floats(0.01, 20))
+def test_a_higher_level_has_a_higher_peak(stimulus, low, higher_by):
+    assert stimulus.at(low).peak < stimulus.at(low + higher_by).peak
+
+
+@per_stimulus
+@given(level=st.floats(-100, 46))
+def test_the_peak_never_passes_what_the_level_states(stimulus, level):
+    assert stimulus.at(level).peak <= 10 ** (level / 20) * (1 + 1e-12)
+
+
+@per_stimulus
+def test_a_stimulus_starts_and_ends_at_rest(stimulus):
+    samples = stimulus.at(40.0).samples
+    assert np.abs(samples[:, [0, -1]]).max() <= 1e-2 * np.abs(samples).max()
+
+
+@per_stimulus
+def test_the_same_level_gives_the_same_samples(stimulus):
+    assert stimulus.at(20.0).digest() == stimulus.at(20.0).digest()
+
+
+@per_stimulus
+@pytest.mark.parametrize("level", [math.nan, math.inf, 1e6])
+def test_a_level_without_a_finite_signal_is_refused(stimulus, level):
+    with pytest.raises(InvalidParameter, match="found .*expected"):
+        stimulus.at(level)
+
+
+@per_procedure
+@given(answers=st.lists(st.booleans(), min_size=400, max_size=400))
+@settings(max_examples=30)
+def test_a_procedure_ends_and_says_how(procedure, answers):
+    for answer in answers:
+        if procedure.finished:
+            break
+        procedure = procedure.after(answer)
+    assert procedure.finished
+    assert procedure.ended in ("converged", "trials", "censored_above", "censored_below")
+
+
+@per_procedure
+@given(answers=st.lists(st.booleans(), max_size=60))
+def test_levels_stay_within_their_bounds(procedure, answers):
+    low = getattr(procedure, "low", 10.0)
+    high = getattr(procedure, "high", 30.0)
+    for answer in answers:
+        assert low <= procedure.level <= high
+        if procedure.finished:
+            return
+        procedure = procedure.after(answer)
+
+
+@per_procedure
+def test_a_procedure_is_not_changed_by_a_response(procedure):
+    before = procedure
+    procedure.after(1)
+    assert procedure == before
+
+
+@per_procedure
+@pytest.mark.parametrize("response", [None, math.nan, 2, "1", -1])
+def test_what_is_no_response_is_refused(procedure, response):
+    with pytest.raises(InvalidParameter, match="expected 1"):
+        procedure.after(response)
+
+
+@per_procedure
+def test_a_finished_procedure_takes_no_response(procedure):
+    while not procedure.finished:
+        procedure = procedure.after(0)
+    with pytest.raises(InvalidParameter, match="has finished"):
+        procedure.after(1)
+
+
+@per_observer
+def test_nothing_is_felt_as_often_as_a_false_alarm(observer):
+    rng = np.random.default_rng()
+    n = 4000
+    share = np.mean([observer.detect(-math.inf, rng) for _ in range(n)])
+    expected = false_alarm_rate(observer)
+    assert abs(share - expected) <= 3.89 * math.sqrt(expected * (1 - expected) / n)
+
+
+@per_observer
+def test_at_its_threshold_an_observer_says_yes_half_of_the_time(observer):
+    rng = np.random.default_rng()
+    n = 4000
+    share = np.mean([observer.detect(-observer.sensitivity_db, rng) for _ in range(n)])
+    assert abs(share - 0.5) <= 3.89 * math.sqrt(0.25 / n)
+
+
+@per_observer
+@given(level_db=st.floats(-1000, 1000) | st.just(-math.inf) | st.just(math.inf))
+def test_d_prime_is_finite_and_not_negative(observer, level_db):
+    assert 0 <= observer.d_prime(level_db) <= 1e6
+
+
+@per_observer
+def test_equal_intervals_are_chosen_equally_often(observer):
+    rng = np.random.default_rng()
+    n = 4000
+    share = np.mean([observer.compare([-math.inf, -math.inf], rng) for _ in range(n)])
+    assert abs(share - 0.5) <= 3.89 * math.sqrt(0.25 / n)
+
+
+def false_alarm_rate(observer):
+    from scipy.stats import norm
+
+    return observer.lapse_rate / 2 + (1 - observer.lapse_rate) * norm.sf(observer.criterion)
+
+
+@per_rig
+@per_protocol
+def test_every_protocol_completes_on_every_rig(protocol, rig):
+    memory = Memory()
+    run(protocol(np.random.default_rng(1)), rig(), memory)
+    assert memory.finished
+    assert memory.trials
+
+
+@per_protocol
+@given(seed=seeds)
+@settings(max_examples=5, deadline=None)
+def test_a_session_replays_through_its_journal_lines(protocol, seed):
+    memory = Memory()
+    run(protocol(np.random.default_rng(seed)), catalogue.simulated(seed), memory)
+    lines = [encode_entry(*entry) for entry in memory.entries]
+    import msgspec
+
+    entries = [decode_entry(msgspec.json.decode(line)) for line in lines]
+    replay(protocol(np.random.default_rng(seed)), Replay(entries))
+    assert [r.trial for r, _ in entries if isinstance(r, Record)] == memory.trials
+
+
+@per_protocol
+@given(seed=seeds, part=st.floats(0, 1))
+@settings(max_examples=5, deadline=None)
+def test_a_resumed_session_equals_the_uninterrupted_one(protocol, seed, part):
+    whole = Memory()
+    run(protocol(np.random.default_rng(seed)), catalogue.simulated(seed), whole)
+    ends = [0, *(n for n, (request, _) in enumerate(whole.entries, 1) if isinstance(request, Record))]
+    resumed = Memory(whole.entries[: ends[int(part * (len(ends) - 1))]])
+    run(protocol(np.random.default_rng(seed)), catalogue.simulated(seed), resumed)
+    assert resumed.entries == whole.entries
+
+
+@per_protocol
+def test_a_recording_that_was_cut_off_is_not_taken_for_whole(protocol):
+    memory = Memory()
+    run(protocol(np.random.default_rng(1)), catalogue.simulated(), memory)
+    with pytest.raises(Diverged, match=r"line \d+: the recording has ended"):
+        replay(protocol(np.random.default_rng(1)), Replay(memory.entries[:-1]))
+
+
+@per_protocol
+def test_a_recording_that_goes_on_is_refused(protocol):
+    memory = Memory()
+    run(protocol(np.random.default_rng(1)), catalogue.simulated(), memory)
+    with pytest.raises(Diverged, match=r"line \d+: the recording goes on with"):
+        replay(protocol(np.random.default_rng(1)), Replay([*memory.entries, memory.entries[-1]]))

@@ -1,0 +1,62 @@
+"""Orders of conditions: balance, completeness, purity."""
+
+from collections import Counter
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import counterbalanced, williams_square
+
+
+@given(n=st.integers(2, 14))
+def test_each_condition_follows_each_other_equally_often(n):
+    pairs = Counter(pair for row in williams_square(n) for pair in zip(row, row[1:], strict=False))
+    assert len(pairs) == n * (n - 1)
+    assert len(set(pairs.values())) == 1
+
+
+@given(n=st.integers(1, 14))
+def test_each_condition_stands_equally_often_in_each_position(n):
+    rows = williams_square(n)
+    places = Counter((position, item) for row in rows for position, item in enumerate(row))
+    assert set(places.values()) == {len(rows) // n}
+
+
+@given(sizes=st.lists(st.integers(1, 5), min_size=1, max_size=3), number=st.integers(1, 100))
+def test_every_cell_comes_once(sizes, number):
+    factors = {f"factor_{n}": list(range(size)) for n, size in enumerate(sizes)}
+    cells = counterbalanced(factors, list(factors), number)
+    assert len({tuple(cell.items()) for cell in cells}) == len(cells)
+    assert len(cells) == pytest.approx(_product(sizes))
+
+
+def _product(sizes):
+    total = 1
+    for size in sizes:
+        total *= size
+    return total
+
+
+def test_the_outer_factor_changes_slowest():
+    cells = counterbalanced({"frequency_hz": [30, 60, 120], "force_n": [0.5, 1.5]}, ["force_n", "frequency_hz"], 1)
+    assert [cell["force_n"] for cell in cells] == [0.5] * 3 + [1.5] * 3
+
+
+def test_over_a_full_square_each_outer_order_comes_equally_often():
+    orders = Counter(
+        tuple(dict.fromkeys(cell["force_n"] for cell in counterbalanced({"force_n": [1, 2, 3]}, ["force_n"], number)))
+        for number in range(1, 13)
+    )
+    assert set(orders.values()) == {2}
+
+
+def test_without_counterbalancing_the_order_is_that_of_the_file():
+    cells = counterbalanced({"a": [1, 2], "b": [3, 4]}, [], 7)
+    assert cells == [{"a": 1, "b": 3}, {"a": 1, "b": 4}, {"a": 2, "b": 3}, {"a": 2, "b": 4}]
+
+
+def test_a_number_below_one_is_refused():
+    with pytest.raises(InvalidParameter, match="participant number: found 0, expected a number from 1"):
+        counterbalanced({"a": [1]}, ["a"], 0)

@@ -1,0 +1,186 @@
+"""Staircase and constant stimuli: sequences, censoring, the delivered level, and PsychoPy's handler beside ours."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import ConstantStimuli, Staircase
+
+
+def follow(procedure, answers):
+    """The levels asked for, one for each answer."""
+    levels = []
+    for answer in answers:
+        if procedure.finished:
+            break
+        levels.append(procedure.level)
+        procedure = procedure.after(answer)
+    return levels, procedure
+
+
+def psychopy_staircase(**options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from psychopy.data import StairHandler
+    return StairHandler(stepType="lin", autoLog=False, **options)
+
+
+def psychopy_levels(answers, **options):
+    handler = psychopy_staircase(**options)
+    levels = []
+    for answer in answers:
+        levels.append(next(handler))
+        handler.addResponse(int(answer))
+        if handler.finished:
+            break
+    return levels, handler
+
+
+@given(
+    answers=st.lists(st.booleans(), min_size=1, max_size=80),
+    n_up=st.integers(1, 3),
+    n_down=st.integers(1, 4),
+    steps=st.lists(st.sampled_from([1.0, 2.0, 4.0, 8.0]), min_size=2, max_size=4),
+    initial_rule=st.booleans(),
+)
+def test_sequences_equal_those_of_psychopy(answers, n_up, n_down, steps, initial_rule):
+    ours, end = follow(
+        Staircase(
+            start=30.0,
+            steps=tuple(steps),
+            low=-1000.0,
+            high=1000.0,
+            n_up=n_up,
+            n_down=n_down,
+            n_reversals=1000,
+            n_trials=1000,
+            initial_rule=initial_rule,
+        ),
+        answers,
+    )
+    theirs, handler = psychopy_levels(
+        answers,
+        startVal=30.0,
+        stepSizes=list(steps),
+        nReversals=1000,
+        nTrials=1000,
+        nUp=n_up,
+        nDown=n_down,
+        applyInitialRule=initial_rule,
+    )
+    assert ours == theirs
+    assert list(end.reversals) == handler.reversalIntensities
+
+
+@given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
+def test_levels_at_the_bounds_equal_those_of_psychopy_until_censoring(answers, n_down):
+    ours, _ = follow(
+        Staircase(start=4.0, steps=(4.0, 2.0), low=0.0, high=10.0, n_down=n_down, n_reversals=1000, n_trials=1000),
+        answers,
+    )
+    theirs, _ = psychopy_levels(
+        answers, startVal=4.0, stepSizes=[4.0, 2.0], nReversals=1000, nTrials=1000, nDown=n_down, minVal=0, maxVal=10
+    )
+    assert ours == theirs[: len(ours)]
+
+
+def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
+    answers = [True, False] * 40
+    options = {"startVal": 10.0, "stepSizes": [2.0, 1.0], "nReversals": 6, "nTrials": 30, "nDown": 1}
+    theirs, _ = psychopy_levels(answers, **options)
+    rule = Staircase(start=10.0, steps=(2.0, 1.0), low=-100.0, high=100.0, n_down=1, n_reversals=6, n_trials=30)
+    ours, end = follow(rule, answers)
+    assert (len(theirs), len(ours), end.ended) == (30, 7, "converged")
+
+
+def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_delivered_one():
+    handler = psychopy_staircase(startVal=10.0, stepSizes=[2.0, 1.0], nTrials=9, nDown=1)
+    next(handler)
+    handler.addResponse(1, intensity=7.0)
+    rule = Staircase(start=10.0, steps=(2.0, 1.0), low=-100.0, high=100.0, n_down=1).after(1, delivered=7.0)
+    assert (next(handler), rule.level, rule.levels) == (8.0, 5.0, (7.0,))
+
+
+@pytest.mark.parametrize(("answer", "ended"), [(0, "censored_above"), (1, "censored_below")])
+def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended):
+    rule = Staircase(start=20.0, steps=(8.0, 4.0), low=0.0, high=40.0, n_down=1, n_at_bound=3)
+    levels, end = follow(rule, [answer] * 100)
+    assert end.ended == ended
+    assert end.threshold() is None
+    assert levels[-3:] == [40.0 if answer == 0 else 0.0] * 3
+
+
+def test_a_run_that_leaves_the_ceiling_is_not_censored():
+    rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_at_bound=3, n_reversals=4)
+    _, end = follow(rule, [0, 0, 1, 0, 0, 1, 0, 0, 1])
+    assert end.ended == "converged"
+
+
+def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
+    rule = Staircase(start=10.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=1, n_reversals=5)
+    _, end = follow(rule, [1, 0, 1, 0, 1, 0, 1, 0])
+    assert end.reversals == (6.0, 8.0, 6.0, 8.0, 6.0)
+    assert end.threshold() == (8.0 + 6.0) / 2
+
+
+@pytest.mark.parametrize("n_down", [1, 2, 3])
+def test_a_staircase_settles_where_levitt_says(n_down):
+    from scipy.stats import norm
+
+    rng = np.random.default_rng()
+    n_runs, n_trials = 200, 200
+    shares = []
+    for _ in range(n_runs):
+        rule = Staircase(
+            start=0.0, steps=(0.1,), low=-12.0, high=12.0, n_down=n_down, n_reversals=10**6, n_trials=n_trials
+        )
+        rule = end_of(rule, lambda level: norm.cdf(level), rng)
+        shares.append(np.mean(norm.cdf(rule.levels[60:])))
+    target = 0.5 ** (1 / n_down)
+    assert abs(np.mean(shares) - target) <= 3.89 * np.std(shares) / np.sqrt(n_runs) + 0.005
+
+
+def end_of(rule, probability, rng):
+    while not rule.finished:
+        rule = rule.after(bool(rng.random() < probability(rule.level)))
+    return rule
+
+
+def test_constant_stimuli_presents_each_level_as_often_as_asked():
+    rule = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=5).shuffled(np.random.default_rng())
+    levels, end = follow(rule, [1, 0] * 100)
+    assert {level: levels.count(level) for level in (1.0, 2.0, 3.0)} == {1.0: 5, 2.0: 5, 3.0: 5}
+    assert end.ended == "trials"
+
+
+def test_each_repeat_of_constant_stimuli_holds_every_level_once():
+    order = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=50).shuffled(np.random.default_rng()).order
+    assert all(sorted(order[n : n + 3]) == [1.0, 2.0, 3.0] for n in range(0, 150, 3))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"low": 5.0, "high": 5.0}, "Staircase.low: found 5, expected less than high (5)"),
+        ({"start": 99.0}, "Staircase.start: found 99, expected a level between low (0) and high (40)"),
+        ({"steps": ()}, "Staircase.steps: found no step, expected at least one"),
+        ({"steps": (0.0,)}, "Staircase.steps[0]: found 0, expected above 0 and at most the range of levels (40)"),
+        ({"steps": (2.0, 41.0)}, "Staircase.steps[1]: found 41, expected above 0 and at most the range of levels (40)"),
+        ({"n_down": 0}, "Staircase.n_down: found 0, expected at least 1"),
+        ({"high": float("inf")}, "Staircase.high: found inf, expected a finite number"),
+    ],
+)
+def test_an_impossible_staircase_is_refused(options, message):
+    with pytest.raises(InvalidParameter) as refused:
+        Staircase(**({"start": 20.0, "steps": (2.0,), "low": 0.0, "high": 40.0} | options))
+    assert str(refused.value) == message
+
+
+def test_a_delivered_level_that_is_no_number_is_refused():
+    rule = Staircase(start=20.0, steps=(2.0,), low=0.0, high=40.0)
+    with pytest.raises(InvalidParameter, match="found the delivered level nan, expected a finite number"):
+        rule.after(1, delivered=float("nan"))
