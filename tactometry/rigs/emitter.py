@@ -30,8 +30,7 @@ class Emitter:
         """
         if name not in self._bank:
             raise InvalidParameter(
-                f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}"
-                f"{nearest(name, self._bank)}"
+                f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}{nearest(name, self._bank)}"
             )
         signal = with_ramps(self._bank[name].at(level), RAMP_S)
         check_playable(signal, self._output)

@@ -25,8 +25,9 @@ class Pacer:
     def wait(self) -> None:
         """Return when the next frame is due."""
         if self.in_software:
-            time.sleep(max(0.0, self._due_s - time.perf_counter()))
-            self._due_s = max(self._due_s, time.perf_counter() - self.period_s) + self.period_s
+            now_s = time.perf_counter()
+            time.sleep(max(0.0, self._due_s - now_s))
+            self._due_s = max(self._due_s, now_s) + self.period_s
 
 
 def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, str | int | float | bool | None]:

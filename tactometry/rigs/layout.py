@@ -43,9 +43,7 @@ def message_page(words: str, hint: str, aspect: float) -> Page:
     return Page(items, (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
 
 
-def question_page(
-    words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float
-) -> Page:
+def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
     """A question with a box for each option, which shows its label and its key."""
     width, gap = min(0.42, MARGIN * aspect / len(options) - 0.04), 0.04
     left = -(len(options) - 1) / 2 * (width + gap)
@@ -56,8 +54,7 @@ def question_page(
         items += _option_box(x, width, label, key[0].upper())
     items.append(Text(hint, 0, -0.42, HINT, QUIET, MARGIN * aspect))
     buttons = [
-        Button(option, key, x, -0.06, width, 0.24)
-        for option, key, x in zip(options, keys, centres, strict=True)
+        Button(option, key, x, -0.06, width, 0.24) for option, key, x in zip(options, keys, centres, strict=True)
     ]
     return Page(tuple(items), tuple(buttons))
 
@@ -187,9 +184,7 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
         *drawn,
         *_confirm_box(mark is not None, scale.hint, aspect),
     )
-    buttons = [
-        Button(k, _digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)
-    ]
+    buttons = [Button(k, _digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
     return Page(items, (*buttons, *_scale_keys(ready=mark is not None)))
 
 

@@ -40,9 +40,7 @@ class Replay:
         From every method, if the request is not the recorded one, with its line and what differs.
     """
 
-    def __init__(
-        self, entries: Sequence[tuple["Request", Any]], where: str = "recording", first_line: int = 1
-    ) -> None:
+    def __init__(self, entries: Sequence[tuple["Request", Any]], where: str = "recording", first_line: int = 1) -> None:
         self._entries = entries
         self._where = where
         self._first_line = first_line

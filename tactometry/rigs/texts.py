@@ -20,11 +20,7 @@ def languages() -> tuple[str, ...]:
     """
     names = (entry.name for entry in files("tactometry.rigs").iterdir())
     return tuple(
-        sorted(
-            name[len(PREFIX) : -len(SUFFIX)]
-            for name in names
-            if name.startswith(PREFIX) and name.endswith(SUFFIX)
-        )
+        sorted(name[len(PREFIX) : -len(SUFFIX)] for name in names if name.startswith(PREFIX) and name.endswith(SUFFIX))
     )
 
 
@@ -90,8 +86,7 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """
     if language not in languages():
         raise InvalidParameter(
-            f"language: found {language!r}, expected one of {', '.join(languages())}"
-            f"{nearest(language, languages())}"
+            f"language: found {language!r}, expected one of {', '.join(languages())}{nearest(language, languages())}"
         )
     shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}

@@ -116,9 +116,7 @@ class Window:
     def _on_mouse_press(self, x: float, y: float, button: int, modifiers: int) -> None:
         del button, modifiers
         width, height = self._window.winHandle.get_size()
-        self._pressed.append(
-            Click((x - width / 2) / height, (y - height / 2) / height, at_s=time.perf_counter())
-        )
+        self._pressed.append(Click((x - width / 2) / height, (y - height / 2) / height, at_s=time.perf_counter()))
 
     def _on_close(self) -> bool:
         self._pressed.append(KeyDown("escape", at_s=time.perf_counter()))

@@ -1,0 +1,369 @@
+"""Every page in a real window, answered by real X key and mouse events."""
+
+import time
+
+import numpy as np
+import pytest
+
+from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
+from tactometry.limits import Limits
+from tactometry.request import Adjust, Choose, Play, Press, Rate, Record, Show, Slide, Wait
+from tactometry.rigs import layout
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.page import KeyDown, Page
+from tactometry.rigs.texts import languages, texts_in
+from tactometry.stimuli.electrovibration import Sine
+from tactometry.trial import Trial
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
+FELT = Choose("felt", (0, 1), ("no", "yes"))
+WHICH = Choose("which_interval", (1, 2), ("1", "2"))
+SEVEN = Rate("warm", 1, 7, 7, "cold", "warm")
+LINE = Rate("intensity", 0, 100, None, "nothing", "very strong")
+PITCH = 1.1 / 7
+TRIAL = Trial(1, 1, {}, "staircase", 1.0, "V", "yes_no", 1)
+
+
+@pytest.fixture
+def bench(watched, output):
+    rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {"warm": "Cold or warm?"}))
+    yield rig
+    rig.close()
+
+
+@pytest.mark.parametrize("leave", ["space", "Return", "KP_Enter", (0.4, -0.3)], ids=str)
+def test_a_message_is_left_by_a_key_or_a_touch(bench, participant, leave):
+    participant.answers("y", leave)
+    assert bench.show(Show("block", {"block": 1, "n_blocks": 3})).at_s > 0
+
+
+@pytest.mark.parametrize(
+    ("question", "act", "option"),
+    [
+        (FELT, "y", 1),
+        (FELT, "n", 0),
+        (FELT, "1", 1),
+        (FELT, "KP_0", 0),
+        (FELT, (-0.23, -0.06), 0),
+        (FELT, (0.23, -0.06), 1),
+        (WHICH, "1", 1),
+        (WHICH, "KP_2", 2),
+        (WHICH, (0.23, -0.06), 2),
+    ],
+)
+def test_a_question_is_answered_by_letter_digit_and_touch(bench, participant, question, act, option):
+    participant.answers(act)
+    chosen = bench.choose(question)
+    assert (chosen.option, chosen.valid) == (option, True)
+    assert chosen.latency_s > 0
+    assert chosen.timestamp_utc.endswith("+00:00")
+
+
+def test_a_touch_beside_the_boxes_and_another_key_answer_nothing(bench, participant):
+    participant.answers((0.0, 0.4), "q", "n")
+    assert bench.choose(FELT).option == 0
+
+
+def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_background):
+    press, onset = {}, []
+
+    def work():
+        watched.shown.get(timeout=20)
+        time.sleep(0.1)
+        press["down_s"], press["up_s"] = hands.tap("y", hold_s=0.3)
+
+    present, watched.present = watched.present, lambda page: onset.append(present(page)) or onset[-1]
+    in_background(work)
+    chosen = bench.choose(FELT)
+    time.sleep(0.4)
+    down_s = onset[0] + chosen.latency_s
+    assert press["down_s"] - 0.002 <= down_s <= press["up_s"]
+    assert chosen.latency_s >= 0.1
+
+
+def test_no_tap_is_lost_however_short(bench, participant):
+    participant.answers_each_page("y", "n", "n", "y", "y", "n", hold_s=0.0)
+    assert [bench.choose(FELT).option for _ in range(6)] == [1, 0, 0, 1, 1, 0]
+
+
+def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participant, hands, in_background):
+    """PsychoPy gives an old press again when its key is released."""
+    in_background(hands.tap, "y", 0.6)
+    time.sleep(0.2)
+    participant.answers(0.8, "n")
+    assert bench.choose(FELT).option == 0
+
+
+@pytest.mark.parametrize(
+    ("acts", "value"),
+    [
+        (("3", "Return"), 3),
+        (("6", "2", "space"), 2),
+        (("Right", "Right", "Return"), 5),
+        (("7", "Right", "Left", "KP_Enter"), 6),
+        (((0, -0.27), (-3 * PITCH, 0), (2 * PITCH, 0), 0.1, (0, -0.27)), 6),
+    ],
+    ids=["digit", "corrected", "from the middle", "bounded", "touch"],
+)
+def test_a_scale_is_answered_by_keys_and_touch(bench, participant, acts, value):
+    participant.answers(*acts)
+    rated = bench.rate(SEVEN)
+    assert rated.value == value
+    assert rated.latency_s > 0
+
+
+def test_a_continuous_scale_is_answered_by_touch_and_arrows(bench, participant):
+    participant.answers((1.1 * 0.25, 0), 0.1, "Right", "Return")
+    assert bench.rate(LINE).value == 76
+
+
+def test_the_participant_sets_a_level_within_its_bounds(bench, participant, log):
+    participant.answers(*["Up", 0.1] * 3, "Down", 0.1, "Return")
+    adjusted = bench.adjust(Adjust("tone", start=10.0, step=5.0, low=0.0, high=20.0))
+    assert adjusted.level == 15.0
+    levels = [entry for entry in log if entry.startswith("play")]
+    assert list(dict.fromkeys(levels)) == ["play 10 V", "play 15 V", "play 20 V"]
+    assert levels[-1] == "play 15 V"
+    assert log[-1] == "output.stop"
+
+
+def test_a_stimulus_plays_in_its_interval(bench, log):
+    played = bench.play(Play("tone", 5.0, duration_s=0.2, interval=2))
+    after = bench.wait(Wait(0.05))
+    assert (played.level_delivered, played.digest) == (5.0, TONE.at(5.0).digest())
+    assert after.at_s - played.onset_s >= 0.25
+    assert log == ["output.open", "play 5 V"]
+
+
+def test_a_blank_takes_the_same_course_and_plays_nothing(bench, log):
+    before_s = bench.record(Record(TRIAL)).at_s
+    played = bench.play(Play("tone", None, duration_s=0.2))
+    assert (played.level_delivered, played.digest) == (None, "")
+    assert bench.record(Record(TRIAL)).at_s - before_s >= 0.2
+    assert log == ["output.open"]
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        Press("tone", 5.0, 0.1, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, interval=1),
+        Slide("tone", 5.0, 0.1, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05),
+    ],
+)
+def test_without_a_sensor_a_touch_is_trusted(bench, log, request_):
+    touched = request_.put_to(bench)
+    assert (touched.valid, touched.digest, touched.level_delivered) == (True, TONE.at(5.0).digest(), 5.0)
+    assert touched.force_mean_n is touched.force_sd_n is touched.force_in_band is touched.speed_mean_m_per_s is None
+    assert touched.onset_s >= 0.1
+    assert log == ["output.open", "play 5 V"]
+
+
+PRESS = Press("tone", 5.0, 30.0, 1.0, 0.2, hold_s=0.05, timeout_s=5.0)
+REQUESTS = [
+    Show("end"),
+    FELT,
+    SEVEN,
+    LINE,
+    Wait(30.0),
+    Play("tone", 5.0, 30.0),
+    PRESS,
+    Adjust("tone", 5, 1, 0, 9),
+]
+
+
+@pytest.mark.parametrize("request_", REQUESTS, ids=lambda request: type(request).__name__)
+def test_escape_stops_everything_with_the_output_first(bench, participant, log, request_):
+    participant.answers("Escape")
+    with pytest.raises(Stopped, match="Escape was pressed; what was recorded is safe"):
+        request_.put_to(bench)
+    assert log[-3:] == ["output.stop", "output.close", "screen.close"]
+    with pytest.raises(DeviceFailed, match="bench: it is closed"):
+        request_.put_to(bench)
+
+
+def test_closing_the_window_stops_too(bench, watched, screen, in_background, log):
+    def work():
+        watched.shown.get(timeout=20)
+        screen._window.winHandle.dispatch_event("on_close")
+
+    in_background(work)
+    with pytest.raises(Stopped):
+        bench.show(Show("end"))
+    assert log[-3:] == ["output.stop", "output.close", "screen.close"]
+
+
+@pytest.mark.parametrize(
+    ("request_", "error", "message"),
+    [
+        (
+            Play("tone", 51.0, 0.2),
+            LimitExceeded,
+            r"found a peak of 51 V, the limit is 50 V; .*nothing was played",
+        ),
+        (Play("tome", 5.0, 0.2), InvalidParameter, "found 'tome', expected one of tone; did you mean 'tone'"),
+        (Play("tone", 5.0, 0.05), InvalidParameter, "a signal of 0.1 s, expected at most the 0.05 s"),
+        (Show("block", {}), InvalidParameter, "message 'block': found a place that cannot be filled"),
+        (Show("welcom"), InvalidParameter, "message 'welcom': found no text .*did you mean 'welcome'"),
+    ],
+)
+def test_bad_requests_play_nothing_and_close(bench, log, request_, error, message):
+    with pytest.raises(error, match=message):
+        request_.put_to(bench)
+    assert log == ["output.open", "output.stop", "output.close", "screen.close"]
+
+
+def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
+    output.limits = None
+    with (
+        pytest.raises(LimitExceeded, match=r"output 'list': found no limits, .*nothing was played"),
+        Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(50.0), texts=texts_in("en", {}))) as bench,
+    ):
+        bench.play(Play("tone", 1.0, 0.2))
+    assert "play 1 V" not in log
+
+
+def test_the_limits_of_the_study_hold_beside_those_of_the_output(watched, output, log):
+    with (
+        pytest.raises(LimitExceeded, match="the limit is 2 V"),
+        Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(2.0), texts=texts_in("en", {}))) as bench,
+    ):
+        bench.play(Play("tone", 3.0, 0.2))
+    assert log == ["output.open", "output.stop", "output.close", "screen.close"]
+
+
+class Closing:
+    def __init__(self, rig):
+        self._rig = rig
+
+    def __enter__(self):
+        return self._rig
+
+    def __exit__(self, *error):
+        self._rig.close()
+
+
+@pytest.mark.parametrize(
+    ("failure", "error"),
+    [
+        (SystemExit(0), pytest.raises(DeviceFailed, match=r"ended the program by itself \(exit status 0\)")),
+        (KeyboardInterrupt(), pytest.raises(KeyboardInterrupt)),
+        (OSError("unplugged"), pytest.raises(OSError, match="unplugged")),
+    ],
+    ids=["SystemExit", "Ctrl-C", "OSError"],
+)
+def test_any_failure_while_a_stimulus_plays_zeroes_the_output_first(bench, watched, log, failure, error):
+    def fail(page):
+        raise failure
+
+    watched.refresh = fail
+    with error:
+        bench.play(Play("tone", 5.0, 0.2))
+    assert log == ["output.open", "play 5 V", "output.stop", "output.close", "screen.close"]
+
+
+def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output, log):
+    def fail():
+        raise OSError("unplugged")
+
+    output.stop = fail
+    with pytest.raises(OSError, match="unplugged"):
+        bench.close()
+    assert log[-2:] == ["output.close", "screen.close"]
+
+
+def test_a_session_that_goes_on_keeps_its_time(bench):
+    bench.resume(12, elapsed_s=100.0)
+    assert 100.0 < bench.record(Record(TRIAL)).at_s < 160.0
+
+
+def test_the_facts_name_display_keyboard_and_clock(bench):
+    facts = bench.facts()
+    assert (facts["rig"], facts["keyboard"], facts["clock"]) == ("bench", "ptb", "time.perf_counter")
+    assert (facts["display_width_px"], facts["display_height_px"]) == (1280, 800)
+    assert (facts["output"], facts["force_sensor"]) == ("list", None)
+    assert facts["frames_paced_in_software"] is True
+    assert facts["frame_period_s"] == pytest.approx(1 / 60, abs=1e-6)
+
+
+def test_frames_are_counted_and_paced(bench):
+    before = bench.timing()["n_frames"]
+    bench.wait(Wait(0.5))
+    timing = bench.timing()
+    assert 2 <= timing["n_frames"] - before <= 31
+    assert timing["frame_interval_median_s"] > 0.01
+
+
+def message_pages(texts, aspect):
+    values = {"block": 2, "n_blocks": 21}
+    names = ["welcome", "instructions_yes_no", "instructions_forced_choice", "block", "practice", "rest", "end"]
+    hint = texts.message("hint_continue")
+    return {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
+
+
+def question_pages(texts, aspect):
+    def page(question, *labels):
+        options = tuple(range(len(labels))) if question == "felt" else tuple(range(1, len(labels) + 1))
+        return layout.question_page(texts.message(question), options, labels, texts.message("hint_choose"), aspect)
+
+    return {
+        "felt": page("felt", texts.label("no"), texts.label("yes")),
+        "which": page("which_interval", "1", "2"),
+        "which_of_four": page("which_interval", "1", "2", "3", "4"),
+        "same": page("which_interval", texts.label("same"), texts.label("different")),
+    }
+
+
+def scale_pages(texts, aspect):
+    def page(name, n_positions, mark):
+        rings = n_positions < 10
+        scale = layout.Scale(texts.message("rate"), "unpleasant", "pleasant", texts.message(name), n_positions, rings)
+        return layout.scale_page(scale, mark, aspect)
+
+    return {
+        "scale": page("hint_rate", 7, None),
+        "scale_marked": page("hint_rate", 7, 4),
+        "line_marked": page("hint_rate_continuous", 101, 70),
+        "adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect),
+    }
+
+
+def marker_pages(texts):
+    press, slide = texts.message("press_force"), texts.message("slide_force")
+    low = layout.force_page(layout.marker_page(2, playing=False, words=press), 0.6, 1.0, 0.2)
+    held = layout.force_page(layout.marker_page(2, playing=True, words=slide), 1.1, 1.0, 0.2)
+    return {
+        "ready": layout.marker_page(1, playing=False, words=texts.message("press")),
+        "playing": layout.marker_page(None, playing=True, words=texts.message("slide")),
+        "force_low": low,
+        "force_held": layout.track_page(held, 0.4, 1 / 3),
+        "waiting": layout.waiting_page(),
+    }
+
+
+def all_pages(language, aspect):
+    texts = texts_in(language, {})
+    return (
+        message_pages(texts, aspect) | question_pages(texts, aspect) | scale_pages(texts, aspect) | marker_pages(texts)
+    )
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, artefacts, language):
+    """The pictures are kept: look at them."""
+    for name, page in all_pages(language, screen.aspect).items():
+        image = screen.picture(page)
+        image.save(artefacts / f"window_{language}_{name}.png")
+        pixels = np.asarray(image.convert("L"), dtype=int)
+        edge = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+        assert set(edge) == {pixels[0, 0]}, f"{name} touches the edge of the screen"
+        assert pixels.max() - pixels[0, 0] > 100, f"{name} is hardly seen"
+
+
+def test_events_are_given_once(screen, hands):
+    screen.present(Page())
+    hands.tap("q", hold_s=0.1)
+    seen = []
+    for _ in range(20):
+        seen += [event.name for event in screen.events() if isinstance(event, KeyDown)]
+        screen.refresh(Page())
+    assert seen == ["q"]
