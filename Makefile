@@ -105,13 +105,13 @@ $(VENV)/.python:
 	touch $@
 
 $(VENV)/.core: $(VENV)/.python pyproject.toml setup.py constraints.txt
-	@echo "Installing Tactometry with the packages of its core (about 150 MB to download) ..."
+	@echo "Installing Tactometry with the packages of its core (225 MB to download) ..."
 	$(INSTALL) setuptools wheel
 	$(INSTALL) --no-build-isolation --editable .
 	touch $@
 
 $(VENV)/.test: $(VENV)/.python pyproject.toml setup.py constraints.txt
-	@echo "Installing Tactometry with all that its tests need, PsychoPy too (about 600 MB to download) ..."
+	@echo "Installing Tactometry with all that its tests need, PsychoPy too (600 MB to download) ..."
 	$(INSTALL) setuptools wheel
 	$(INSTALL) --no-build-isolation --editable '.[$(EXTRAS)]'
 	touch $(VENV)/.core $@
