@@ -22,9 +22,7 @@ AREA_M2 = 1e-4
 positive = st.floats(1e-12, 1e12)
 
 
-def sc_force_n(
-    voltage_v: np.ndarray, rate_hz: float, skin: Skin = P0, area_m2: float = AREA_M2
-) -> np.ndarray:
+def sc_force_n(voltage_v: np.ndarray, rate_hz: float, skin: Skin = P0, area_m2: float = AREA_M2) -> np.ndarray:
     return electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law="sc_layer")
 
 
@@ -108,9 +106,7 @@ def test_a_constant_offset_leaves_no_force_after_ten_time_constants() -> None:
 
 
 @given(area_m2=st.floats(1e-9, 1.0), factor=st.floats(0.1, 10))
-def test_force_over_area_does_not_depend_on_area_without_body_resistance(
-    area_m2: float, factor: float
-) -> None:
+def test_force_over_area_does_not_depend_on_area_without_body_resistance(area_m2: float, factor: float) -> None:
     voltage_v = np.random.default_rng(2).normal(size=50)
     one, other = (sc_force_n(voltage_v, 1e4, area_m2=a) / a for a in (area_m2, area_m2 * factor))
     np.testing.assert_allclose(one, other, rtol=1e-13)
@@ -152,9 +148,7 @@ def test_a_lossless_skin_turns_a_square_into_a_constant_force() -> None:
     np.testing.assert_allclose(force_n, 21.2523982e-3, rtol=1e-8)
 
 
-@given(
-    rho=st.one_of(st.sampled_from([0.0, np.inf]), positive), body_ohm=st.sampled_from([0.0, 1e-9, 1e3, 1e9])
-)
+@given(rho=st.one_of(st.sampled_from([0.0, np.inf]), positive), body_ohm=st.sampled_from([0.0, 1e-9, 1e3, 1e9]))
 def test_any_resistivity_gives_a_finite_force_that_is_not_negative(rho: float, body_ohm: float) -> None:
     skin = Skin(corneum_resistivity_ohm_m=rho, body_resistance_ohm=body_ohm)
     force_n = sc_force_n(np.array([100.0, -100.0, 0.0, 3.0]), 1e4, skin)

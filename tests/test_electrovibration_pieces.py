@@ -82,9 +82,7 @@ def test_the_force_frequency_is_the_lowest_line_of_the_force(waveform: Waveform)
 
 def lowest_force_hz(waveform: Waveform, skin: Skin) -> float:
     signal = waveform.at(0.0)
-    force_n = electrostatic_force_n(
-        signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=1e-4, law="sc_layer"
-    )
+    force_n = electrostatic_force_n(signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=1e-4, law="sc_layer")
     parts = components(force_n, signal.rate_hz)
     return float(parts.frequencies_hz[parts.amplitudes > 0.05 * parts.amplitudes.max()].min())
 

@@ -65,23 +65,18 @@ def test_the_sensation_of_a_sine_follows_the_closed_forms() -> None:
     force_n = 0.5 * float(sine_mean_force_n(120.0, 10.0, model.skin, area_m2))
     lag = 1 / np.hypot(1, 240 / 690)
     expected_db = 20 * np.log10(force_n * lag / model.reference_force_n) - float(sensitivity_db(240.0))
-    assert model.sensation_db(Sine(frequency_hz=120.0).at(20.0), TOUCH) == pytest.approx(
-        expected_db, abs=0.02
-    )
+    assert model.sensation_db(Sine(frequency_hz=120.0).at(20.0), TOUCH) == pytest.approx(expected_db, abs=0.02)
 
 
 def test_the_default_reference_puts_the_best_carrier_at_5_volt() -> None:
-    assert threshold_db(AmplitudeModulated(frequency_hz=240.0), MODEL) == pytest.approx(
-        20 * np.log10(5), abs=0.05
-    )
+    assert threshold_db(AmplitudeModulated(frequency_hz=240.0), MODEL) == pytest.approx(20 * np.log10(5), abs=0.05)
 
 
 @pytest.mark.parametrize("force_n", [0.5, 1.5, 3.0])
 def test_all_carriers_of_the_study_stay_below_200_volt(force_n: float) -> None:
     touch = Contact(force_n, 0.05)
     levels_db = [
-        threshold_db(AmplitudeModulated(frequency_hz=f), MODEL, touch)
-        for f in (30, 60, 120, 180, 240, 320, 480)
+        threshold_db(AmplitudeModulated(frequency_hz=f), MODEL, touch) for f in (30, 60, 120, 180, 240, 320, 480)
     ]
     assert max(levels_db) < 20 * np.log10(200)
     assert int(np.argmin(levels_db)) == 4
@@ -93,9 +88,7 @@ def test_some_sines_of_the_study_lie_above_200_volt() -> None:
 
 def test_threshold_falls_with_force_by_the_absolute_criterion() -> None:
     stimulus = AmplitudeModulated(frequency_hz=240.0)
-    shift_db = threshold_db(stimulus, MODEL, Contact(2.0, 0.05)) - threshold_db(
-        stimulus, MODEL, Contact(0.5, 0.05)
-    )
+    shift_db = threshold_db(stimulus, MODEL, Contact(2.0, 0.05)) - threshold_db(stimulus, MODEL, Contact(0.5, 0.05))
     assert shift_db == pytest.approx(-2.0069, abs=5e-4)
 
 
@@ -117,9 +110,7 @@ def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
     levels_db = np.linspace(0, 40, 7)
     touches = [Contact(f, v) for f in (0.5, 3.0) for v in (0.02, 0.1)]
     once = {(x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for x in levels_db for t in touches}
-    again = {
-        (x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for t in touches[::-1] for x in levels_db[::-1]
-    }
+    again = {(x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for t in touches[::-1] for x in levels_db[::-1]}
     assert once == again
 
 

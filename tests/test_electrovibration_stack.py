@@ -175,9 +175,7 @@ def test_periodic_steady_state_of_constant_properties_equals_the_relaxations() -
     n, period_s = 4096, 1 / 60
     t_s = np.arange(n) * period_s / n
     tone_v = 100 * np.sin(2 * np.pi * 60 * t_s) + 30 * np.cos(2 * np.pi * 180 * t_s) + 7.0
-    found_v = periodic_voltages_v(
-        tone_v, n / period_s, skin.stack.layers[::2], resistance_ohm=1e3, area_m2=AREA_M2
-    )
+    found_v = periodic_voltages_v(tone_v, n / period_s, skin.stack.layers[::2], resistance_ohm=1e3, area_m2=AREA_M2)
     h = skin.response([60.0, 180.0], AREA_M2)
     expected_v = (100 * h[0] * np.exp(2j * np.pi * 60 * t_s)).imag
     expected_v += (30 * h[1] * np.exp(2j * np.pi * 180 * t_s)).real
@@ -213,8 +211,7 @@ def test_step_pieces_reach_the_closed_form() -> None:
         ),
         (
             lambda: Stack((Layer(0.0),)),
-            "Stack.layers: found none that can hold a voltage, expected a layer of thickness and "
-            "resistivity above 0",
+            "Stack.layers: found none that can hold a voltage, expected a layer of thickness and resistivity above 0",
         ),
         (
             lambda: DispersiveLayer(1e-4, (1.0, 1.0), (1.0, 1.0), (1.0, 1.0)),

@@ -12,10 +12,7 @@ from tactometry.stimuli.perception import components
 STIMULI = [
     Sine(frequency_hz=60.0),
     Sine(frequency_hz=333.3, ramp_s=0.0, phase_rad=1.0, duration_s=0.01),
-    *(
-        AmplitudeModulated(frequency_hz=60.0, modulation=m)
-        for m in ("square_root", "full", "suppressed_carrier")
-    ),
+    *(AmplitudeModulated(frequency_hz=60.0, modulation=m) for m in ("square_root", "full", "suppressed_carrier")),
 ]
 
 
@@ -57,9 +54,7 @@ def test_ramps_start_and_end_at_zero_and_are_a_raised_cosine() -> None:
         ("suppressed_carrier", [0.25, 0.0, 0.25]),
     ],
 )
-def test_components_of_the_squared_carrier_below_its_frequency(
-    modulation: str, expected: list[float]
-) -> None:
+def test_components_of_the_squared_carrier_below_its_frequency(modulation: str, expected: list[float]) -> None:
     stimulus = AmplitudeModulated(frequency_hz=100.0, modulation=modulation, ramp_s=0.0)
     spectrum = np.abs(np.fft.rfft(stimulus.at(0.0).samples[0] ** 2)) / 20_000
     found = spectrum[[0, 100, 200]] * [1, 2, 2]
@@ -104,8 +99,7 @@ def test_the_force_frequency_is_that_of_the_strongest_slow_component(
         (
             Sine,
             {"duration_s": 0.08},
-            "Sine.ramp_s: found 0.05 s on and off, expected at most half of the duration of 0.08 s; "
-            "shorten the ramp",
+            "Sine.ramp_s: found 0.05 s on and off, expected at most half of the duration of 0.08 s; shorten the ramp",
         ),
         (Sine, {"level_unit": "dB"}, "Sine.level_unit: found 'dB', expected one of dB re 1 V, V"),
         (

@@ -5,6 +5,7 @@ from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerL
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
 from tactometry.stimuli.electrovibration.drive import charge_c, current_a
+from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding
 from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
@@ -31,9 +32,11 @@ __all__ = [
     "CoulombFriction",
     "DispersiveLayer",
     "ElectrovibrationSensation",
+    "Finger",
     "FrictionLag",
     "Law",
     "Layer",
+    "Motion",
     "Pieces",
     "PowerLawArea",
     "PulseTrain",
@@ -55,4 +58,5 @@ __all__ = [
     "ellipse_area_m2",
     "level_db_re_1v",
     "peak_voltage_v",
+    "sliding",
 ]

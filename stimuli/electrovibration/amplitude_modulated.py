@@ -116,6 +116,4 @@ class AmplitudeModulated:
         f_hz = np.array([self.carrier_hz + shift * self.frequency_hz for shift, _ in sidebands])
         c = -1j * peak_voltage_v(level, self.level_unit) * np.array([height for _, height in sidebands])
         zeros = np.zeros(len(starts_s))
-        return ramped_pieces(
-            Pieces(starts_s, self.duration_s, zeros, zeros, f_hz, signs[:, None] * c), self.ramp_s
-        )
+        return ramped_pieces(Pieces(starts_s, self.duration_s, zeros, zeros, f_hz, signs[:, None] * c), self.ramp_s)

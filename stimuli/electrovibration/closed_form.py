@@ -36,9 +36,7 @@ def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: 
     return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_elapsed(t_s, skin))))
 
 
-def sine_mean_force_n(
-    frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float
-) -> NDArray[np.float64]:
+def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
 
     >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
@@ -53,16 +51,10 @@ def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDAr
     return 2 * skin.k * voltage_v / (1 + np.exp(-half_periods))
 
 
-def square_mean_force_n(
-    frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float
-) -> NDArray[np.float64]:
+def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
     periods = _elapsed(1 / np.asarray(frequency_hz, dtype=np.float64), skin)
-    return (
-        force_per_square_volt_n(skin, area_m2)
-        * square_edge_v(frequency_hz, voltage_v, skin) ** 2
-        * phi1(periods)
-    )
+    return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
 
 
 def square_harmonic_force_n(
@@ -74,9 +66,7 @@ def square_harmonic_force_n(
     """
     edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
     decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
-    rate_per_s: NDArray[np.float64] = np.abs(
-        2 * decay_per_s + 4j * np.pi * np.asarray(n_harmonic) * frequency_hz
-    )
+    rate_per_s: NDArray[np.float64] = np.abs(2 * decay_per_s + 4j * np.pi * np.asarray(n_harmonic) * frequency_hz)
     charged = -np.expm1(-decay_per_s / frequency_hz)
     return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
 

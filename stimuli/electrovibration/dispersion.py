@@ -129,6 +129,4 @@ def _properties(
 
 
 def _elastances(layers: Sequence[Layer | DispersiveLayer]) -> NDArray[np.complex128]:
-    return np.array(
-        [layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex
-    )
+    return np.array([layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex)

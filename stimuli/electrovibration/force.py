@@ -1,15 +1,17 @@
 """Electrostatic force: four laws of the literature, each by name: they differ by a factor near 1000."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Literal, get_args
 
-import numpy as np
+from numpy import float64
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.pieces import Pieces
-from tactometry.stimuli.electrovibration.skin import CORNEUM, INSULATOR, Skin
+from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.skin import INSULATOR, Skin
 from tactometry.stimuli.electrovibration.solution import Solution
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 
@@ -17,20 +19,41 @@ Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)
 
 
-def electrostatic_force_n(
-    voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float, law: Law | None = None
-) -> NDArray[np.float64]:
-    """Attraction (N) between finger and screen at the samples of a voltage, from rest.
+@dataclass(frozen=True)
+class ForceForm:
+    """``F = newton_per_v2 u^2``, u the output of `relaxations` for the applied voltage: any of the laws."""
+
+    relaxations: Relaxations
+    newton_per_v2: float
+
+
+def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
+    """A law on a skin and a contact area (m^2, at least 0).
 
     ================== ==================================================================================
     law                force
     ================== ==================================================================================
     ``sc_layer``       ``e0 e_sc A (V_sc/d_sc)^2/2``, V_sc across the leaky corneum (Vezzoli, Vardar)
-    ``interface``      ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz); leakage
-                       raises the force at low frequencies
+    ``interface``      ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz);
+                       leakage raises the force at low frequencies
     ``total_thickness`` ``e0 A V^2/(2 S (d_i + d_sc))``, lossless, ``S = d_i/e_i + d_sc/e_sc`` (Strong)
     ``parallel_plate`` ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
     ================== ==================================================================================
+
+    Raises
+    ------
+    InvalidParameter
+        If no law is named, the area is negative, or the law lacks a term for the gap or the body.
+    """
+    check_law(law)
+    require.non_negative("force_form", area_m2=area_m2)
+    return _FORMS[str(law)](skin, area_m2)
+
+
+def electrostatic_force_n(
+    voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float, law: Law | None = None
+) -> NDArray[float64]:
+    """Attraction (N) between finger and screen at the samples of a voltage, from rest.
 
     Parameters
     ----------
@@ -42,7 +65,7 @@ def electrostatic_force_n(
     area_m2 : float
         Contact area, at least 0.
     law : {"parallel_plate", "interface", "total_thickness", "sc_layer"}
-        Must be named.
+        Must be named; see `force_form`.
 
     Returns
     -------
@@ -52,30 +75,23 @@ def electrostatic_force_n(
     Raises
     ------
     InvalidParameter
-        If no law is named, a value is outside of its domain, or a law lacks a term for the gap or the body.
+        If a value is outside of its domain, and as in `force_form`.
 
-    >>> step = np.full(3, 100.0)
+    >>> step = [100.0, 100.0, 100.0]
     >>> force_n = electrostatic_force_n(step, rate_hz=1e4, skin=Skin(), area_m2=1e-4, law="sc_layer")
     >>> (force_n * 1e3).round(4).tolist()
     [21.2524, 11.268, 5.9743]
     """
-    check_law(law)
     require.positive("electrostatic_force_n", rate_hz=rate_hz)
-    require.non_negative("electrostatic_force_n", area_m2=area_m2)
+    form = force_form(law, skin, area_m2)
     v = require.finite_array("electrostatic_force_n.voltage_v", voltage_v)
-
-    def across(layer: int) -> Samples:
-        return skin.stack.relaxations(layer, area_m2).sampled(v, rate_hz)
-
-    return area_m2 * _PRESSURES[str(law)](skin, v, across)
+    return form.newton_per_v2 * form.relaxations.sampled(v, rate_hz) ** 2
 
 
 def electrostatic_force_at(
     t_s: ArrayLike, pieces: Pieces, *, skin: Skin, area_m2: float, law: Law | None = None
-) -> NDArray[np.float64]:
+) -> NDArray[float64]:
     """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
-
-    The laws, and what is refused, are those of `electrostatic_force_n`.
 
     >>> from tactometry.stimuli.electrovibration import Step
     >>> pieces = Step(duration_s=0.1).pieces(40.0)
@@ -83,14 +99,9 @@ def electrostatic_force_at(
     >>> (force_n * 1e3).round(4).tolist()
     [21.2524, 11.268]
     """
-    check_law(law)
-    require.non_negative("electrostatic_force_at", area_m2=area_m2)
+    form = force_form(law, skin, area_m2)
     t = require.finite_array("electrostatic_force_at.t_s", t_s)
-
-    def across(layer: int) -> Samples:
-        return Solution(pieces, skin.stack.relaxations(layer, area_m2)).at(t)
-
-    return area_m2 * _PRESSURES[str(law)](skin, pieces.at(t), across)
+    return form.newton_per_v2 * Solution(pieces, form.relaxations).at(t) ** 2
 
 
 def check_law(law: str | None) -> None:
@@ -112,36 +123,30 @@ def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
     return E0 * skin.corneum_permittivity * area_m2 / (2 * skin.corneum_thickness_m**2)
 
 
-Samples = NDArray[np.float64]
-
-
-def corneum_voltage_v(v: Samples, rate_hz: float, skin: Skin, area_m2: float) -> Samples:
+def corneum_voltage_v(v: NDArray[float64], rate_hz: float, skin: Skin, area_m2: float) -> NDArray[float64]:
     """Voltage (..., n_samples) across the stratum corneum, from rest."""
     return skin.relaxations(area_m2).sampled(v, rate_hz)
 
 
-def _sc_layer(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
-    del v
-    return force_per_square_volt_n(skin, 1.0) * across(CORNEUM) ** 2
+def _sc_layer(skin: Skin, area_m2: float) -> ForceForm:
+    return ForceForm(skin.relaxations(area_m2), force_per_square_volt_n(skin, area_m2))
 
 
-def _interface(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
-    del v
-    field = across(INSULATOR) * skin.insulator_permittivity / skin.insulator_thickness_m
-    return E0 / 2 * field**2
+def _interface(skin: Skin, area_m2: float) -> ForceForm:
+    per_m = skin.insulator_permittivity / skin.insulator_thickness_m
+    return ForceForm(skin.stack.relaxations(INSULATOR, area_m2), E0 * area_m2 / 2 * per_m**2)
 
 
-def _total_thickness(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
-    del across
+def _total_thickness(skin: Skin, area_m2: float) -> ForceForm:
     _check_lossless("total_thickness", skin)
     s_m = skin.insulator_equivalent_m + skin.corneum_equivalent_m
-    return E0 * v**2 / (2 * s_m * (skin.insulator_thickness_m + skin.corneum_thickness_m))
+    d_m = skin.insulator_thickness_m + skin.corneum_thickness_m
+    return ForceForm(APPLIED, E0 * area_m2 / (2 * s_m * d_m))
 
 
-def _parallel_plate(skin: Skin, v: Samples, across: Callable[[int], Samples]) -> Samples:
-    del across
+def _parallel_plate(skin: Skin, area_m2: float) -> ForceForm:
     _check_lossless("parallel_plate", skin)
-    return E0 * skin.insulator_permittivity * v**2 / (2 * skin.insulator_thickness_m**2)
+    return ForceForm(APPLIED, E0 * skin.insulator_permittivity * area_m2 / (2 * skin.insulator_thickness_m**2))
 
 
 def _check_lossless(law: str, skin: Skin) -> None:
@@ -153,7 +158,8 @@ def _check_lossless(law: str, skin: Skin) -> None:
             )
 
 
-_PRESSURES: Mapping[str, Callable[[Skin, Samples, Callable[[int], Samples]], Samples]] = {
+APPLIED = Relaxations((), (), 1.0)
+_FORMS: Mapping[str, Callable[[Skin, float], ForceForm]] = {
     "sc_layer": _sc_layer,
     "interface": _interface,
     "total_thickness": _total_thickness,

@@ -6,6 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.driven import checked_times, driven
+from tactometry.stimuli.electrovibration.force import ForceForm
+from tactometry.stimuli.electrovibration.lift import LinearSystem
+from tactometry.stimuli.electrovibration.pieces import Pieces
 
 
 @dataclass(frozen=True)
@@ -65,3 +69,26 @@ class FrictionLag:
         """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
         ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
+
+
+def lagged_friction_n(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    form: ForceForm,
+    *,
+    lag: FrictionLag,
+    friction: CoulombFriction,
+    force_n: float,
+    speed_m_per_s: float,
+) -> NDArray[np.float64]:
+    """(n_times,) friction force (N) that lags behind ``mu (F_n + F_e)``, exactly; 0 for a finger at rest.
+
+    The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
+    """
+    t = checked_times(t_s, pieces)
+    mu = friction.coefficient_at(force_n)
+    if speed_m_per_s == 0:
+        return np.zeros_like(t)
+    rate_per_s = 2 * np.pi * lag.cutoff_hz(speed_m_per_s)
+    low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
+    return mu * force_n + driven(pieces, form, low_pass, t).states[:, 0]

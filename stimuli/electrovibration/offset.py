@@ -101,8 +101,7 @@ class WithOffset:
         if self.ratio == 0 or skin.tau_s == np.inf:
             return None
         return (
-            "WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau "
-            f"({5e3 * skin.tau_s:.3g} ms)"
+            f"WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau ({5e3 * skin.tau_s:.3g} ms)"
         )
 
 

@@ -57,8 +57,7 @@ class Pieces:
             _check_array(name, getattr(self, name), shape)
         if n_pieces == 0 or self.starts_s[0] != 0 or not (np.diff([*self.starts_s, self.end_s]) > 0).all():
             raise InvalidParameter(
-                f"Pieces.starts_s: found {self.starts_s} and an end of {self.end_s}, "
-                "expected ascending times from 0"
+                f"Pieces.starts_s: found {self.starts_s} and an end of {self.end_s}, expected ascending times from 0"
             )
 
     @property

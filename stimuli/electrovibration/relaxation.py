@@ -29,9 +29,7 @@ class Relaxations:
         """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
         f_hz = np.asarray(frequency_hz, dtype=np.float64)
         if not (np.isfinite(f_hz).all() and (f_hz >= 0).all()):
-            raise InvalidParameter(
-                f"frequency_hz: found {frequency_hz!r}, expected finite numbers, at least 0"
-            )
+            raise InvalidParameter(f"frequency_hz: found {frequency_hz!r}, expected finite numbers, at least 0")
         s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
         terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
         return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
@@ -43,8 +41,7 @@ class Relaxations:
         """
         steps_v = np.diff(voltage_v, prepend=0.0, axis=-1)
         terms = (
-            gain * high_passed(steps_v, rate / rate_hz)
-            for gain, rate in zip(self.gains, self.rates_per_s, strict=True)
+            gain * high_passed(steps_v, rate / rate_hz) for gain, rate in zip(self.gains, self.rates_per_s, strict=True)
         )
         return np.asarray(sum(terms, start=self.dc_gain * voltage_v))
 

@@ -105,9 +105,7 @@ def _force_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law) -> Co
 @lru_cache(maxsize=N_CACHED)
 def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law) -> Components:
     signal = keyed.signal
-    force_n = electrostatic_force_n(
-        signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=area_m2, law=law
-    )
+    force_n = electrostatic_force_n(signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=area_m2, law=law)
     return components(force_n, signal.rate_hz)
 
 

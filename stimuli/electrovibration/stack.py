@@ -93,9 +93,7 @@ class Stack:
         group = rates.index(layer.rate_per_s)
         share = layer.elastance_m2_per_f / elastances[group]
         whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
-        return Relaxations(
-            tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain
-        )
+        return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
 
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> NDArray[np.complex128]:
         """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
@@ -131,9 +129,7 @@ class _Pole:
     distances_per_s: tuple[float, ...]
 
 
-def _dc_gain(
-    elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float
-) -> float:
+def _dc_gain(elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float) -> float:
     if rates[0] == 0:
         return 1.0 if group == 0 else 0.0
     resistances = [s / r for s, r in zip(elastances, rates, strict=True)]
@@ -157,9 +153,7 @@ def _poles(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m
     return poles
 
 
-def _between(
-    elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, low: int
-) -> _Pole:
+def _between(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, low: int) -> _Pole:
     """The zero between two rates, measured from the nearer one."""
     half = (rates[low + 1] - rates[low]) / 2
     at_half = _secular(elastances, [r - rates[low] for r in rates], resistance_ohm_m2, half)
@@ -182,7 +176,5 @@ def _from(
     return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
 
 
-def _secular(
-    elastances: Sequence[float], offsets: Sequence[float], resistance_ohm_m2: float, shift: float
-) -> float:
+def _secular(elastances: Sequence[float], offsets: Sequence[float], resistance_ohm_m2: float, shift: float) -> float:
     return resistance_ohm_m2 + sum(s / (o - shift) for s, o in zip(elastances, offsets, strict=True))

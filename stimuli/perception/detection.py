@@ -35,9 +35,7 @@ def components(samples: ArrayLike, rate_hz: float) -> Components:
     """
     x = np.asarray(samples, dtype=np.float64)
     if x.ndim != 1 or not np.isfinite(x).all():
-        raise InvalidParameter(
-            f"components.samples: found shape {x.shape}, expected (n_samples,) finite numbers"
-        )
+        raise InvalidParameter(f"components.samples: found shape {x.shape}, expected (n_samples,) finite numbers")
     if x.size < SHORTEST or not x.any():
         return Components(np.zeros(0), np.zeros(0))
     window = _window(x.size)

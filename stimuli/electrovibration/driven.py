@@ -1,0 +1,140 @@
+"""Motion of a linear system under the force of a voltage in pieces: planned once, then run for any voltage.
+
+A relaxation that has decayed (40 time constants after the start of a piece: 4e-18) follows its input and is left
+out of the lift, which bounds every exponent.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.circuit import Circuit
+from tactometry.stimuli.electrovibration.force import ForceForm
+from tactometry.stimuli.electrovibration.lift import LinearSystem, flow, pairs
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.relaxation import Relaxations, phi1
+
+Real = NDArray[np.float64]
+DECAYED = 40.0
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Voltage across the layer (n_times,), force (n_times,) in N, and driven states (n_times, n)."""
+
+    voltage_v: Real
+    force_n: Real
+    states: Real
+
+
+def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: Real) -> Response:
+    """A linear system from 0 under the force of a voltage, exactly, at ascending times (n_times,) from 0."""
+    from tactometry.stimuli.electrovibration.compiled import respond
+
+    plan = _plan(Timing(pieces, t_s), form.relaxations, system)
+    voltage, states = respond(
+        pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v, form.newton_per_v2, *plan.arrays
+    )
+    voltage, states = voltage[plan.wanted], states[plan.wanted]
+    return Response(voltage, form.newton_per_v2 * voltage**2, states)
+
+
+def checked_times(t_s: ArrayLike, pieces: Pieces) -> Real:
+    """Times as an array, if they ascend from at least 0 to at most the end of the pieces."""
+    t = require.finite_array("t_s", t_s)
+    inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
+    if not inside:
+        raise InvalidParameter(
+            f"t_s: found {t.size} times in shape {t.shape}, expected ascending times from 0 to {pieces.end_s} s"
+        )
+    return t
+
+
+class Timing:
+    """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
+
+    def __init__(self, pieces: Pieces, t_s: Real) -> None:
+        self.pieces, self.t_s = pieces, t_s
+        self.has_slope = bool(pieces.slopes_v_per_s.any())
+        self._key = (
+            self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(), t_s.tobytes()
+        )  # fmt: skip
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Timing) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The arguments of `respond` that do not depend on heights, and the nodes that were asked for."""
+
+    wanted: NDArray[np.intp]
+    arrays: tuple[object, ...]
+
+
+@lru_cache(maxsize=256)
+def _plan(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+    pieces, t_s = timing.pieces, timing.t_s
+    nodes = np.unique(np.concatenate([[0.0], _nodes(pieces, relaxations), t_s]))
+    nodes = nodes[nodes <= t_s[-1]]
+    piece = pieces.index(nodes)
+    since = nodes - pieces.starts_s[piece]
+    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
+    moves = (since * rates < DECAYED * (1 - 1e-9)).T[:-1]
+    groups, kinds = _kinds(np.diff(nodes), moves)
+    circuits = [Circuit(relaxations, tuple(pieces.frequencies_hz.tolist()), timing.has_slope, moving)
+                for _, moving in groups]  # fmt: skip
+    flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
+    n = len(system.input)
+    maps = np.array([step.states for step in flows]).reshape(-1, n, n)
+    drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
+    spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
+    arrays = (
+        piece, since, np.exp(-rates * since), since * phi1(rates * since),
+        spans, np.exp(-rates * spans), spans * phi1(rates * spans),
+        np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz)), _responses(relaxations, pieces),
+        np.array(relaxations.gains), relaxations.dc_gain, timing.has_slope,
+        kinds, maps, drives.reshape(len(flows), n, -1),
+    )  # fmt: skip
+    return Plan(np.searchsorted(nodes, t_s), arrays)
+
+
+def _nodes(pieces: Pieces, relaxations: Relaxations) -> Real:
+    """Starts of pieces, and the times at which relaxations have decayed in pieces that are longer."""
+    rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
+    decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
+    ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
+    return np.concatenate([pieces.starts_s, decayed[decayed < ends]])
+
+
+def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[tuple[float, tuple[bool, ...]]], NDArray[np.intp]]:
+    """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
+    scale = 10.0 ** np.floor(np.log10(lengths))
+    keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])
+    _, first, kinds = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    kinds = kinds.ravel()
+    means = np.bincount(kinds, lengths) / np.bincount(kinds)
+    return [(float(means[k]), tuple(bool(m) for m in moves[i])) for k, i in enumerate(first)], kinds
+
+
+def _responses(relaxations: Relaxations, pieces: Pieces) -> NDArray[np.complex128]:
+    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
+    return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))
+
+
+def _padded(products: Real, circuit: Circuit) -> Real:
+    """The map of the products (n, n_products) among those of all states, 0 for the relaxations left out."""
+    kept = circuit.kept()
+    n_all = circuit.n_states + circuit.active.count(False)
+    i, j = pairs(n_all)
+    here = np.isin(i, kept) & np.isin(j, kept)
+    full = np.zeros((products.shape[0], i.size))
+    full[:, here] = products
+    return full

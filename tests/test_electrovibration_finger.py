@@ -1,0 +1,190 @@
+"""A sliding finger: the lifted exponential against a 50-digit sum of exponentials, friction, limits."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    CoulombFriction,
+    Finger,
+    FrictionLag,
+    Pieces,
+    Sine,
+    Skin,
+    Solution,
+    Square,
+    Step,
+    Trapezoid,
+    sliding,
+)
+from tactometry.stimuli.electrovibration.force import ForceForm, force_form
+from tactometry.stimuli.electrovibration.friction import lagged_friction_n
+from tactometry.stimuli.electrovibration.pieces import straight
+
+FINGER, FRICTION = Finger(), CoulombFriction(0.5)
+AREA_M2 = 1e-4
+T_S = np.linspace(0, 0.05, 289)[1:]
+STEP = Step(duration_s=0.05).pieces(40.0)
+TRAPEZOID = Trapezoid(rise_s=1e-3, high_s=5e-3, fall_s=1e-3, low_s=5e-3, duration_s=0.05).pieces(40.0)
+SINE = Sine(frequency_hz=240.0, ramp_s=0.0, duration_s=0.05).pieces(40.0)
+TAUS_S = [1e-9, 1e-6, 1e-4, 5e-3, 1.0, 1e3]
+
+
+def form_of(tau_s: float, law: str = "sc_layer", **changes: float) -> ForceForm:
+    return force_form(law, Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s, **changes), AREA_M2)
+
+
+def reference_m(pieces: Pieces, form: ForceForm, t_s: np.ndarray) -> list[float]:
+    """Deflection by the force, piece by piece, each force a sum of complex exponentials, in 50 digits."""
+    with mp.workdps(50):
+        m, c, k = (mp.mpf(x) for x in (FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m))
+        root = mp.sqrt(mp.mpc(c**2 - 4 * m * k))
+        modes = [(-c + root) / (2 * m), (-c - root) / (2 * m)]
+        mu = mp.mpf(0.5) * mp.mpf(form.newton_per_v2)
+        rates = [mp.mpf(r) for r in form.relaxations.rates_per_s]
+        gains = [mp.mpf(g) for g in form.relaxations.gains]
+        x, v = mp.mpf(0), mp.mpf(0)
+        y = [mp.mpf(0)] * len(rates)
+        before, found = mp.mpf(0), []
+        ends = [*pieces.starts_s[1:], pieces.end_s]
+        for i, (first, last) in enumerate(zip(pieces.starts_s, ends, strict=True)):
+            start, end = mp.mpf(first), mp.mpf(last)
+            s, f = mp.mpf(pieces.slopes_v_per_s[i]), [2j * mp.pi * mp.mpf(f) for f in pieces.frequencies_hz]
+            turned = [mp.mpc(a) * mp.exp(w * start) for a, w in zip(pieces.harmonics_v[i], f, strict=True)]
+            now = mp.mpf(pieces.offsets_v[i]) + sum(a.real for a in turned)
+            terms: list[tuple] = []
+            for n, (gain, rate) in enumerate(zip(gains, rates, strict=True)):
+                y[n] += now - before
+                forced = [(gain * s / rate, mp.mpf(0))]
+                for a, w in zip(turned, f, strict=True):
+                    h = gain * w / (w + rate) * a / 2
+                    forced += [(h, w), (mp.conj(h), mp.conj(w))]
+                terms += [(gain * y[n] - sum(a for a, _ in forced), -rate), *forced]
+                y[n] = sum(a * mp.exp(p * (end - start)) for a, p in terms[-len(forced) - 1 :]) / gain
+            squares = [(mu * a * b, p + q) for a, p in terms for b, q in terms]
+            forced_x = [(a / (m * p**2 + c * p + k), p) for a, p in squares]
+            x0, v0 = x - sum(a for a, _ in forced_x), v - sum(a * p for a, p in forced_x)
+            free = [((v0 - modes[1] * x0) / (modes[0] - modes[1]), modes[0])]
+            free.append((x0 - free[0][0], modes[1]))
+            motion = [*forced_x, *free]
+            here = t_s[(t_s > first) & (t_s <= last)]
+            found += [float(mp.re(sum(a * mp.exp(p * (mp.mpf(t) - start)) for a, p in motion))) for t in here]
+            x, v = (mp.re(sum(a * p**o * mp.exp(p * (end - start)) for a, p in motion)) for o in (0, 1))
+            before = mp.mpf(pieces.offsets_v[i]) + s * (end - start)
+            before += sum((a * mp.exp(w * (end - start))).real for a, w in zip(turned, f, strict=True))
+        return found
+
+
+@pytest.mark.parametrize("tau_s", TAUS_S)
+@pytest.mark.parametrize("pieces", [STEP, TRAPEZOID, SINE], ids=["step", "trapezoid", "sine"])
+def test_deflection_against_50_digits(pieces: Pieces, tau_s: float) -> None:
+    form = form_of(tau_s)
+    t_s = T_S[::16]
+    motion = sliding(t_s, pieces, form, finger=FINGER, friction=FRICTION, force_n=1.0)
+    expected_m = np.array(reference_m(pieces, form, t_s))
+    found_m = motion.deflection_m - 0.5 / FINGER.stiffness_n_per_m
+    # 1e-16 of the deflection at rest (2.5 mm) is what a double keeps beside it.
+    np.testing.assert_allclose(found_m, expected_m, rtol=0, atol=1e-11 * np.abs(expected_m).max() + 5e-19)
+
+
+def test_body_resistance_against_50_digits() -> None:
+    form = form_of(3e-4, body_resistance_ohm=1e4)
+    t_s = T_S[::16]
+    motion = sliding(t_s, TRAPEZOID, form, finger=FINGER, friction=FRICTION, force_n=0.0)
+    assert not motion.deflection_m.any()
+    loaded = sliding(t_s, TRAPEZOID, form, finger=FINGER, friction=FRICTION, force_n=1.0)
+    expected_m = np.array(reference_m(TRAPEZOID, form, t_s))
+    found_m = loaded.deflection_m - 0.5 / FINGER.stiffness_n_per_m
+    np.testing.assert_allclose(found_m, expected_m, rtol=0, atol=1e-11 * np.abs(expected_m).max() + 5e-19)
+
+
+@pytest.mark.parametrize("law", ["sc_layer", "interface", "total_thickness", "parallel_plate"])
+@pytest.mark.parametrize(
+    "pieces",
+    [
+        Square(frequency_hz=100.0, duration_s=0.05, ramp_s=0.01).pieces(40.0),
+        AmplitudeModulated(frequency_hz=100.0, duration_s=0.05, ramp_s=0.01).pieces(40.0),
+        straight([0, 0.01, 0.01, 0.05], [10, 60, -20, 30]),
+    ],
+    ids=["square", "carrier", "lines"],
+)
+def test_the_motion_obeys_newton(law: str, pieces: Pieces) -> None:
+    t_s = np.linspace(0, 0.05, 40_001)
+    motion = sliding(t_s, pieces, form_of(3e-4, law), finger=FINGER, friction=FRICTION, force_n=1.0)
+    middle = (motion.deflection_m[2:] - motion.deflection_m[:-2]) / (t_s[2:] - t_s[:-2])
+    smooth = np.abs(t_s[1:-1, None] - pieces.starts_s).min(axis=1) > 5e-6
+    scale = np.abs(motion.speed_m_per_s).max()
+    np.testing.assert_allclose(middle[smooth], motion.speed_m_per_s[1:-1][smooth], atol=2e-4 * scale)
+    balance_n = (
+        FINGER.mass_kg * motion.acceleration_m_per_s2
+        + FINGER.damping_n_s_per_m * motion.speed_m_per_s
+        + FINGER.stiffness_n_per_m * motion.deflection_m
+    )
+    np.testing.assert_allclose(balance_n, motion.lateral_n, rtol=1e-12)
+
+
+def test_the_form_of_a_law_drives_what_its_force_says() -> None:
+    motion = sliding(T_S, SINE, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=2.0)
+    force_n = form_of(3e-4).newton_per_v2 * Solution(SINE, form_of(3e-4).relaxations).at(T_S) ** 2
+    np.testing.assert_allclose(motion.lateral_n, 0.5 * (2.0 + force_n), rtol=1e-14)
+
+
+@given(scale=st.floats(0.01, 100))
+def test_the_deflection_grows_with_the_square_of_the_voltage(scale: float) -> None:
+    one, other = (
+        sliding(T_S[::32], p, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=1.0).speed_m_per_s
+        for p in (SINE, SINE.scaled(scale))
+    )
+    np.testing.assert_allclose(other, scale**2 * one, rtol=1e-9, atol=1e-18 * scale**2)
+
+
+def test_lag_of_a_step_is_an_exponential() -> None:
+    lag, lossless = FrictionLag(), form_of(np.inf)
+    found_n = lagged_friction_n(T_S, STEP, lossless, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)
+    final_n = 0.5 * lossless.newton_per_v2 * (100 * lossless.relaxations.dc_gain) ** 2
+    expected_n = 0.5 + final_n * -np.expm1(-2 * np.pi * 690 * T_S)
+    np.testing.assert_allclose(found_n, expected_n, rtol=1e-12)
+
+
+def test_lag_of_a_sine_has_the_gain_of_its_formula() -> None:
+    lag, form = FrictionLag(), form_of(1e-4)
+    t_s = np.linspace(0.025, 0.05, 4001)
+    found_n = lagged_friction_n(t_s, SINE, form, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)
+    direct_n = 0.5 * form.newton_per_v2 * Solution(SINE, form.relaxations).at(t_s) ** 2
+    ratio = np.ptp(found_n) / np.ptp(direct_n)
+    assert ratio == pytest.approx(float(lag.gain(480.0, 0.05)), rel=1e-4)
+
+
+def test_no_lag_effect_at_rest() -> None:
+    found_n = lagged_friction_n(
+        T_S, STEP, form_of(1e-3), lag=FrictionLag(), friction=FRICTION, force_n=1.0, speed_m_per_s=0.0
+    )
+    assert not found_n.any()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Finger(mass_kg=0.0), "Finger.mass_kg: found 0.0, expected a finite number above 0"),
+        (
+            lambda: Finger.at_speed(0.0),
+            "Finger.at_speed.speed_m_per_s: found 0.0, expected a finite number above 0",
+        ),
+        (
+            lambda: sliding([0.1, 0.0], STEP, form_of(1.0), finger=FINGER, friction=FRICTION, force_n=1.0),
+            "t_s: found 2 times in shape (2,), expected ascending times from 0 to 0.05 s",
+        ),
+        (
+            lambda: sliding([0.0], STEP, form_of(1.0), finger=FINGER, friction=FRICTION, force_n=-1.0),
+            "CoulombFriction.force_n: found -1.0, expected a finite number, at least 0",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
