@@ -3,6 +3,7 @@
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from tactometry.rigs.page import (
     ACCENT,
@@ -163,12 +164,12 @@ class Scale:
         return min(max(mark + (answer == RIGHT) - (answer == LEFT), 0), self.n_positions - 1), False
 
     def value(self, mark: int, low: float, high: float) -> float:
-        """The value of a mark on a scale from `low` to `high`.
+        """The value of a mark on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
 
         >>> Scale("", "", "", "", n_positions=7, rings=True).value(2, 1, 7)
         3.0
         """
-        return low + (high - low) * mark / (self.n_positions - 1)
+        return float(Fraction(low) + (Fraction(high) - Fraction(low)) * mark / (self.n_positions - 1))
 
 
 def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:

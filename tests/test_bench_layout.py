@@ -1,0 +1,131 @@
+"""Pages as values: what they answer, and that nothing lies outside of the screen."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.rigs import layout
+from tactometry.rigs.keys import FreshPresses
+from tactometry.rigs.page import Box, Click, Disc, KeyDown, Page
+
+ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
+SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)
+LINE = layout.Scale("how much?", "nothing", "much", "hint", layout.N_POSITIONS_CONTINUOUS, rings=False)
+
+
+def pages(aspect):
+    return [
+        layout.message_page("Heading\n\nbody", "hint", aspect),
+        layout.question_page("felt?", (0, 1), ("no", "yes"), "hint", aspect),
+        layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", aspect),
+        layout.scale_page(SEVEN, 6, aspect),
+        layout.scale_page(LINE, 100, aspect),
+        layout.adjust_page("set", "hint", aspect),
+        layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 1 / 3),
+    ]
+
+
+def extent(item):
+    """Half width and half height of a shape."""
+    return (item.radius, item.radius) if isinstance(item, Disc) else (item.width / 2, item.height / 2)
+
+
+@pytest.mark.parametrize("aspect", ASPECTS)
+def test_every_shape_lies_within_the_screen(aspect):
+    shapes = [item for page in pages(aspect) for item in page.items if isinstance(item, Box | Disc)]
+    assert len(shapes) > 20
+    for item in shapes:
+        width, height = extent(item)
+        assert abs(item.x) + width < aspect / 2, item
+        assert abs(item.y) + height < 0.5, item
+
+
+@pytest.mark.parametrize("aspect", ASPECTS)
+def test_no_two_buttons_overlap(aspect):
+    for page in pages(aspect):
+        boxes = [button for button in page.buttons if button.width]
+        for k, one in enumerate(boxes):
+            for other in boxes[k + 1 :]:
+                apart_x = abs(one.x - other.x) - (one.width + other.width) / 2
+                apart_y = abs(one.y - other.y) - (one.height + other.height) / 2
+                assert max(apart_x, apart_y) > -1e-9, (one, other)
+
+
+@pytest.mark.parametrize("aspect", ASPECTS)
+def test_every_button_is_pressed_by_its_keys_and_in_its_middle(aspect):
+    for page in pages(aspect):
+        for button in page.buttons:
+            assert all(page.answer(KeyDown(key, 0.0)) == button.answer for key in button.keys)
+            if button.width:
+                assert page.answer(Click(button.x, button.y, 0.0)) == button.answer
+
+
+def test_no_key_means_two_things():
+    for page in pages(1.6):
+        keys = [key for button in page.buttons for key in button.keys]
+        assert len(keys) == len(set(keys))
+
+
+@pytest.mark.parametrize("event", [KeyDown("q", 0.0), Click(0.0, 0.45, 0.0)])
+def test_other_events_answer_nothing(event):
+    assert layout.question_page("felt?", (0, 1), ("no", "yes"), "", 1.6).answer(event) is None
+
+
+@pytest.mark.parametrize(
+    ("options", "labels", "shown"),
+    [
+        ((0, 1), ("non", "oui"), ["n", "o"]),
+        ((0, 1), ("no", "néant"), ["0", "1"]),
+        ((1, 2), ("émoussé", "aigu"), ["e", "a"]),
+        ((1, 2), ("1", "2"), ["1", "2"]),
+        ((1, 2), ("second", "premier"), ["s", "p"]),
+    ],
+)
+def test_the_key_that_is_shown_is_unmistakable(options, labels, shown):
+    keys = layout.option_keys(options, labels)
+    assert [key[0] for key in keys] == shown
+    assert [key[-1] for key in keys] == [f"num_{option}" for option in options]
+
+
+@pytest.mark.parametrize(("force_n", "held"), [(None, False), (0.79, False), (0.8, True), (1.2, True), (1.3, False)])
+def test_the_band_is_told_by_colour_and_by_shape(force_n, held):
+    marker = layout.marker_page(1, playing=False)
+    items = layout.force_page(marker, force_n, 1.0, 0.2).items[len(marker.items) :]
+    assert any(isinstance(item, Disc) for item in items) is held
+    assert any(isinstance(item, Box) and item.fill == layout.GOOD for item in items) is held
+
+
+@given(st.lists(st.sampled_from([layout.LEFT, layout.RIGHT, 0, 3, 6]), max_size=20))
+def test_a_mark_stays_on_its_scale(answers):
+    mark = None
+    for answer in answers:
+        mark, settled = SEVEN.after(mark, answer)
+        assert mark in range(7)
+        assert not settled
+    assert SEVEN.after(mark, layout.CONFIRM) == (mark, True)
+
+
+def test_a_scale_cannot_be_confirmed_without_a_mark():
+    page = layout.scale_page(SEVEN, None, 1.6)
+    assert page.answer(KeyDown("return", 0.0)) is None
+    assert page.answer(Click(0, -0.27, 0.0)) is None
+
+
+@given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
+def test_the_ends_of_a_scale_have_its_end_values(low, span):
+    assert LINE.value(0, low, low + span) == low
+    assert LINE.value(100, low, low + span) == low + span
+
+
+@given(st.lists(st.tuples(st.sampled_from("yn"), st.integers(0, 50)), unique=True), st.data())
+def test_each_press_is_let_through_once_and_in_order(presses, data):
+    fresh = FreshPresses()
+    seen = []
+    for _ in range(3):
+        seen += fresh.of(data.draw(st.lists(st.sampled_from(presses))) if presses else [])
+    seen += fresh.of(presses)
+    assert sorted(seen) == sorted(presses)
+
+
+def test_an_empty_page_answers_nothing():
+    assert Page().answer(KeyDown("y", 0.0)) is None

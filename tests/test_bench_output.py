@@ -1,0 +1,77 @@
+"""What an output is given: ramps, limits, channels and rate."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tactometry.devices.output import NullOutput, check_playable, with_ramps
+from tactometry.errors import DeviceFailed, LimitExceeded
+from tactometry.limits import Limits
+from tactometry.signal import Signal
+
+RATE_HZ = 1000.0
+samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), elements=st.floats(-100, 100))
+
+
+@given(samples, st.floats(0, 0.05))
+def test_ramps_never_raise_a_sample_and_keep_rest_at_the_ends(values, ramp_s):
+    signal = Signal(values, RATE_HZ, "V")
+    ramped = with_ramps(signal, ramp_s)
+    assert ramped.samples.shape == signal.samples.shape
+    assert np.all(np.abs(ramped.samples) <= np.abs(signal.samples))
+    if ramped is not signal:
+        assert not np.any(ramped.samples[:, [0, -1]])
+
+
+@given(samples)
+def test_a_signal_at_rest_at_both_ends_is_left_as_it_is(values):
+    values[:, [0, -1]] = 0.0
+    signal = Signal(values, RATE_HZ, "V")
+    assert with_ramps(signal, 0.01) is signal
+
+
+def test_the_middle_is_untouched():
+    ramped = with_ramps(Signal(np.ones((1, 100)), RATE_HZ, "V"), 0.01).samples[0]
+    assert np.array_equal(ramped[10:-10], np.ones(80))
+    assert np.allclose(ramped[:10], np.sin(np.pi / 2 * np.arange(10) / 10) ** 2)
+    assert np.array_equal(ramped, ramped[::-1])
+
+
+@given(samples, st.floats(0.1, 100))
+def test_nothing_above_its_limit_is_playable(values, voltage_peak_v):
+    signal = Signal(values, RATE_HZ, "V")
+    output = NullOutput(Limits(voltage_peak_v))
+    if signal.peak > voltage_peak_v * (1 + 1e-9):
+        with pytest.raises(LimitExceeded):
+            check_playable(signal, output)
+    elif signal.peak <= voltage_peak_v:
+        check_playable(signal, output)
+
+
+ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
+
+
+@pytest.mark.parametrize(
+    ("output", "error", "message"),
+    [
+        (NullOutput(), LimitExceeded, "output 'null': found no limits, .*nothing was played"),
+        (NullOutput(Limits(0.9)), LimitExceeded, "nothing was played"),
+        (NullOutput(Limits(2.0), n_channels=1), DeviceFailed, "with n_channels 2, expected 1; nothing was played"),
+        (NullOutput(Limits(2.0), rate_hz=500.0), DeviceFailed, "with rate_hz 1000, expected 500; nothing was"),
+    ],
+)
+def test_what_an_output_cannot_or_must_not_emit_is_refused(output, error, message):
+    with pytest.raises(error, match=message):
+        check_playable(ONE_VOLT, output)
+
+
+def test_the_null_output_takes_any_channels_and_rate():
+    output = NullOutput(Limits(2.0))
+    check_playable(ONE_VOLT, output)
+    output.open()
+    assert output.play(ONE_VOLT) > 0
+    output.stop()
+    output.close()
+    output.close()

@@ -1,0 +1,112 @@
+"""Touches with a force that is sampled in real time: held, late, lost, and left."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from tactometry.request import Press, Slide
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.texts import texts_in
+from tactometry.stimuli.electrovibration import Sine
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)
+
+
+class SampledForce:
+    """A finger whose force is a function of the time since it was opened, sampled at 1 kHz on the real clock."""
+
+    name, rate_hz = "sampled", 1000.0
+
+    def __init__(self, force_n, log):
+        self._force_n, self._log = force_n, log
+
+    def open(self):
+        self._zero_s = time.perf_counter()
+        self._n_read = 0
+
+    def read(self):
+        n_due = int((time.perf_counter() - self._zero_s) * self.rate_hz)
+        times_s = np.arange(self._n_read, n_due) / self.rate_hz
+        self._n_read = n_due
+        forces_n = np.array([self._force_n(time_s) for time_s in times_s], dtype=float)
+        known = np.array([force_n is not None for force_n in map(self._force_n, times_s)], dtype=bool)
+        return self._zero_s + times_s[known], forces_n[known]
+
+    def close(self):
+        self._log.append("sensor.close")
+
+
+@pytest.fixture
+def bench_with(watched, output, log):
+    rigs = []
+
+    def make(force_n):
+        sensor = SampledForce(force_n, log)
+        texts = texts_in("en", {})
+        rigs.append(Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor))
+        return rigs[-1]
+
+    yield make
+    for rig in rigs:
+        rig.close()
+
+
+def held_from(start_s, force_n):
+    return lambda time_s: force_n if time_s >= start_s else 0.3
+
+
+def test_the_stimulus_waits_for_the_held_force(bench_with, log):
+    touched = bench_with(held_from(0.5, 1.1)).press(PRESS)
+    assert touched.valid
+    assert touched.onset_s >= 0.5 + 0.2
+    assert touched.force_mean_n == pytest.approx(1.1, rel=1e-9)
+    assert (touched.force_sd_n, touched.force_in_band) == (pytest.approx(0, abs=1e-9), 1.0)
+    assert touched.digest == TONE.at(5.0).digest()
+    assert log == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log):
+    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
+    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).press(request)
+    assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
+    assert log == ["output.open"]
+
+
+@pytest.mark.parametrize(
+    "afterwards", [None, math.nan, 0.02], ids=["the sensor is silent", "samples are lost", "the finger leaves"]
+)
+def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards):
+    request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
+    bench = bench_with(lambda time_s: 1.0 if time_s < 0.8 else afterwards)
+    touched = bench.press(request)
+    assert not touched.valid
+    assert touched.force_mean_n is not None
+    assert log == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with):
+    touched = bench_with(lambda time_s: 1.0 if time_s < 0.25 else 1.6).press(PRESS)
+    assert not touched.valid
+    assert touched.force_in_band < 0.8
+
+
+def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
+    touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).press(PRESS)
+    assert touched.onset_s >= 0.18 + 0.2
+
+
+def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, participant, log):
+    participant.answers("Escape")
+    with pytest.raises(Exception, match="Escape was pressed"):
+        bench_with(held_from(60.0, 1.0)).press(PRESS)
+    assert log == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
+
+
+def test_a_slide_is_held_like_a_press(bench_with, log):
+    request = Slide("tone", None, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
+    touched = bench_with(held_from(0.0, 1.0)).slide(request)
+    assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
+    assert "play 5 V" not in log

@@ -1,0 +1,54 @@
+"""What is said where a display, PsychoPy or its keyboard is missing; each in a process of its own."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+OPEN = """
+from tactometry.errors import DeviceFailed
+from tactometry.rigs.bench import open_bench
+try:
+    open_bench({}, None, {}, fullscreen=False, size=(320, 200))
+except DeviceFailed as error:
+    print(error, error.exit_status)
+"""
+
+
+def said(script, **environment):
+    kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    process = subprocess.run(
+        [sys.executable, "-c", script], env=kept | environment, capture_output=True, text=True, check=True, timeout=60
+    )
+    [line] = [line for line in process.stdout.splitlines() if line]
+    return line
+
+
+@pytest.fixture
+def home(tmp_path):
+    return str(tmp_path)
+
+
+@pytest.mark.parametrize("display_name", [{}, {"DISPLAY": ":987"}], ids=["unset", "nobody there"])
+def test_without_a_display_one_sentence_says_so(home, display_name):
+    line = said(OPEN, HOME=home, **display_name)
+    assert line.startswith("window: found no display (")
+    assert line.endswith("expected a screen; start it from a desktop session, or set DISPLAY 3")
+
+
+def test_without_psychopy_one_sentence_says_what_to_install(home):
+    line = said("import sys; sys.modules['psychopy'] = None" + OPEN, HOME=home)
+    assert line.startswith("window: found no module 'psychopy', expected PsychoPy; install it with pip install")
+    assert line.endswith("3")
+
+
+def test_the_keyboard_that_loses_answers_is_refused(display, home):
+    script = "from psychopy.hardware.keyboard import KeyboardDevice\nKeyboardDevice.setBackend('event')\n" + OPEN
+    line = said(script, HOME=home, DISPLAY=os.environ["DISPLAY"])
+    assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'")
+
+
+def test_the_bench_is_imported_without_psychopy(home):
+    script = "import sys, tactometry.rigs.bench; print([name for name in sys.modules if name.startswith('psychopy')])"
+    assert said(script, HOME=home) == "[]"
