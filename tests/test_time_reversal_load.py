@@ -1,0 +1,285 @@
+"""Contacts as a low-rank update: equal to a dense solve, right at both extremes, passive; the finger's
+published losses.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.contactor import Contactor
+from tactometry.stimuli.time_reversal.drift import warmed
+from tactometry.stimuli.time_reversal.finger import (
+    Emission,
+    Finger,
+    absorbing_tau_s,
+    amplitude_loss,
+    amplitude_ratio_at_focus,
+    amplitude_ratio_elsewhere,
+    contact_is_lost,
+    ejection_force_n,
+)
+from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.force_loss import force_loss
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.load import Load, Receptances, contour, loaded_receptance, loaded_responses
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.transducer import PointForce, border
+
+MASS_KG, N_MODES = 0.15, 80
+FOCUS = (0.121, 0.093)
+
+
+def system(
+    k: int, seed: int, tau_s: float = 3e-3
+) -> tuple[Oscillators, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    omega = np.sort(rng.uniform(1e3, 1e5, N_MODES))
+    to, of, at = (rng.normal(size=(N_MODES, n)) for n in (2, 3, k))
+    return Oscillators(omega, np.full(N_MODES, 1 / tau_s)), to, of, at, 1j * np.linspace(1e3, 1e5, 7)
+
+
+def dense(oscillators: Oscillators, to, of, at, stiffness, s) -> np.ndarray:
+    """The loaded dynamic stiffness of all modes, solved whole."""
+    out = []
+    for i, value in enumerate(s):
+        diagonal = MASS_KG * (value * (value + 2 * oscillators.decay_per_s) + oscillators.omega_rad_per_s**2)
+        whole = np.diag(diagonal) + (at * stiffness[i]) @ at.T
+        out.append(to.T @ np.linalg.solve(whole, of))
+    return np.array(out)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 20), st.integers(0, 2**32 - 1), st.floats(0.0, 100.0), st.floats(0.0, 1e5))
+def test_low_rank_update_is_the_dense_solve(k, seed, resistance, spring):
+    oscillators, to, of, at, s = system(k, seed)
+    stiffness = (1e-4 * s**2 + resistance * s + spring)[:, None] * np.ones(k)
+    found = loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, at, stiffness)
+    expected = dense(oscillators, to, of, at, stiffness, s)
+    assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+def test_1000_contacts_are_the_dense_solve():
+    oscillators, to, of, at, s = system(1000, 3)
+    s = s[:2]
+    stiffness = np.repeat((10.0 * s)[:, None], 1000, axis=1) / 1000
+    found = loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, at, stiffness)
+    expected = dense(oscillators, to, of, at, stiffness, s)
+    assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
+
+
+def test_finger_of_zero_impedance_changes_nothing_at_all():
+    oscillators, to, of, at, s = system(3, 5)
+    receptances = Receptances.of(oscillators, MASS_KG, s)
+    found = loaded_receptance(receptances, to, of, at, np.zeros((7, 3), complex))
+    assert np.array_equal(found, receptances.between(to, of))
+
+
+@pytest.mark.parametrize("stiffness", [1e20, math.inf])
+def test_finger_of_infinite_impedance_is_the_pinned_closed_form(stiffness):
+    """H_rs - H_rc H_cc^-1 H_cs; where a dense solve of the stiff plate is 10 % off."""
+    oscillators, to, of, at, s = system(2, 6)
+    receptances = Receptances.of(oscillators, MASS_KG, s)
+    found = loaded_receptance(receptances, to, of, at, np.full((7, 2), stiffness, complex))
+    among, into, out = receptances.between(at, at), receptances.between(at, of), receptances.between(to, at)
+    expected = receptances.between(to, of) - out @ np.linalg.solve(among, into)
+    assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
+    at_the_pin = loaded_receptance(receptances, at, of, at, np.full((7, 2), stiffness, complex))
+    assert np.abs(at_the_pin).max() < 1e-13 * np.abs(into).max()
+
+
+def test_pinned_contacts_that_coincide_are_refused():
+    oscillators, to, of, at, s = system(1, 7)
+    twice = np.concatenate([at, at], axis=1)
+    with pytest.raises(InvalidParameter, match="pinned contacts that coincide"):
+        loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, twice, np.full((7, 2), math.inf, complex))
+
+
+def test_one_load_is_the_textbook_formula():
+    """At the contact v' = v / (1 + Y Z)."""
+    oscillators, _, of, at, s = system(1, 8)
+    receptances = Receptances.of(oscillators, MASS_KG, s)
+    mobility = s * receptances.between(at, at)[:, 0, 0]
+    found = loaded_receptance(receptances, at, of, at, (10.0 * s)[:, None])
+    expected = receptances.between(at, of) / (1 + mobility * 10.0)[:, None, None]
+    assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
+
+
+def test_mean_driving_point_mobility_is_that_of_the_infinite_plate():
+    """Mean of Re Y over 1-25 kHz and points is 1 / Z_p within 10 %."""
+    modes = A4_SCREEN.modes(40e3)
+    oscillators = Oscillators(modes.angular_frequency_rad_per_s, np.full(len(modes.m), 1 / 3e-3))
+    s = 2j * np.pi * np.linspace(2e3, 25e3, 600)
+    from tactometry.stimuli.time_reversal.modes import values
+
+    receptances = Receptances.of(oscillators, A4_SCREEN.mass_kg, s)
+    points = values(modes, [0.12, 0.187, 0.081], [0.093, 0.067, 0.141])
+    mobility = s[:, None] * np.einsum("fkk->fk", receptances.between(points, points))
+    assert np.mean(mobility.real) * A4_SCREEN.point_impedance_n_s_per_m == pytest.approx(1.0, abs=0.1)
+
+
+def screen(tau_s: float = 3e-3) -> Screen:
+    return Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(tau_s))
+
+
+SAMPLING = {"rate_hz": 60e3, "duration_s": 4e-3, "f_max_hz": 10e3}
+
+
+def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
+    """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
+    before.
+    """
+    from tactometry.stimuli.time_reversal.modes import values
+    from tactometry.stimuli.time_reversal.propagator import transition
+
+    one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
+    at = (0.2, 0.13)
+    found = loaded_responses(one, [FOCUS], [Load(*at, 10.0)], rate_hz=60e3, duration_s=2e-3, f_max_hz=4e3)
+    modes, oscillators = one.modes(4e3), one.oscillators(4e3)
+    fine = 6e6
+    step = transition(oscillators, 1 / fine)
+    source, contact, focus = (values(modes, *p)[:, 0] for p in ((0.05, 0.06), at, FOCUS))
+    q, v = np.zeros(oscillators.n), source / A4_SCREEN.mass_kg / 60e3
+    kept = []
+    for k in range(120 * 100):
+        if k % 100 == 0:
+            kept.append(focus @ q)
+        v = v - contact * (10.0 * (contact @ v)) / A4_SCREEN.mass_kg / fine
+        q, v = step[:, 0, 0] * q + step[:, 0, 1] * v, step[:, 1, 0] * q + step[:, 1, 1] * v
+    assert np.abs(found.samples[0, 0] - kept).max() < 2e-3 * np.abs(kept).max()
+
+
+def test_loaded_responses_are_causal_and_regular_without_attenuation():
+    free = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(math.inf))
+    h = loaded_responses(free, [FOCUS], [Load(0.2, 0.13, 30.0)], **SAMPLING).samples
+    assert np.isfinite(h).all()
+    assert np.abs(h[:, :, 0]).max() < 1e-4 * np.abs(h).max()
+
+
+def test_reciprocity_with_a_finger_on_the_plate():
+    p, q, load = (0.05, 0.06), (0.22, 0.15), [Load(0.14, 0.1, 10.0, 1e-4, 500.0)]
+    there, back = (
+        loaded_responses(Screen(A4_SCREEN, (PointForce(*a),), Attenuation(3e-3)), [b], load, **SAMPLING).samples
+        for a, b in ((p, q), (q, p))
+    )
+    assert there == pytest.approx(back, abs=1e-11 * np.abs(there).max())
+
+
+def test_a_damper_only_takes_energy():
+    free = impulse_responses(screen(), [FOCUS], **SAMPLING).samples
+    loaded = loaded_responses(screen(), [FOCUS], [Load(0.2, 0.13, 20.0)], **SAMPLING).samples
+    assert np.sum(loaded[:, :, 120:] ** 2) < np.sum(free[:, :, 120:] ** 2)
+
+
+EMISSION = Emission(Band(1e3, 25e3), 7e-3, 100e3)
+PAIRS = [((0.121, 0.093), (0.2, 0.15)), ((0.187, 0.067), (0.07, 0.12)), ((0.081, 0.141), (0.21, 0.06))]
+
+
+def test_published_loss_of_30_percent_at_the_focus_at_2_n():
+    losses = [amplitude_loss(screen(3.5e-3), focus, [Finger(*focus, 2.0).load()], EMISSION) for focus, _ in PAIRS]
+    assert 0.25 < np.mean(losses) < 0.33
+
+
+def test_published_loss_of_6_percent_elsewhere_at_2_n():
+    losses = [amplitude_loss(screen(3.5e-3), focus, [Finger(*at, 2.0).load()], EMISSION) for focus, at in PAIRS]
+    assert 0.04 < np.mean(losses) < 0.08
+
+
+def test_relearning_gives_back_the_scattered_part_only():
+    focus, at = PAIRS[0]
+    learnt, relearnt = (
+        amplitude_loss(screen(), focus, [Finger(*at).load()], EMISSION, relearn=again) for again in (False, True)
+    )
+    absorbed = 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 7e-3)
+    assert 0 < relearnt < learnt
+    assert relearnt < 1.3 * absorbed
+
+
+def test_loss_grows_with_force_from_nothing():
+    focus, at = PAIRS[0]
+    for place in (focus, at):
+        losses = [amplitude_loss(screen(), focus, [Finger(*place, f).load()], EMISSION) for f in (0.0, 0.3, 1.0, 3.0)]
+        assert losses[0] == 0.0
+        assert np.all(np.diff(losses) > 0)
+
+
+def test_closed_forms_of_the_finger():
+    assert 1 - amplitude_ratio_at_focus(A4_SCREEN, 10.0) == pytest.approx(0.227, abs=1e-3)
+    assert absorbing_tau_s(A4_SCREEN, 10.0) == pytest.approx(51e-3, abs=0.5e-3)
+    assert 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 6e-3) == pytest.approx(0.039, abs=1e-3)
+    assert 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 1.0) == pytest.approx(0.055, abs=1e-3)
+    assert amplitude_ratio_at_focus(A4_SCREEN, 0.0) == 1.0
+    assert absorbing_tau_s(A4_SCREEN, 0.0) == math.inf
+
+
+def test_a_focus_of_10_um_at_12_5_khz_lifts_6_n():
+    assert ejection_force_n(10e-6, 12.5e3) == pytest.approx(6.2, abs=0.05)
+    assert contact_is_lost(10e-6, 12.5e3, 2.0)
+    assert not contact_is_lost(1e-6, 12.5e3, 2.0)
+
+
+def test_force_loss_study_covers_every_condition():
+    rows = force_loss(
+        screen(),
+        PAIRS[0][0],
+        {"F": PAIRS[0][0], "P1": PAIRS[0][1]},
+        [Contactor("finger"), Contactor("soft", 5e-3), Contactor("rigid", 5e-3)],
+        [0.0, 2.0],
+        EMISSION,
+    )
+    assert len(rows) == 12
+    assert all(row.loss == 0.0 for row in rows if row.force_n == 0.0)
+    loss = {(row.contactor, row.place): row.loss for row in rows if row.force_n == 2.0}
+    assert loss["finger", "F"] > loss["finger", "P1"]
+    assert loss["rigid", "F"] > loss["soft", "F"]
+
+
+def test_bigger_soft_contactors_take_more():
+    losses = [
+        amplitude_loss(screen(), PAIRS[0][0], Contactor("soft", d).loads(A4_SCREEN, PAIRS[0][1], 2.0), EMISSION)
+        for d in (2e-3, 5e-3, 10e-3)
+    ]
+    assert np.all(np.diff(losses) > 0)
+
+
+def test_a_few_kelvin_are_harmless_and_a_hundred_are_not():
+    sampling = {"rate_hz": 100e3, "duration_s": 7e-3, "f_max_hz": 25e3}
+    cold = impulse_responses(screen(), [FOCUS], **sampling)
+    signal = drive(cold, 30.0)
+    ratio = []
+    for kelvin in (0.0, 3.0, 100.0):
+        warm = impulse_responses(warmed(screen(), kelvin), [FOCUS], **sampling)
+        ratio.append(focus_amplitude(signal, warm) / focus_amplitude(signal, cold))
+    assert ratio[0] == 1.0
+    assert ratio[1] > 0.99
+    assert ratio[2] < 0.9
+
+
+def test_contour_leaves_no_wrap_around():
+    s, growth, n_fft = contour(1000, 1e5)
+    shift = s.real[0]
+    assert np.exp(-shift * n_fft / 1e5) == pytest.approx(1e-8)
+    assert growth[-1] < 1e4 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Load(0.1, 0.1, -1.0), "Load.resistance_n_s_per_m: found -1.0"),
+        (lambda: Load(0.1, 0.1, stiffness_n_per_m=math.nan), "Load.stiffness_n_per_m: found nan"),
+        (lambda: Finger(0.1, 0.1, -2.0), "Finger.force_n: found -2.0"),
+        (lambda: Contactor("wet"), "Contactor.kind: found 'wet', expected one of finger, soft, rigid"),
+        (lambda: loaded_responses(screen(), [FOCUS], [Load(1.0, 0.1)], **SAMPLING), "points[0]: found (1.0, 0.1) m"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value).startswith(message)
