@@ -1,0 +1,30 @@
+"""`tactometry demo`."""
+
+from pathlib import Path
+
+import click
+
+from tactometry.cli.output import json_option, progress, say
+
+STUDY = "electrovibration-threshold"
+N_PARTICIPANTS = 10
+
+
+@click.command(name="demo", epilog="Example: tactometry demo --out demo --seed 1")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Same seed, same bytes.")
+@json_option
+def command(out: Path, seed: int, *, as_json: bool) -> None:
+    """Simulate ten participants of a threshold study, analyse their data and write the report."""
+    from tactometry.analysis.pipeline import analyse
+    from tactometry.cli.analyse import summary_text
+    from tactometry.experiments.simulating import Simulation, simulate
+    from tactometry.experiments.study import load
+
+    _, content = load(STUDY)
+    simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)
+    sessions = list(progress(simulate(simulation), N_PARTICIPANTS, "simulating"))
+    found = analyse(out, report=out / "report.html")
+    n_trials = sum(session.n_trials for session in sessions)
+    where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
+    say(f"{summary_text(found)}\n{where}", {"data_set": str(out), "trials": n_trials, **found.summary()}, as_json=as_json)
