@@ -1,7 +1,7 @@
 """Repeated-measures analysis of variance through pingouin, with its traps closed."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -21,8 +21,8 @@ def repeated_measures(
     Parameters
     ----------
     table : DataFrame
-        Long form: a row per value. Several values of one participant in one cell are averaged, which the result says in
-        `attrs["notes"]`.
+        Long form: a row per value. Several values of one participant in one cell are averaged, which the
+        result says in `attrs["notes"]`.
     dependent, subject : str
         Columns of the values and of the participants.
     within : str or sequence of str
@@ -31,21 +31,21 @@ def repeated_measures(
     Returns
     -------
     DataFrame
-        Pingouin's columns: per effect sums and degrees of freedom, F, uncorrected and Greenhouse-Geisser p, generalised
-        eta squared (`ng2`), epsilon and, where it exists, Mauchly's test. `attrs["notes"]` says what a reader must know;
-        `attrs["n"]` is the number of participants.
+        Pingouin's columns: per effect sums and degrees of freedom, F, uncorrected and Greenhouse-Geisser p,
+        generalised eta squared (`ng2`), epsilon and, where it exists, Mauchly's test. `attrs["notes"]` says
+        what a reader must know; `attrs["n"]` is the number of participants.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, a value that is not finite (naming the row), a missing cell (naming participant
-        and cell), fewer than two participants or levels, and data without variance to compare: a statistic of these
-        would be a number without meaning.
+        For a column that is not there, a value that is not finite (naming the row), a missing cell (naming
+        participant and cell), fewer than two participants or levels, and data without variance to compare: a
+        statistic of these would be a number without meaning.
 
     Notes
     -----
-    With fewer participants than contrasts of an effect, its error matrix is singular: Mauchly's test does not exist, and
-    the Greenhouse-Geisser correction holds.
+    With fewer participants than contrasts of an effect, its error matrix is singular: Mauchly's test does not
+    exist, and the Greenhouse-Geisser correction holds.
     """
     import pingouin
 
@@ -68,7 +68,8 @@ def repeated_measures(
     found[sums] = found[sums] * scale**2
     n = data[subject].nunique()
     found.attrs |= {"notes": [*notes, *_singular(found, n)], "n": n}
-    return found
+    result: pd.DataFrame = found
+    return result
 
 
 def _checked(table: pd.DataFrame, dependent: str, factors: Sequence[str], subject: str) -> pd.DataFrame:
@@ -103,12 +104,13 @@ def _cell_means(data: pd.DataFrame, dependent: str, factors: list[str], subject:
     means = data.groupby([subject, *factors], observed=True)[dependent].agg(["mean", "size"])
     levels = [sorted(data[name].unique()) for name in (subject, *factors)]
     whole = pd.MultiIndex.from_product(levels, names=[subject, *factors])
-    missing = whole.difference(means.index)
-    if len(missing):
+    missing = [cell for cell in whole if cell not in means.index]
+    if missing:
         first = dict(zip(whole.names, missing[0], strict=True))
         raise InvalidParameter(
-            f"{dependent}: found no value for {', '.join(f'{k} = {v}' for k, v in first.items())} ({len(missing)} cells "
-            "missing), expected one in every cell; leave the participant or the condition out, or fit a mixed model"
+            f"{dependent}: found no value for {', '.join(f'{k} = {v}' for k, v in first.items())} "
+            f"({len(missing)} cells missing), expected one in every cell; leave the participant or the condition "
+            "out, or fit a mixed model"
         )
     notes = ["several values of one participant in one cell were averaged"] if (means["size"] > 1).any() else []
     return means["mean"].rename(dependent).reset_index(), notes
@@ -136,9 +138,9 @@ def _scale(data: pd.DataFrame, dependent: str, subject: str) -> float:
 
 
 def _singular(found: pd.DataFrame, n_participants: int) -> list[str]:
-    effects = found["Source"][found["ddof1"] > n_participants - 1] if "ddof1" in found.columns else []
+    effects: Iterable[str] = found["Source"][found["ddof1"] > n_participants - 1] if "ddof1" in found.columns else []
     return [
-        f"{effect}: fewer participants ({n_participants}) than its contrasts need, so Mauchly's test does not exist and "
-        "the Greenhouse-Geisser correction is used"
+        f"{effect}: fewer participants ({n_participants}) than its contrasts need, so Mauchly's test does not exist "
+        "and the Greenhouse-Geisser correction is used"
         for effect in effects
     ]

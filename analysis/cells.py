@@ -1,7 +1,9 @@
-"""Each participant in each condition: counts per level, then a threshold, or an equality point and a difference."""
+"""Each participant in each condition: counts per level, then a threshold, or an equality point and a
+difference."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -76,7 +78,8 @@ def cells(trials: Trials) -> list[Cell]:
 
 
 def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
-    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
+    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was
+    right."""
     answer = pd.to_numeric(rows["response"], errors="coerce")
     correct = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" in rows.columns:
@@ -96,7 +99,7 @@ def _delivered(rows: pd.DataFrame) -> "pd.Series[float]":
     return rows["level_delivered"].fillna(rows["level"])
 
 
-def _cell(key: tuple[float | str, ...], part: pd.DataFrame, n_factors: int) -> Cell:
+def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
     catch = part["is_catch"].to_numpy()
     felt = part[~catch]
     counts = felt.groupby("x")["yes"].agg(["sum", "count"])
@@ -123,8 +126,9 @@ def n_alternatives(trials: Trials) -> int:
 def estimates(found: Sequence[Cell], n_choices: int, interval: float = 0.95) -> list[Estimate]:
     """Fit every cell, those of one task in one batch; in the order of the cells.
 
-    Yes/no: posterior mean, free guess rate under prior and catch trials, lapse rate under its prior. Forced choice: the
-    same with the guess rate 1/m. Comparison: maximum likelihood without guesses and lapses, profile interval.
+    Yes/no: posterior mean, free guess rate under prior and catch trials, lapse rate under its prior. Forced
+    choice: the same with the guess rate 1/m. Comparison: maximum likelihood without guesses and lapses,
+    profile interval.
     """
     fits: dict[Cell, ThresholdFit] = {}
     for task in FITTED_TASKS:
@@ -160,8 +164,8 @@ def _stack(rows: Sequence[Sequence[float]]) -> "np.ndarray[tuple[int, int], np.d
 def estimate_table(found: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
     """One row per participant and condition; empty where the data do not tell.
 
-    `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a comparison, where
-    `jnd` is 0.6745 standard deviations.
+    `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a
+    comparison, where `jnd` is 0.6745 standard deviations.
     """
     return pd.DataFrame([_row(estimate, factors, unit) for estimate in found])
 

@@ -15,8 +15,8 @@ MAX_SUBSETS = 200_000
 class SubDesign:
     """What is kept, and in words what was left out (empty: nothing).
 
-    `table` has a value in every cell of its participants and conditions; `within` names the factors that keep at least
-    two levels.
+    `table` has a value in every cell of its participants and conditions; `within` names the factors that keep
+    at least two levels.
     """
 
     table: pd.DataFrame
@@ -27,8 +27,8 @@ class SubDesign:
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
     """Participants and factor levels that are complete together, with as many values as possible.
 
-    Every combination of subsets of levels is tried (of one level each beyond `MAX_SUBSETS`: all levels only); ties go to
-    more participants. None if no two participants share two levels of a factor.
+    Every combination of subsets of levels is tried (of one level each beyond `MAX_SUBSETS`: all levels only);
+    ties go to more participants. None if no two participants share two levels of a factor.
     """
     levels = [sorted(table[name].unique()) for name in within]
     subjects = sorted(table[subject].unique())
@@ -77,7 +77,7 @@ def _kept(
     has: NDArray[np.bool_],
     chosen: tuple[tuple[int, ...], ...],
 ) -> SubDesign:
-    complete = has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)
+    complete = np.asarray(has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)).tolist()
     kept = table[table[subject].isin([code for code, ok in zip(subjects, complete, strict=True) if ok])]
     left_out = [f"participant {code}" for code, ok in zip(subjects, complete, strict=True) if not ok]
     for name, part, places in zip(within, levels, chosen, strict=True):

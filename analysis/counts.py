@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 
 Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 Which = NDArray[np.int64] | NDArray[np.bool_] | slice
 
 POOLED_BELOW = 1e-9
@@ -18,9 +19,9 @@ POOLED_BELOW = 1e-9
 class Counts:
     """Data sets side by side, on levels u = (level - centre) / spread.
 
-    `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0. `centre`,
-    `spread` (the range of the levels, 1 where there is no range), `gap` (smallest spacing over spread) and
-    `n_levels` (distinct levels used) have the shape (n_sets,).
+    `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0.
+    `centre`, `spread` (the range of the levels, 1 where there is no range), `gap` (smallest spacing over
+    spread) and `n_levels` (distinct levels used) have the shape (n_sets,).
     """
 
     u: Array
@@ -33,13 +34,17 @@ class Counts:
 
     def __getitem__(self, which: Which) -> "Counts":
         return Counts(
-            *(values[which] for values in (self.u, self.n_yes, self.n_trials, self.centre, self.spread)),
+            self.u[which],
+            self.n_yes[which],
+            self.n_trials[which],
+            self.centre[which],
+            self.spread[which],
             self.gap[which],
             self.n_levels[which],
         )
 
     def __len__(self) -> int:
-        return self.u.shape[0]
+        return len(self.u)
 
     def with_yes(self, n_yes: Array) -> "Counts":
         """The same levels and trials with other answers."""
@@ -99,9 +104,9 @@ def normalised(x: Array, k: Array, n: Array) -> Counts:
     """
     if x.shape[1] == 0:
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
+    order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
+    x, k, n = np.take_along_axis(x, order, 1), np.take_along_axis(k, order, 1), np.take_along_axis(n, order, 1)
     used = n > 0
-    order = np.argsort(np.where(used, x, np.inf), axis=1, kind="stable")
-    x, k, n, used = (np.take_along_axis(v, order, axis=1) for v in (x, k, n, used))
     low, high = _ends(x, used)
     centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
     u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
@@ -133,4 +138,4 @@ def _smallest_gap(u: Array, n: Array) -> Array:
     if u.shape[1] < 2:
         return np.ones(u.shape[0])
     both = (n[:, 1:] > 0) & (n[:, :-1] > 0)
-    return np.where(both, np.diff(u, axis=1), 1.0).min(axis=1)
+    return np.asarray(np.where(both, np.diff(u, axis=1), 1.0).min(axis=1))

@@ -99,8 +99,8 @@ def _no_ticks() -> Any:
 def threshold_figure(
     group: pd.DataFrame, factors: Sequence[str], *, label: str, individuals: pd.DataFrame, dependent: str
 ) -> str:
-    """Mean over participants with its 95 % interval against the main factor, a line per series; bounds as arrows, single
-    participants as faint dots."""
+    """Mean over participants with its 95 % interval against the main factor, a line per series; bounds as
+    arrows, single participants as faint dots."""
     axis = Axis.of(group, factors)
     with house_style():
         figure = new_figure(6.6, 3.6)
@@ -151,7 +151,8 @@ def _draw_individuals(
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> str:
-    """Detection rate against level, one panel per series (force), one line per value of the main factor (frequency)."""
+    """Detection rate against level, one panel per series (force), one line per value of the main factor
+    (frequency)."""
     axis = Axis.of(rates, factors)
     panels = _series(rates, axis.series)
     columns = min(3, len(panels))
@@ -194,8 +195,8 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> str:
 
 
 def curve_figure(found: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> str:
-    """One participant: in each condition the rate at each level with Wilson's 95 % interval, the fitted curve, and the
-    threshold with its interval as a bar at the bottom."""
+    """One participant: in each condition the rate at each level with Wilson's 95 % interval, the fitted
+    curve, and the threshold with its interval as a bar at the bottom."""
     shown = list(found)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
     rows = -(-len(shown) // columns)
@@ -253,8 +254,9 @@ def _draw_curve(axes: "Axes", estimate: Estimate, span: tuple[float, float]) -> 
 
 
 def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> str:
-    """Staircases of one participant: level against trial, a panel per series (force), a line per value of the main
-    factor (frequency); filled where the answer was yes or correct, open where not, catch trials left out."""
+    """Staircases of one participant: level against trial, a panel per series (force), a line per value of the
+    main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
+    out."""
     axis = Axis.of(rows, factors)
     panels = _series(rows, axis.series)
     columns = min(3, len(panels))

@@ -8,6 +8,7 @@ from scipy.stats import t as student
 from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.analysis.cells import Cell
+from tactometry.analysis.counts import Array
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
 
@@ -22,8 +23,8 @@ def group_table(
 ) -> pd.DataFrame:
     """One row per condition: mean over participants with its interval (t, between participants), SD and n.
 
-    A condition with a censored participant has no mean but a bound: the mean with every censored threshold at its own
-    bound. `n_below`, `n_above` and `n_missing` count what is no threshold.
+    A condition with a censored participant has no mean but a bound: the mean with every censored threshold at
+    its own bound. `n_below`, `n_above` and `n_missing` count what is no threshold.
     """
     if not factors:
         return pd.DataFrame([_group(estimates, dependent, interval)])
@@ -43,11 +44,11 @@ def _group(part: pd.DataFrame, dependent: str, interval: float) -> dict[str, obj
     if n_below or n_above:
         row |= _bounded(part, known, n_below, n_above)
     elif len(known):
-        row |= _mean_with_interval(known.to_numpy(), interval)
+        row |= _mean_with_interval(np.array(known, dtype=np.float64), interval)
     return row | {"text": _text(row, len(part))}
 
 
-def _mean_with_interval(values: "np.ndarray[tuple[int], np.dtype[np.float64]]", interval: float) -> dict[str, object]:
+def _mean_with_interval(values: Array, interval: float) -> dict[str, object]:
     n, mean = len(values), float(values.mean())
     if n < 2:
         return {"mean": mean}
@@ -81,7 +82,8 @@ def _text(row: dict[str, object], n: int) -> str:
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as text."""
+    """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as
+    text."""
     if len(factors) < 2:
         return group[[*factors, "text"]]
     down = max(factors, key=lambda name: group[name].nunique())
@@ -103,8 +105,8 @@ def _short(value: object) -> str:
 def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
     """Rate of "yes", correct or "more" against the level in each condition, all participants together.
 
-    With Wilson's interval, which treats the answers as independent. Levels are drawn together into `MAX_LEVELS` classes
-    of equal width, named by their mean, where there are more.
+    With Wilson's interval, which treats the answers as independent. Levels are drawn together into
+    `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
     """
     rows = [
         (*cell.condition, cell.task, level, k, n)
@@ -118,9 +120,7 @@ def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFra
     return rates.assign(rate=rates["n_yes"] / rates["n_trials"], rate_low=low, rate_high=high)
 
 
-def _classes(
-    levels: "np.ndarray[tuple[int], np.dtype[np.float64]]", weights: "np.ndarray[tuple[int], np.dtype[np.float64]]"
-) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+def _classes(levels: Array, weights: Array) -> Array:
     if len(np.unique(levels)) <= MAX_LEVELS:
         return levels
     edges = np.linspace(levels.min(), levels.max(), MAX_LEVELS + 1)
@@ -131,7 +131,8 @@ def _classes(
 
 
 def mean_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Mean over participants of the rate over all levels, in each condition (the thesis's detection rates)."""
+    """Mean over participants of the rate over all levels, in each condition (the thesis's detection
+    rates)."""
     rows = [(*cell.condition, cell.task, sum(cell.n_yes) / sum(cell.n_trials)) for cell in found if sum(cell.n_trials)]
     table = pd.DataFrame(rows, columns=[*factors, "task", "rate"])
     grouped = table.groupby([*factors, "task"], sort=True, observed=True)["rate"]

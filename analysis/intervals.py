@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from tactometry.analysis.counts import Array, Counts
+from tactometry.analysis.counts import Array, Bools, Counts
 from tactometry.analysis.likelihood import GUESS, THRESHOLD, log_chances
 from tactometry.analysis.mode import Mode, find_mode
 from tactometry.analysis.prior import Prior
@@ -49,7 +49,7 @@ def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: 
 
 def _is_above(
     shape: Shape, counts: Counts, prior: Prior, threshold: Array, start: Array, floor: Array
-) -> tuple[Array, Array]:
+) -> tuple[Bools, Array]:
     held = find_mode(shape, counts, replace(prior, threshold=threshold), start)
     return held.log_density > floor, held.theta
 

@@ -1,7 +1,8 @@
 """Binomial log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
 
-A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate.
-All ratios are exponentials of differences of logarithms, so that nothing overflows or is lost in a tail.
+A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess
+rate. All ratios are exponentials of differences of logarithms, so that nothing overflows or is lost in a
+tail.
 """
 
 from dataclasses import dataclass
@@ -31,12 +32,13 @@ def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
     """Sum of k log psi + (n - k) log(1 - psi), without the binomial coefficient; shape (n_sets,)."""
     yes, no = log_chances(shape, counts.u, theta)
-    return (weighted(counts.n_yes, yes) + weighted(counts.n_trials - counts.n_yes, no)).sum(axis=-1)
+    terms = weighted(counts.n_yes, yes) + weighted(counts.n_trials - counts.n_yes, no)
+    return np.asarray(terms.sum(axis=-1))
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
     """The largest log-likelihood any function of the level can reach; shape (n_sets,)."""
-    return constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1)
+    return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
@@ -94,7 +96,7 @@ def _ratio(log_part: Array, log_chance: Array) -> Array:
     """exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
     with np.errstate(invalid="ignore"):
         difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
-    return np.exp(np.minimum(difference, _LARGEST_LOG_RATIO))
+    return np.asarray(np.exp(np.minimum(difference, _LARGEST_LOG_RATIO)))
 
 
 def _chain(shape: Shape, z: Array, theta: Array, by_z: list[Array]) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
-"""The mode of many posteriors (or likelihoods) at once: the best node of a coarse grid, then damped Newton steps.
+"""The mode of many posteriors (or likelihoods) at once: the best node of a coarse grid, then damped Newton
+steps.
 
-The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where lapse
-and guess rates often come to lie.
+The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where
+lapse and guess rates often come to lie.
 """
 
 from dataclasses import dataclass
@@ -32,8 +33,8 @@ NARROWEST_START = 0.03
 class Mode:
     """Parameters (n_sets, 4) at the largest log density, that density, and the covariance there (Laplace).
 
-    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where threshold
-    or width lie on a bound: there is no mode.
+    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
+    threshold or width lie on a bound: there is no mode.
     """
 
     theta: Array
@@ -103,7 +104,7 @@ def _chosen(better: NDArray[np.bool_], there: Expansion, here: Expansion) -> Exp
 
 def _held(theta: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.bool_]:
     """Fixed parameters, and those on a bound with the density rising beyond it."""
-    return (low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0))
+    return np.asarray((low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0)))
 
 
 def _step(here: Expansion, held: NDArray[np.bool_], damping: Array) -> tuple[Array, Array]:
@@ -124,12 +125,13 @@ def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
 
 
 def _convex(matrix: Array) -> Array:
-    """A positive definite matrix: each eigenvalue of the scaled matrix by its absolute value, at least 1e-8."""
+    """A positive definite matrix: each eigenvalue of the scaled matrix by its absolute value, at least
+    1e-8."""
     scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + 1e-300)
     outer = scale[:, :, None] * scale[:, None, :]
     values, vectors = np.linalg.eigh(matrix / outer)
     values = np.maximum(np.abs(values), 1e-8)
-    return outer * np.einsum("nij,nj,nkj->nik", vectors, values, vectors)
+    return np.asarray(outer * np.einsum("nij,nj,nkj->nik", vectors, values, vectors))
 
 
 def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
@@ -138,11 +140,12 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     curvature = _convex(_without(-here.hessian, held))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, np.linalg.inv(curvature))
-    return Mode(theta, here.value, covariance, ~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1))
+    return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
 
 
 def _coarse_start(shape: Shape, counts: Counts, prior: Prior) -> Array:
-    """The best node of a coarse grid. Sets with the same levels and catch trials share the chances: one product of matrices."""
+    """The best node of a coarse grid. Sets with the same levels and catch trials share the chances: one
+    product of matrices."""
     theta = np.empty((len(counts), N_PARAMETERS))
     catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
     same = np.hstack([counts.u, counts.n_trials > 0, catch])

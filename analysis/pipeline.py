@@ -21,7 +21,8 @@ OUTCOMES = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """One dependent value of one task: its group table and, where it could be done, its analysis of variance."""
+    """One dependent value of one task: its group table and, where it could be done, its analysis of
+    variance."""
 
     task: str
     dependent: str
@@ -37,7 +38,8 @@ class Outcome:
 class Analysis:
     """What was found in one data set.
 
-    `tables` maps a name to the table that is written as NAME.csv. `report` and `tables_folder` are None until written.
+    `tables` maps a name to the table that is written as NAME.csv. `report` and `tables_folder` are None until
+    written.
     """
 
     trials: Trials
@@ -123,7 +125,8 @@ def analysed(trials: Trials) -> Analysis:
     found = cells.cells(trials)
     if not found:
         raise InvalidFile(
-            f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task, expected some to analyse"
+            f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task, "
+            "expected some to analyse"
         )
     n_choices = cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices)
@@ -162,7 +165,8 @@ def _outcome(table: pd.DataFrame, factors: Sequence[str], task: str, dependent: 
 
 
 def _variance(table: pd.DataFrame, factors: Sequence[str], dependent: str) -> tuple[pd.DataFrame | None, list[str]]:
-    """The analysis of variance of the largest complete sub-design, with what was left out; or why there is none."""
+    """The analysis of variance of the largest complete sub-design, with what was left out; or why there is
+    none."""
     varied = [name for name in factors if table[name].nunique() > 1]
     if not varied:
         return None, ["no analysis of variance: no factor has two levels"]

@@ -1,8 +1,8 @@
 """Posterior distributions of psychometric functions by quadrature on a box that follows the posterior.
 
-Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a density
-dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows where a face still
-holds density and shrinks where none is left, before the final grid is laid.
+Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a
+density dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows
+where a face still holds density and shrinks where none is left, before the final grid is laid.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from scipy.interpolate import CubicSpline
 from tactometry.analysis.counts import Array, Counts, Which
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, weighted
 from tactometry.analysis.mode import Mode
-from tactometry.analysis.prior import Prior, log_prior
+from tactometry.analysis.prior import Prior, log_prior_axes
 from tactometry.psychometric import Shape, log_mixture
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
-FINAL_NODES = (31, 25, 8, 8)
+FINAL_NODES = (45, 33, 8, 8)
 SEARCH_NODES = (13, 11, 4, 4)
 MAX_SEARCHES = 12
 
@@ -27,8 +27,9 @@ MAX_SEARCHES = 12
 class Marginals:
     """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and central intervals.
 
-    `threshold`, `width`, `lapse`, `guess` have the shape (n_sets, 2); all on the scale of `Counts.u`. The quantiles
-    of threshold and width come from the marginal density; those of the rates from its sum over the nodes.
+    `threshold`, `width`, `lapse`, `guess` have the shape (n_sets, 2); all on the scale of `Counts.u`. The
+    quantiles of threshold and width come from the marginal density; those of the rates from its sum over the
+    nodes.
     """
 
     mean: Array
@@ -61,7 +62,7 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*prior.bounds())
     sd = np.sqrt(np.maximum(np.diagonal(mode.covariance, axis1=1, axis2=2), 0.0))
-    reach = np.where(sd > 0, 6 * sd, np.array([0.05, 0.5, 0.02, 0.02]))
+    reach = np.where(sd > 0, 10 * sd, np.inf)
     box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
     open_sets = np.arange(len(counts))
     for _ in range(MAX_SEARCHES):
@@ -81,7 +82,8 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
 
 
 def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Array]:
-    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets, n_nodes)."""
+    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
+    n_nodes)."""
     axes = _axes(prior, box, SEARCH_NODES, closed=True)
     profiles: list[list[Array]] = [[] for _ in axes]
     for i in range(len(counts)):
@@ -112,7 +114,8 @@ def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
 
 
 def _axes(prior: Prior, box: _Box, n_nodes: tuple[int, ...], *, closed: bool) -> list[Array]:
-    """Nodes along each parameter, 4 of (n_sets, n_nodes); `closed` puts nodes on the ends of the rates too."""
+    """Nodes along each parameter, 4 of (n_sets, n_nodes); `closed` puts nodes on the ends of the rates
+    too."""
     axes = []
     for place in range(N_PARAMETERS):
         low, high = box.low[:, place, None], box.high[:, place, None]
@@ -145,8 +148,8 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
 def _both(log_cdf: Array, log_sf: Array, guess: Array, lapse: Array, k: float, n: float) -> tuple[Array, Array]:
     """log psi and log(1 - psi) on the grid.
 
-    On its way through the linear scale a chance loses nothing that matters here: it is a sum of positive parts, and
-    only where the asymptote is 0 and S underflows is the logarithm needed.
+    On its way through the linear scale a chance loses nothing that matters here: it is a sum of positive
+    parts, and only where the asymptote is 0 and S underflows is the logarithm needed.
     """
     span = 1 - guess - lapse
     if (k == 0 or guess.min() > 0) and (k == n or lapse.min() > 0):
@@ -157,19 +160,9 @@ def _both(log_cdf: Array, log_sf: Array, guess: Array, lapse: Array, k: float, n
 
 
 def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
-    """The prior is a product: its logarithm is the sum along the four axes."""
-    total = np.zeros([len(axis) for axis in axes])
-    reference = np.array([0.0, 0.0, 0.0, 0.0])
-    for place in prior.free:
-        theta = np.tile(reference, (1, len(axes[place]), 1))
-        theta[..., [LAPSE, GUESS]] = 0.1
-        theta[..., place] = axes[place]
-        alone = log_prior(prior, theta)[0]
-        theta[..., place] = 0.1 if place in (LAPSE, GUESS) else 0.0
-        shape = [1] * N_PARAMETERS
-        shape[place] = -1
-        total = total + (alone - log_prior(prior, theta)[0]).reshape(shape)
-    return total
+    """The prior is a product: its logarithm is a sum along the axes."""
+    threshold, log_width, lapse, guess = log_prior_axes(prior, axes)
+    return (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
 
 
 def _marginals_of_one(
@@ -197,7 +190,7 @@ def _quantiles(nodes: Array, density: Array, ends: Array) -> Array:
     """Quantiles of a density on equidistant nodes, by the integral of its cubic spline."""
     fine = np.linspace(nodes[0], nodes[-1], 40 * len(nodes))
     cumulated = np.maximum.accumulate(CubicSpline(nodes, density).antiderivative()(fine))
-    return np.interp(ends * cumulated[-1], cumulated, fine)
+    return np.asarray(np.interp(ends * cumulated[-1], cumulated, fine))
 
 
 __all__ = ["Marginals", "marginals"]

@@ -1,11 +1,13 @@
 """The priors of psignifit 4 (Schuett et al. 2016), on the scale of `Counts.u`, with exact derivatives.
 
-Threshold: flat on the tested range, falling as a cosine to 0 half a range outside. Width: flat between twice the
-smallest spacing and the range, falling as a cosine to 0 at the smallest spacing and at three times the range. Lapse
-rate and free guess rate: Beta(1, 10) on [0, 0.5]. Catch trials enter as what they are: n_false_alarms of n_catch
-answers whose chance is the guess rate. All are densities of (threshold, width, lapse, guess).
+Threshold: flat on the tested range, falling as a cosine to 0 half a range outside. Width: flat between twice
+the smallest spacing and the range, falling as a cosine to 0 at the smallest spacing and at three times the
+range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]. Catch trials enter as what they are:
+n_false_alarms of n_catch answers whose chance is the guess rate. All are densities of (threshold, width,
+lapse, guess).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,8 +26,9 @@ FURTHEST = 1.0
 class Prior:
     """What is known before the data.
 
-    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the width
-    have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it there.
+    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
+    width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
+    there.
     """
 
     gap: Array
@@ -137,3 +140,18 @@ def _width(v: Array, gap: Array) -> tuple[Array, Array, Array]:
     at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
     value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
     return value, by_w * w, by_ww * w * w + by_w * w
+
+
+def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
+    """The log densities of the free parameters of one data set along four axes of nodes; zeros for a fixed
+    one."""
+    along = [np.zeros(len(axis)) for axis in axes]
+    if prior.on_curve:
+        along[THRESHOLD] = _threshold(axes[THRESHOLD])[0]
+        along[LOG_WIDTH] = _width(axes[LOG_WIDTH], prior.gap)[0]
+    if prior.lapse_rate is None:
+        along[LAPSE] = _beta(axes[LAPSE], np.zeros(1), np.zeros(1))[0]
+    if prior.guess_rate is None:
+        n_no = prior.n_catch - prior.n_false_alarms
+        along[GUESS] = _beta(axes[GUESS], prior.n_false_alarms, n_no)[0]
+    return along

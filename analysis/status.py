@@ -1,4 +1,5 @@
-"""What the data can tell about a threshold, decided from the counts and the mode, the same for every method."""
+"""What the data can tell about a threshold, decided from the counts and the mode, the same for every
+method."""
 
 from enum import StrEnum
 
@@ -20,12 +21,14 @@ from tactometry.analysis.prior import BETA_B, Prior
 from tactometry.analysis.step import Step
 from tactometry.psychometric import Shape
 
-RISE_CRITERION = 2.706
-"""Likelihood ratio (chi-square, 1 df) of a rise against a constant rate, one-sided at 5 %."""
+RISE_CRITERION = 1.0
+"""Likelihood ratio (2 x difference of logarithms) of a rise against a constant rate: a standard error of
+slope."""
 TREND_CRITERION = -2.576
 """z of a falling trend, one-sided at 0.5 %."""
 NARROW = 0.5
-"""An interval within the levels and shorter than this part of their range tells a threshold without a rise."""
+"""An interval within the levels and shorter than this part of their range tells a threshold without a
+rise."""
 DROP_SIGNIFICANCE = 0.01
 CEILING_RATE = 0.9
 """A constant rate that may be this high is a ceiling."""
@@ -55,8 +58,8 @@ NOTES = {
 
 
 def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step) -> list[Status]:
-    """The status of each data set, the first that applies of: no data, one level, falling, not rising, one step,
-    threshold outside the levels, two levels."""
+    """The status of each data set, the first that applies of: no data, one level, falling, not rising, one
+    step, threshold outside the levels, two levels."""
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls = _falls(counts)
     rises = 2 * (log_likelihood(shape, counts, mode.theta) - constant_log_likelihood(k, n)) >= RISE_CRITERION
@@ -114,7 +117,8 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
 
 
 def _falls(counts: Counts) -> NDArray[np.bool_]:
-    """A falling trend (score test), or drops that no rising function explains (isotonic against saturated)."""
+    """A falling trend (score test), or drops that no rising function explains (isotonic against
+    saturated)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = counts.n_yes.sum(axis=1) / counts.n_trials.sum(axis=1)
         mean = (counts.u * counts.n_trials).sum(axis=1) / counts.n_trials.sum(axis=1)

@@ -1,4 +1,5 @@
-"""The step function that fits best: where the answers change in one step, the steepness has no upper bound."""
+"""The step function that fits best: where the answers change in one step, the steepness has no upper
+bound."""
 
 from dataclasses import dataclass
 
@@ -18,8 +19,8 @@ TOLERATED = 1.0
 class Step:
     """The best step function, its place on the scale of `Counts.u`.
 
-    `is_best`: no curve fits better. `is_between`: moreover the step lies between two levels, or does so at the price of
-    a likelihood ratio below e^1, so that no level shows anything in between.
+    `is_best`: no curve fits better. `is_between`: moreover the step lies between two levels, or does so at
+    the price of a likelihood ratio below e^1, so that no level shows anything in between.
     """
 
     is_best: NDArray[np.bool_]
@@ -30,8 +31,8 @@ class Step:
 def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> Step:
     """The step with the asymptotes of the likeliest curve, and any rate at one level at most.
 
-    Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between two levels
-    lies at their middle.
+    Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between
+    two levels lies at their middle.
     """
     at_level, between = _step_likelihoods(counts, likeliest)
     best = np.maximum(at_level.max(axis=1), between.max(axis=1))
@@ -45,7 +46,8 @@ def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> Step:
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
-    """Steps at each level (n_sets, n_levels), and before, between and after the levels (n_sets, n_levels + 1)."""
+    """Steps at each level (n_sets, n_levels), and before, between and after the levels (n_sets, n_levels +
+    1)."""
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
     with np.errstate(divide="ignore"):

@@ -1,9 +1,10 @@
-"""One look for all figures: colours that the colour-blind tell apart, vector output with equal bytes for equal data."""
+"""One look for all figures: colours that the colour-blind tell apart, vector output with equal bytes for
+equal data."""
 
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008)."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-_SETTINGS = {
+_SETTINGS: dict[str, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "tactometry",
     "font.family": "sans-serif",
@@ -36,7 +37,7 @@ def house_style() -> Iterator[None]:
 
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(_SETTINGS)
+        mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type,unused-ignore]
         yield
 
 
@@ -58,7 +59,7 @@ def svg(figure: "Figure") -> str:
     return text[text.index("<svg") :]
 
 
-def look(place: int) -> dict[str, str]:
+def look(place: int) -> dict[str, Any]:
     """Colour and marker of the series at this place."""
     return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
 

@@ -51,8 +51,9 @@ EVERYWHERE = ("participant", "session", "study", "block", "trial")
 class Trials:
     """A checked trials table.
 
-    `rows` has one row per trial, with numbers as float (NaN: not measured) and the columns `source` (file) and `row`.
-    `factors` are the names of the columns that hold conditions. `n_files` files were read from `path`.
+    `rows` has one row per trial, with numbers as float (NaN: not measured) and the columns `source` (file)
+    and `row`. `factors` are the names of the columns that hold conditions. `n_files` files were read from
+    `path`.
     """
 
     rows: pd.DataFrame
@@ -63,7 +64,8 @@ class Trials:
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """How the columns of a foreign table are called, and what it does not say: our name to theirs, or to a value."""
+    """How the columns of a foreign table are called, and what it does not say: our name to theirs, or to a
+    value."""
 
     columns: Mapping[str, str] = field(default_factory=dict)
     constants: Mapping[str, str] = field(default_factory=dict)
@@ -249,7 +251,7 @@ def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
     values = pd.to_numeric(table[name].where(~empty, "nan"), errors="coerce").astype(np.float64)
     bad = (~np.isfinite(values) & ~empty).to_numpy()
     if bad.any():
-        comma = re.fullmatch(r"-?\d+,\d+", table[name].to_numpy()[bad][0]) is not None
+        comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
         _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
     return values
 
@@ -285,8 +287,8 @@ def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[
         return tuple(dict.fromkeys(within))
     if "procedure" not in header or "trial" not in header:
         raise InvalidFile(
-            f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors between "
-            "'trial' and 'procedure'; name the factors with --within"
+            f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
+            "between 'trial' and 'procedure'; name the factors with --within"
         )
     return tuple(header[header.index("trial") + 1 : header.index("procedure")])
 

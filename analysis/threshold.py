@@ -1,4 +1,5 @@
-"""Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a status."""
+"""Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a
+status."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,10 +9,8 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from tactometry.analysis import intervals
-from tactometry.analysis.counts import Array, Counts, checked, normalised
+from tactometry.analysis.counts import Array, Bools, Counts, checked, normalised
 from tactometry.analysis.likelihood import (
-    GUESS,
-    LAPSE,
     LOG_WIDTH,
     THRESHOLD,
     log_likelihood,
@@ -36,11 +35,11 @@ WIDEST_SD = 2.0
 class ThresholdFit:
     """What the answers say about one threshold.
 
-    `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is in natural
-    logarithms of the level). None: the data do not tell. Where only a bound is known (`threshold_below_range`,
-    `threshold_above_range`) the threshold is None and one end of the interval is the bound. `deviance` is that of the
-    mode the method rests on (the likelihood's for ``ml`` and ``profile``, the posterior's otherwise). `note` is empty
-    for the status ``ok``.
+    `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
+    in natural logarithms of the level). None: the data do not tell. Where only a bound is known
+    (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
+    the bound. `deviance` is that of the mode the method rests on (the likelihood's for ``ml`` and
+    ``profile``, the posterior's otherwise). `note` is empty for the status ``ok``.
     """
 
     threshold: float | None
@@ -94,8 +93,8 @@ def fit(
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        Levels in any unit and order, correct (or "yes") answers, trials. Rows without trials are ignored, equal
-        levels are pooled.
+        Levels in any unit and order, correct (or "yes") answers, trials. Rows without trials are ignored,
+        equal levels are pooled.
     shape : str
         ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
     guess_rate : float or None
@@ -103,9 +102,9 @@ def fit(
     lapse_rate : float or None
         Distance of the upper asymptote from 1; None to estimate it under its prior, for every method.
     method : str
-        ``ml`` maximum likelihood with Wald interval; ``profile`` the same with the profile likelihood's interval;
-        ``map`` posterior mode with Laplace interval; ``posterior`` posterior mean with marginal central interval;
-        ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
+        ``ml`` maximum likelihood with Wald interval; ``profile`` the same with the profile likelihood's
+        interval; ``map`` posterior mode with Laplace interval; ``posterior`` posterior mean with marginal
+        central interval; ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
     interval : float
         Coverage of the interval, between 0 and 1.
     n_false_alarms, n_catch : int
@@ -122,8 +121,9 @@ def fit(
 
     Notes
     -----
-    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
-    105-123). A bound of a threshold outside of the levels, and of the width of a step, is always the posterior's.
+    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision
+    Research 122, 105-123). A bound of a threshold outside of the levels, and of the width of a step, is
+    always the posterior's.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def fit_many(
     Sets of different length are filled up with rows of 0 trials.
 
     >>> [found.status.value for found in fit_many([1, 2, 3], [[0, 5, 10], [10, 10, 10]], 10,
-    ...                                           shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
+    ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
     ['separated', 'threshold_below_range']
     """
     curve = shape_named(shape)
@@ -183,7 +183,7 @@ def fit_many(
     counts = normalised(x, k, n)
     alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
     if (alarms > catch).any():
-        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms}, expected at most n_catch, {n_catch}")
+        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
     prior = Prior(counts.gap, lapse_rate, guess_rate, alarms, catch)
     return _Fitting(shape, curve, counts, prior, method, interval).results(n_resamples, rng)
 
@@ -219,7 +219,7 @@ def _check_options(
 def _catch(values: ArrayLike, n_sets: int) -> Array:
     found = np.broadcast_to(np.asarray(values, dtype=np.float64), (n_sets,))
     if not ((found >= 0) & (found == np.floor(found))).all():
-        raise InvalidParameter(f"n_false_alarms, n_catch: found {values}, expected whole numbers, 0 or more")
+        raise InvalidParameter(f"n_false_alarms, n_catch: found {values!r}, expected whole numbers, 0 or more")
     return found
 
 
@@ -275,7 +275,7 @@ class _Fitting:
         self,
         estimates: _Estimates,
         own: Mode,
-        regular: Array,
+        regular: Bools,
         n_resamples: int,
         rng: np.random.Generator | None,
     ) -> None:
@@ -291,7 +291,7 @@ class _Fitting:
             found = intervals.profile(self.curve, sets, free, part, self.interval)
         estimates.threshold[chosen] = found
 
-    def _integrate(self, estimates: _Estimates, mode: Mode, regular: Array) -> None:
+    def _integrate(self, estimates: _Estimates, mode: Mode, regular: Bools) -> None:
         """Put in the posterior's intervals: for its own method, and wherever another has none."""
         wanted = np.ones(len(self.counts), dtype=bool) if self.method == "posterior" else ~regular
         chosen = np.flatnonzero(wanted & (self.counts.n_levels > 1))

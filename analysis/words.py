@@ -49,7 +49,8 @@ def p_text(p: float) -> str:
 
 
 def anova_sentences(anova: pd.DataFrame) -> list[str]:
-    """F, corrected degrees of freedom where a correction exists, p and generalised eta squared for each effect."""
+    """F, corrected degrees of freedom where a correction exists, p and generalised eta squared for each
+    effect."""
     return [_anova_sentence(anova, row) for _, row in anova.iterrows() if pd.notna(row["F"])]
 
 
@@ -143,7 +144,8 @@ def methods(table: pd.DataFrame, n_choices: int) -> str:
     if tasks & {"yes_no", "forced_choice"}:
         parts.append(
             "Detection thresholds are posterior means with central 95 % intervals of the marginal posterior under "
-            "psignifit 4's priors (threshold and width from the range and spacing of the levels, lapse rate Beta(1, 10))."
+            "psignifit 4's priors (threshold and width from the range and spacing of the levels, lapse rate "
+            "Beta(1, 10))."
         )
     if "yes_no" in tasks:
         parts.append("The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.")
@@ -151,14 +153,14 @@ def methods(table: pd.DataFrame, n_choices: int) -> str:
         parts.append(f"The guess rate of forced choices was 1/{n_choices}.")
     if "comparison" in tasks:
         parts.append(
-            "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons are "
-            "maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile likelihood's "
-            "95 % interval for the former and Wald's, of the logarithm, for the latter."
+            "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons "
+            "are maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile "
+            "likelihood's 95 % interval for the former and Wald's, of the logarithm, for the latter."
         )
     parts.append(
-        "Means over participants are given with t-intervals; a condition in which a threshold is censored is given as a "
-        "bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction and generalised eta squared "
-        "(Bakeman 2005)."
+        "Means over participants are given with t-intervals; a condition in which a threshold is censored is given as "
+        "a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction and generalised eta "
+        "squared (Bakeman 2005)."
     )
     parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
     return " ".join(parts)

@@ -1,9 +1,9 @@
 """The psychometric function: chance of an answer against the level of a stimulus, in log space throughout.
 
-``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is where the
-unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling, Macke and
-Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus another, so that both tails keep
-their digits wherever a float can hold the logarithm.
+``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is
+where the unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett,
+Harmeling, Macke and Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus
+another, so that both tails keep their digits wherever a float can hold the logarithm.
 """
 
 from collections.abc import Callable, Mapping
@@ -155,13 +155,13 @@ class PsychometricFunction:
     Parameters
     ----------
     shape : str
-        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel in the
-        natural logarithm of the level.
+        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel
+        in the natural logarithm of the level.
     threshold : float
         The level where the unscaled function is one half, in the unit of the levels; above 0 for ``weibull``.
     width : float
-        Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the levels;
-        for ``weibull`` in natural logarithms of the level.
+        Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the
+        levels; for ``weibull`` in natural logarithms of the level.
     guess_rate, lapse_rate : float
         Lower asymptote, and distance of the upper one from 1; each in [0, 1], their sum below 1.
 
@@ -222,7 +222,7 @@ class PsychometricFunction:
         """
         answer = np.asarray(response)
         if answer.dtype.kind not in "biuf" or not np.isin(answer, (0, 1)).all():
-            raise InvalidParameter(f"response: found {response}, expected 1 or 0")
+            raise InvalidParameter(f"response: found {response!r}, expected 1 or 0")
         yes, no = self._log_chances(self._z(level))
         return np.where(answer == 1, yes, no)[()]
 
@@ -238,7 +238,7 @@ class PsychometricFunction:
         low, high = self.guess_rate, 1 - self.lapse_rate
         if not ((p > low) & (p < high)).all():
             raise InvalidParameter(
-                f"probability: found {probability}, expected values between the asymptotes, {low} and {high}"
+                f"probability: found {probability!r}, expected values between the asymptotes, {low} and {high}"
             )
         shape, span = SHAPES[self.shape], 1 - self.guess_rate - self.lapse_rate
         z = shape.at(np.log((p - low) / span), np.log((high - p) / span))
@@ -248,16 +248,16 @@ class PsychometricFunction:
         shape, x = SHAPES[self.shape], _levels(level)
         if shape.on_log_levels:
             if not (x > 0).all():
-                raise InvalidParameter(f"level: found {level}, expected levels above 0 for the shape {self.shape!r}")
+                raise InvalidParameter(f"level: found {level!r}, expected levels above 0 for the shape {self.shape!r}")
             distance = np.log(x) - np.log(self.threshold)
         else:
             distance = x - self.threshold
-        return shape.z50 + distance / self.width * shape.z_width
+        return np.asarray(shape.z50 + distance / self.width * shape.z_width)
 
     def _from_z(self, z: Array) -> Array:
         shape = SHAPES[self.shape]
         distance = (z - shape.z50) / shape.z_width * self.width
-        return self.threshold * np.exp(distance) if shape.on_log_levels else self.threshold + distance
+        return np.asarray(self.threshold * np.exp(distance) if shape.on_log_levels else self.threshold + distance)
 
     def _log_chances(self, z: Array) -> tuple[Array, Array]:
         shape = SHAPES[self.shape]
