@@ -1,0 +1,198 @@
+"""Impulse responses that were measured: read, align, trim, check.
+
+Files
+-----
+WAV : one file per point, one channel per transducer; the rate from the header, full scale in m (m/s, m/s^2)
+per unit of
+    the drive from the caller.
+NPZ, HDF5 : ``samples`` (n_points, n_channels, n_samples), ``rate_hz``, and optionally ``quantity``.
+CSV : first line ``# rate_hz=100000 quantity=displacement scale=1e-6``, then one column per transducer with
+a header row;
+    one file per point.
+"""
+
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.stimuli.time_reversal.checks import positive, some
+from tactometry.stimuli.time_reversal.responses import Responses
+
+FloatArray = NDArray[np.float64]
+
+CLIPPED_RUN: Final = 3
+"""Equal samples at the extreme of a channel that betray clipping."""
+
+
+def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
+    """Responses from files, one point after the other.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        ``.wav``, ``.npz``, ``.h5``, ``.hdf5`` or ``.csv``, all with the same rate, channels and length.
+    full_scale : float
+        What a WAV sample of 1.0 stands for, in the unit of `quantity` per unit of the drive.
+    quantity : str
+        Of files that do not say it themselves.
+
+    Raises
+    ------
+    InvalidFile
+        If a file cannot be read as what it claims to be, or the files do not match.
+    """
+    some("paths", paths)
+    positive("full_scale", full_scale)
+    parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
+    for path, part in zip(paths, parts, strict=True):
+        if (part.rate_hz, part.quantity, part.samples.shape[1:]) != _kind(parts[0]):
+            raise InvalidFile(
+                f"{path}: found {part.samples.shape[1]} channels of {part.n_samples} samples at {part.rate_hz} Hz "
+                f"({part.quantity}), expected the same as in {paths[0]}"
+            )
+    return replace(parts[0], samples=np.concatenate([part.samples for part in parts]))
+
+
+def write_npz(responses: Responses, path: Path) -> None:
+    """Keep responses in a file that `read` reads."""
+    np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity)
+
+
+def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
+    """A piece of the responses."""
+    first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
+    if first < 0 or n < 1 or first + n > responses.n_samples:
+        raise InvalidParameter(
+            f"start_s, duration_s: found {start_s} and {duration_s}, expected a piece of {responses.duration_s} s"
+        )
+    return replace(responses, samples=responses.samples[:, :, first : first + n])
+
+
+def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
+    """Every channel moved earlier by its delay, by a phase ramp: exact to fractions of a sample.
+
+    Parameters
+    ----------
+    delay_s : sequence of float
+        One per channel: latency of the output and the trigger; what moves before time 0 is cut off.
+    """
+    if len(delay_s) != responses.n_channels:
+        raise InvalidParameter(f"delay_s: found {len(delay_s)}, expected {responses.n_channels}, one per channel")
+    n_fft = 2 * responses.n_samples
+    frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
+    ramp = np.exp(2j * np.pi * frequency_hz * np.asarray(delay_s, float)[:, None])
+    moved = np.fft.irfft(np.fft.rfft(responses.samples, n_fft) * ramp, n_fft)
+    return replace(responses, samples=moved[:, :, : responses.n_samples])
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What is wrong with measured responses, by (point, channel); all empty for sound ones.
+
+    `clipped` repeat their largest value, `silent` are zero, `noisy` end less than `snr_db` below their start.
+    """
+
+    clipped: tuple[tuple[int, int], ...]
+    silent: tuple[tuple[int, int], ...]
+    noisy: tuple[tuple[int, int], ...]
+
+    @property
+    def sound(self) -> bool:
+        return not (self.clipped or self.silent or self.noisy)
+
+
+def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
+    """Look for clipping, silent channels and a high noise floor.
+
+    The floor is the mean power of the last tenth, compared with that of the loudest tenth.
+    """
+    h = responses.samples
+    silent = ~h.any(axis=2)
+    tenth = max(h.shape[2] // 10, 1)
+    power = np.square(h[:, :, : tenth * (h.shape[2] // tenth)]).reshape(*h.shape[:2], -1, tenth).mean(axis=3)
+    noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * 10 ** (-snr_db / 10))
+    clipped = ~silent & (_longest_run_at_peak(h) >= CLIPPED_RUN)
+    return Findings(*(tuple((int(p), int(q)) for p, q in np.argwhere(bad)) for bad in (clipped, silent, noisy)))
+
+
+def reciprocity_error(there: FloatArray, back: FloatArray) -> float:
+    """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
+    size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
+    if size == 0:
+        raise InvalidParameter("there, back: found zero everywhere, expected responses")
+    return float(np.sqrt(np.mean(np.square(np.asarray(there) - back)) / size))
+
+
+def _kind(responses: Responses) -> tuple[float, str, tuple[int, ...]]:
+    return responses.rate_hz, responses.quantity, responses.samples.shape[1:]
+
+
+def _longest_run_at_peak(h: FloatArray) -> NDArray[np.int64]:
+    """(n_points, n_channels): most consecutive samples at the extreme value of their channel."""
+    at_peak = np.abs(h) >= np.abs(h).max(axis=2, keepdims=True) * (1 - 1e-9)
+    run = np.zeros(h.shape[:2], np.int64)
+    longest = run.copy()
+    for sample in np.moveaxis(at_peak, 2, 0):
+        run = np.where(sample, run + 1, 0)
+        longest = np.maximum(longest, run)
+    return longest
+
+
+def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
+    try:
+        return reader(path, full_scale, quantity)
+    except (OSError, KeyError, ValueError, struct.error, InvalidParameter) as error:
+        raise InvalidFile(f"{path}: cannot be read as impulse responses: {error}") from error
+
+
+def _read_wav(path: Path, full_scale: float, quantity: str) -> Responses:
+    from scipy.io import wavfile
+
+    rate, samples = wavfile.read(path)
+    unit = 1.0 if samples.dtype.kind == "f" else -float(np.iinfo(samples.dtype).min)
+    columns = samples.reshape(len(samples), -1).astype(float)
+    return Responses(columns.T[None] * (full_scale / unit), float(rate), quantity)
+
+
+def _read_npz(path: Path, full_scale: float, quantity: str) -> Responses:
+    del full_scale
+    with np.load(path, allow_pickle=False) as file:
+        return Responses(
+            file["samples"], float(file["rate_hz"]), str(file["quantity"]) if "quantity" in file else quantity
+        )
+
+
+def _read_hdf5(path: Path, full_scale: float, quantity: str) -> Responses:
+    import h5py  # type: ignore[import-untyped, unused-ignore]
+
+    del full_scale
+    with h5py.File(path, "r") as file:
+        said = file["quantity"].asstr()[()] if "quantity" in file else quantity
+        return Responses(np.asarray(file["samples"], float), float(file["rate_hz"][()]), str(said))
+
+
+def _read_csv(path: Path, full_scale: float, quantity: str) -> Responses:
+    del full_scale
+    with path.open(encoding="utf-8") as file:
+        said = dict(word.split("=", 1) for word in file.readline().lstrip("#").split())
+        columns = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
+    scale = float(said.get("scale", "1"))
+    return Responses(columns.T[None] * scale, float(said["rate_hz"]), said.get("quantity", quantity))
+
+
+_READERS: Final[Mapping[str, Callable[[Path, float, str], Responses]]] = {
+    ".wav": _read_wav,
+    ".npz": _read_npz,
+    ".h5": _read_hdf5,
+    ".hdf5": _read_hdf5,
+    ".csv": _read_csv,
+}

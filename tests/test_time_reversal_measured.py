@@ -1,0 +1,297 @@
+"""Measured responses: files, alignment, checks, tau, material constants; inverse filter and interpolation."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_forms import ALPHA, resolution_m
+from tactometry.stimuli.time_reversal.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
+from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.estimation import (
+    alpha_from_resolutions,
+    rigidity_ratio_from_dispersion,
+    rigidity_ratio_from_modes,
+    youngs_modulus_pa,
+)
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude, focus_amplitudes
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.interpolation import (
+    estimator,
+    expected_amplitude_ratio,
+    interpolated,
+    one_bit_amplitude_ratio_expected,
+)
+from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.measured import (
+    aligned,
+    inspect,
+    read,
+    reciprocity_error,
+    trimmed,
+    write_npz,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, normalised
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.transducer import border
+
+RATE_HZ = 60000.0
+SCREEN = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 16)), Attenuation(3e-3))
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Responses:
+    points = [(0.12, 0.09), (0.2, 0.14)]
+    return impulse_responses(SCREEN, points, rate_hz=RATE_HZ, duration_s=20e-3, f_max_hz=20e3)
+
+
+def write_wav(h: Responses, folder) -> list:
+    from scipy.io import wavfile
+
+    paths = []
+    for i, point in enumerate(h.samples):
+        path = folder / f"point{i}.wav"
+        wavfile.write(path, int(h.rate_hz), (point.T / np.abs(h.samples).max() * 0.9).astype(np.float32))
+        paths.append(path)
+    return paths
+
+
+def write_hdf5(h: Responses, folder) -> list:
+    import h5py
+
+    with h5py.File(folder / "h.h5", "w") as file:
+        file["samples"], file["rate_hz"], file["quantity"] = h.samples, h.rate_hz, h.quantity
+    return [folder / "h.h5"]
+
+
+def write_csv(h: Responses, folder) -> list:
+    paths = []
+    for i, point in enumerate(h.samples):
+        path = folder / f"point{i}.csv"
+        header = f"# rate_hz={h.rate_hz} quantity=displacement scale=1e-9\n" + ",".join(f"q{q}" for q in range(16))
+        np.savetxt(path, point.T * 1e9, delimiter=",", header=header, comments="", fmt="%.17g")
+        paths.append(path)
+    return paths
+
+
+def write_numpy(h: Responses, folder) -> list:
+    write_npz(h, folder / "h.npz")
+    return [folder / "h.npz"]
+
+
+@pytest.mark.parametrize(
+    ("write", "scale", "tolerance"),
+    [(write_wav, True, 1e-7), (write_numpy, False, 0.0), (write_hdf5, False, 0.0), (write_csv, False, 1e-15)],
+)
+def test_files_give_back_what_was_measured(recorded, tmp_path, write, scale, tolerance):
+    full_scale = np.abs(recorded.samples).max() / 0.9 if scale else 1.0
+    back = read(write(recorded, tmp_path), full_scale=full_scale)
+    assert back.rate_hz == recorded.rate_hz
+    assert np.abs(back.samples - recorded.samples).max() <= tolerance * np.abs(recorded.samples).max()
+
+
+def test_sixteen_bit_wav(tmp_path):
+    from scipy.io import wavfile
+
+    wavfile.write(tmp_path / "h.wav", 1000, np.array([[16384, -32768]], np.int16))
+    assert read([tmp_path / "h.wav"], full_scale=2e-6).samples[0, :, 0] == pytest.approx([1e-6, -2e-6])
+
+
+@pytest.mark.parametrize("quantiser", [OneBit(), Analogue()])
+def test_generator_from_measured_responses_passes_the_same_laws(recorded, tmp_path, quantiser):
+    h = read(write_numpy(recorded, tmp_path)).at_point(0)
+    signal = drive(h, 30.0, quantiser, reversal_s=6e-3)
+    learnt = h.samples[:, :, :360]
+    gain = 1 / np.abs(learnt).max()
+    expected = np.abs(learnt).sum() if isinstance(quantiser, OneBit) else gain * (learnt**2).sum()
+    assert focus_amplitude(signal, h) == pytest.approx(30 * expected, rel=1e-12)
+    u = emitted(signal, h)[0]
+    assert np.argmax(np.abs(u)) == 359
+    level = TimeReversalStimulus(h, quantiser=quantiser, reversal_s=6e-3)
+    assert focus_amplitude(level.at(1e-7), h) == pytest.approx(1e-7, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("x.txt", b"", "found '.txt', expected one of .wav, .npz"),
+        ("x.npz", b"no archive", "cannot be read as impulse responses"),
+        ("x.wav", b"RIFF", "cannot be read as impulse responses"),
+        ("x.csv", b"# quantity=displacement\na,b\n1,2\n", "cannot be read as impulse responses: 'rate_hz'"),
+        ("x.csv", b"# rate_hz=1000\na,b\n1,nan\n", "Responses.samples[0, 1, 0]: found nan"),
+    ],
+)
+def test_broken_files_are_named(tmp_path, name, content, message):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(InvalidFile) as caught:
+        read([path])
+    assert message in str(caught.value)
+
+
+def test_absent_file_and_mismatched_files(recorded, tmp_path):
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        read([tmp_path / "none.npz"])
+    write_npz(recorded, tmp_path / "a.npz")
+    write_npz(trimmed(recorded, 0.0, 5e-3), tmp_path / "b.npz")
+    with pytest.raises(InvalidFile, match="expected the same as in"):
+        read([tmp_path / "a.npz", tmp_path / "b.npz"])
+
+
+def test_alignment_undoes_a_fractional_delay(recorded):
+    band = band_limited(recorded, Band(500.0, 18e3, 1e3))
+    late = aligned(band, [-2.37e-4] * 16)
+    back = aligned(late, [2.37e-4] * 16)
+    assert back.samples[:, :, :900] == pytest.approx(band.samples[:, :, :900], abs=2e-3 * np.abs(band.samples).max())
+
+
+def test_inspection_finds_clipping_silence_and_noise(recorded):
+    assert inspect(recorded).sound
+    samples = recorded.samples.copy()
+    peak = np.abs(samples[0, 3]).max()
+    samples[0, 3] = np.clip(samples[0, 3], -0.3 * peak, 0.3 * peak)
+    samples[1, 5] = 0.0
+    samples[1, 7] += np.random.default_rng().normal(size=samples.shape[2]) * np.abs(samples[1, 7]).max() * 0.3
+    found = inspect(Responses(samples, RATE_HZ))
+    assert found.clipped == ((0, 3),)
+    assert found.silent == ((1, 5),)
+    assert found.noisy == ((1, 7),)
+
+
+def test_reciprocity_error():
+    h = np.sin(np.arange(100.0))
+    assert reciprocity_error(h, h) == 0.0
+    assert reciprocity_error(h, 1.01 * h) == pytest.approx(0.01, rel=0.01)
+
+
+def test_schroeder_curve_of_a_pure_decay_is_a_line():
+    t = np.arange(6000) / 1e5
+    level = schroeder_db(np.exp(-t / 3e-3))
+    slope = (level[600] - level[0]) / t[600]
+    assert slope == pytest.approx(-20 / math.log(10) / 3e-3, rel=1e-6)
+
+
+def test_tau_is_recovered_from_reverberant_responses(recorded):
+    found = tau_estimate(recorded)
+    assert found.value == pytest.approx(3e-3, rel=0.05)
+    assert found.low < found.value < found.high
+
+
+def test_tau_of_a_silent_or_short_response_is_refused():
+    with pytest.raises(InvalidParameter, match="response: found zero everywhere"):
+        tau_s(np.zeros(100), 1e3)
+    with pytest.raises(InvalidParameter, match=r"response: found a decay to .* dB, expected at least -20.0 dB"):
+        tau_s(np.array([1.0, 0.9]), 1e3)
+
+
+def test_rigidity_from_noisy_dispersion_lies_in_its_interval():
+    rng = np.random.default_rng()
+    f = np.linspace(2e3, 25e3, 40)
+    k = wavenumber_rad_per_m(A4_SCREEN, f) * np.exp(rng.normal(0, 0.005, 40))
+    found = rigidity_ratio_from_dispersion(f, k)
+    truth = A4_SCREEN.wave_constant_m2_per_s**2
+    assert abs(math.log(found.value / truth)) < 4 * 4 * 0.005 / math.sqrt(40)
+    assert found.low < found.value < found.high
+
+
+@pytest.mark.parametrize("boundary", ["SSSS", "FFFF"])
+def test_rigidity_and_modulus_from_measured_modes(boundary):
+    truth = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary)
+    measured = truth.frequencies_hz(900.0)
+    measured = measured[measured > 0] * np.exp(np.random.default_rng().normal(0, 1e-3, np.sum(measured > 0)))
+    guess = type(truth)(0.297, 0.21, 1.1e-3, 50e9, 0.2, 2230.0, boundary)
+    found = rigidity_ratio_from_modes(np.sort(measured), guess)
+    assert found.value == pytest.approx(truth.wave_constant_m2_per_s**2, rel=6e-3)
+    assert youngs_modulus_pa(found, guess).value == pytest.approx(64e9, rel=6e-3)
+
+
+def test_alpha_of_theoretical_resolutions():
+    bands = [Band(0, f) for f in (5e3, 10e3, 15e3, 20e3, 25e3)]
+    for thickness in (2e-3, 3e-3):
+        plate = BOROFLOAT_33.plate(0.297, 0.21, thickness, "SSSS")
+        widths = [resolution_m(plate, band) for band in bands]
+        found = alpha_from_resolutions(widths, [band.mean_hz for band in bands], plate)
+        assert found.value == pytest.approx(ALPHA, rel=0.03)
+
+
+def test_one_value_has_no_finite_interval():
+    assert mean_estimate(np.array([2.0])).high == math.inf
+
+
+def test_inverse_filter_is_quieter_at_the_points_it_knows_and_weaker(recorded):
+    grid = [(0.12 + 0.02 * i, 0.09 + 0.02 * j) for i in range(-2, 3) for j in range(-2, 3)]
+    h = impulse_responses(SCREEN, grid, rate_hz=RATE_HZ, duration_s=6e-3, f_max_hz=18e3)
+    band = Band(500.0, 15e3, 500.0)
+    h = band_limited(h, band)
+    centre = 12
+    wanted = [1.0 if i == centre else 0.0 for i in range(25)]
+    waves = {
+        "inverse": inverse_filter_waveform(h, wanted, band, reversal_s=6e-3, regularisation=1e-3),
+        "reversal": drive(h.at_point(centre), 1.0, Analogue()).samples,
+    }
+    worst, peak = {}, {}
+    for name, wave in waves.items():
+        u = focus_amplitudes(Signal(normalised(wave), RATE_HZ, "V"), h)
+        worst[name] = np.sqrt(np.mean(np.delete(u, centre) ** 2)) / u[centre]
+        peak[name] = u[centre]
+    assert worst["inverse"] < 0.8 * worst["reversal"]
+    assert peak["inverse"] > 0
+
+
+def test_strongly_regularised_inverse_filter_is_time_reversal(recorded):
+    band = Band(500.0, 15e3, 500.0)
+    h = band_limited(recorded.at_point(0), band)
+    found = inverse_filter_waveform(h, [1.0], band, reversal_s=20e-3, regularisation=1e9)
+    expected = drive(band_limited(h, band), 1.0, Analogue()).samples
+    assert normalised(found) == pytest.approx(expected, abs=0.02)
+
+
+def test_interpolation_at_a_calibrated_point_is_that_point(recorded):
+    h = band_limited(recorded, Band(500.0, 18e3))
+    found = interpolated(h, [(0.12, 0.09), (0.2, 0.14)], (0.12, 0.09), A4_SCREEN)
+    assert found.samples[0] == pytest.approx(h.samples[0], abs=5e-3 * np.abs(h.samples).max())
+
+
+@pytest.mark.parametrize("step_m", [5e-3, 10e-3])
+def test_interpolated_focus_costs_what_is_predicted(step_m):
+    band = Band(500.0, 15e3, 200.0)
+    at = (0.1437, 0.0982)
+    points = [(at[0] + step_m * (i + 0.5), at[1] + step_m * (j + 0.5)) for i in range(-3, 3) for j in range(-3, 3)]
+    sampling = {"rate_hz": RATE_HZ, "duration_s": 8e-3, "f_max_hz": 16e3}
+    calibrated = band_limited(impulse_responses(SCREEN, points, **sampling), band)
+    truth = band_limited(impulse_responses(SCREEN, [at], **sampling), band)
+    guess = interpolated(calibrated, points, at, A4_SCREEN)
+    ratio = focus_amplitude(drive(guess, 1.0), truth) / focus_amplitude(drive(truth, 1.0), truth)
+    predicted = one_bit_amplitude_ratio_expected(expected_amplitude_ratio(points, at, A4_SCREEN, band))
+    assert ratio == pytest.approx(predicted, abs=0.08)
+
+
+def test_far_from_every_point_nothing_is_known():
+    share = expected_amplitude_ratio([(0.02, 0.02)], (0.25, 0.18), A4_SCREEN, Band(5e3, 25e3))
+    assert share < 0.05
+    _, at_point = estimator([(0.1, 0.1)], (0.1, 0.1), A4_SCREEN, [1e4])
+    assert at_point[0] == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda h: trimmed(h, 0.0, 1.0), "start_s, duration_s: found 0.0 and 1.0"),
+        (lambda h: aligned(h, [0.0]), "delay_s: found 1, expected 16"),
+        (lambda h: interpolated(h, [(0.1, 0.1)], (0.1, 0.1), A4_SCREEN), "points: found 1, expected 2"),
+        (lambda h: inverse_filter_waveform(h, [0.0, 0.0], Band(1e3, 2e3), reversal_s=1e-3), "wanted: found [0.0, 0.0]"),
+        (lambda h: rigidity_ratio_from_modes([3.0, 1.0], A4_SCREEN), "measured_hz: found [3.0, 1.0]"),
+        (lambda h: rigidity_ratio_from_dispersion([1.0], [0.0]), "frequency_hz: found shapes (1,) and (1,)"),
+        (lambda h: read([]), "paths: found none"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(recorded, call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call(recorded)
+    assert str(caught.value).startswith(message)

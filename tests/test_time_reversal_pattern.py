@@ -1,0 +1,186 @@
+"""Patterns of foci, and the stimulus that a protocol plays."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.limits import Limits
+from tactometry.signal import Stimulus
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.pattern import (
+    PATTERNS,
+    Exponential,
+    Pattern,
+    RaisedCosine,
+    Rectangular,
+    Sinc,
+    Table,
+    burst_s,
+    focus_samples,
+    pattern_drive,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+
+RATE_HZ = 60e3
+
+
+@pytest.fixture(scope="module")
+def focus() -> Responses:
+    points = [(0.12, 0.09), (0.2, 0.14)]
+    return impulse_responses(A4_PROTOTYPE, points, rate_hz=RATE_HZ, duration_s=4e-3, f_max_hz=20e3)
+
+
+def test_p0_is_one_focus(focus):
+    signal = pattern_drive(focus, PATTERNS["P0"], 30.0)
+    assert np.array_equal(signal.samples, drive(focus.at_point(0), 30.0).samples)
+
+
+@pytest.mark.parametrize(("name", "n_foci"), [("P1", 10), ("P2", 10), ("P3", 10), ("P4", 25), ("P5", 25), ("P6", 25)])
+def test_structure_of_p1_to_p6(name, n_foci):
+    pattern = PATTERNS[name]
+    assert pattern.n_foci == n_foci
+    assert np.abs(pattern.weights).max() == 1.0
+    assert pattern.repetition_hz == (200.0 if name in {"P1", "P2", "P3"} else 500.0)
+
+
+def test_foci_come_when_and_as_large_as_the_pattern_says(focus):
+    """Without overlap each focus is the single one, plus the rest of the trains before."""
+    pattern = Pattern(200.0, 50e-3, Exponential())
+    signal = pattern_drive(focus, pattern, 30.0)
+    u = emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]
+    alone = focus_amplitude(drive(focus.at_point(0), 30.0), focus)
+    assert u[0] == pytest.approx(alone * pattern.weights[0], rel=1e-12)
+    assert u == pytest.approx(alone * pattern.weights, abs=0.1 * alone)
+
+
+def test_overlapping_drives_keep_the_voltage_and_lose_amplitude(focus):
+    pattern = Pattern(1000.0, 20e-3)
+    signal = pattern_drive(focus.at_point(0), pattern, 30.0)
+    assert signal.peak == 30.0
+    u = emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]
+    alone = focus_amplitude(drive(focus.at_point(0), 30.0), focus)
+    assert 0.3 < np.median(u) / alone < 0.9
+
+
+def test_repetition_slower_than_t_costs_nothing(focus):
+    u = []
+    for hz in (100.0, 250.0):
+        pattern = Pattern(hz, 40e-3)
+        signal = pattern_drive(focus.at_point(0), pattern, 30.0)
+        u.append(np.mean(emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]))
+    assert u[0] == pytest.approx(u[1], rel=0.05)
+
+
+def test_burst_modulation_keeps_the_voltage_and_reaches_the_weight(focus):
+    long = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=RATE_HZ, duration_s=7e-3, f_max_hz=25e3)
+    table = Pattern(100.0, 40e-3, Table((1.0, 0.5, 0.25, 0.75)))
+    signal = pattern_drive(long, table, 30.0, modulation="burst", tau_s=3.5e-3)
+    assert set(np.unique(np.abs(signal.samples))) == {0.0, 30.0}
+    u = emitted(signal, long)[0][focus_samples(table, RATE_HZ, long.n_samples)]
+    assert u / u[0] == pytest.approx(table.weights / table.weights[0], abs=0.08)
+
+
+@given(st.floats(0.01, 1.0), st.floats(1e-3, 2e-2), st.floats(1e-3, 2e-2))
+def test_burst_length_inverts_the_growth_law(weight, reversal, tau):
+    short = burst_s(weight, reversal, tau)
+    assert -math.expm1(-short / tau) == pytest.approx(weight * -math.expm1(-reversal / tau), rel=1e-9)
+
+
+def test_a_moving_focus_visits_its_places(focus):
+    pattern = Pattern(200.0, 20e-3)
+    path = [0, 1, 0, 1]
+    signal = pattern_drive(focus, pattern, 30.0, path=path)
+    u = emitted(signal, focus)[:, focus_samples(pattern, RATE_HZ, focus.n_samples)]
+    for k, row in enumerate(path):
+        assert u[row, k] > 4 * abs(u[1 - row, k])
+
+
+def test_envelopes():
+    middle, edge = np.array([0.5]), np.array([0.0])
+    assert Rectangular().at(middle) == 1.0
+    assert RaisedCosine().at(edge) == 0.0
+    assert RaisedCosine().at(middle) == pytest.approx(1.0)
+    assert Exponential(0.5).at(np.array([1.0])) == pytest.approx(math.exp(-2))
+    zeros = 0.5 + np.array([1, 2, 3]) / 6
+    assert Sinc(3).at(zeros) == pytest.approx(0.0, abs=1e-15)
+    assert Sinc(3).at(middle) == 1.0
+    lobe = np.array([0.5 + 1.5 / 6])
+    assert Sinc(3).at(lobe) < 0 < Sinc(3, signed=False).at(lobe)
+    assert Table((0.0, 1.0)).at(np.array([0.25])) == 0.25
+
+
+def test_negative_weights_are_negative_foci(focus):
+    pattern = PATTERNS["P3"]
+    signal = pattern_drive(focus, pattern, 30.0)
+    u = emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]
+    assert np.sign(u[np.argmin(pattern.weights)]) == -1
+
+
+@pytest.mark.parametrize("name", ["P0", "P2", "P6"])
+@pytest.mark.parametrize("quantiser", [None, Analogue()])
+def test_stimulus_delivers_its_level(focus, name, quantiser):
+    stimulus = TimeReversalStimulus(focus.at_point(0), PATTERNS[name], quantiser, voltage_max_v=1e3)
+    signal = stimulus.at(2e-6)
+    instants = focus_samples(PATTERNS[name], RATE_HZ, focus.n_samples)
+    assert np.abs(emitted(signal, focus.at_point(0))[0, instants]).max() == pytest.approx(2e-6, rel=1e-9)
+    assert signal.peak == pytest.approx(stimulus.voltage_v(2e-6), rel=1e-12)
+
+
+def test_levels_in_decibels(focus):
+    stimulus = TimeReversalStimulus(focus.at_point(0), level_unit="dB re 1 um")
+    assert stimulus.voltage_v(6.0) / stimulus.voltage_v(0.0) == pytest.approx(10 ** (6 / 20))
+    assert stimulus.voltage_v(stimulus.level_max) == pytest.approx(30.0)
+
+
+def test_stimulus_refuses_more_than_the_amplifier_has(focus):
+    stimulus = TimeReversalStimulus(focus.at_point(0))
+    assert stimulus.at(stimulus.level_max).peak == pytest.approx(30.0)
+    with pytest.raises(LimitExceeded, match=r"level: found .* m, which needs .* V, above the 30 V of the amplifier"):
+        stimulus.at(1.01 * stimulus.level_max)
+
+
+def test_stimulus_is_the_kernels_stimulus_and_passes_limits(focus):
+    stimulus: Stimulus = TimeReversalStimulus(focus.at_point(0), reversal_s=2e-3)
+    Limits(voltage_peak_v=30.0).check(stimulus.at(1e-6))
+    assert stimulus.level_unit == "m"
+
+
+def test_default_prototype_makes_10_um_at_30_v():
+    """The moment of the patch is tuned to this (unverified default): 0.2-60 kHz, T = 7 ms, one bit."""
+    h = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=250e3, duration_s=7e-3, f_max_hz=60e3)
+    assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(10e-6, rel=0.15)
+
+
+def test_sigma_delta_stimulus(focus):
+    stimulus = TimeReversalStimulus(focus.at_point(0), quantiser=SigmaDelta(2))
+    signal = stimulus.at(stimulus.level_max)
+    assert set(np.unique(signal.samples)) == {-30.0, 30.0} or signal.peak == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda h: Pattern(0.0, 1.0), "Pattern.repetition_hz: found 0.0"),
+        (lambda h: Exponential(0.0), "Exponential.decay: found 0.0"),
+        (lambda h: Table((1.0,)), "Table.values: found (1.0,)"),
+        (
+            lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, path=[0, 9]),
+            "path: found [0, 9], expected 10 rows from 0 to 1",
+        ),
+        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="burst"), "tau_s: found None"),
+        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="x"), "modulation: found 'x'"),
+        (lambda h: TimeReversalStimulus(h, level_unit="V"), "TimeReversalStimulus.level_unit: found 'V'"),
+        (lambda h: TimeReversalStimulus(h).at(0.0), "level: found 0.0, expected a finite number above 0"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(focus, call, message):
+    with pytest.raises(InvalidParameter) as caught:
+        call(focus)
+    assert str(caught.value).startswith(message)
