@@ -15,9 +15,7 @@ GATE = ForceGate(target_n=1.0, tolerance=0.25, hold_s=0.0625, max_gap_s=0.02)
 TICK_S = 1 / 1024
 
 steps = st.one_of(st.integers(1, 20), st.integers(-30, 40))
-forces = st.one_of(
-    st.sampled_from([0.75, 1.0, 1.25]), st.sampled_from([0.5, 0.7499, 1.2501, math.nan, math.inf])
-)
+forces = st.one_of(st.sampled_from([0.75, 1.0, 1.25]), st.sampled_from([0.5, 0.7499, 1.2501, math.nan, math.inf]))
 mostly_held = st.lists(
     st.tuples(steps, st.one_of(st.just(1.0), st.just(1.0), st.just(1.0), forces)), min_size=1, max_size=60
 )

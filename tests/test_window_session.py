@@ -1,0 +1,116 @@
+"""A whole session through the command line in a real window: stopped with Escape, resumed, validated, replayed."""
+
+import csv
+import json
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+LONGEST_S = 240
+PAUSE_S = 0.05
+
+
+def tactometry(*arguments, **how):
+    command = [sys.executable, "-m", "tactometry", *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **how)
+
+
+def sit(process, hands, keys):
+    """Tap the keys, over and over, until the process ends: its status, output and errors."""
+    ended = threading.Event()
+
+    def tap_all():
+        for key in keys:
+            if ended.wait(PAUSE_S):
+                return
+            hands.tap(key)
+
+    fingers = threading.Thread(target=tap_all, daemon=True)
+    fingers.start()
+    try:
+        output, errors = process.communicate(timeout=LONGEST_S)
+    finally:
+        process.kill()
+        ended.set()
+        fingers.join(5)
+    return process.returncode, output, errors
+
+
+def any_keys(seed, n=2000):
+    for answer in np.random.default_rng(seed).choice(["y", "n"], n):
+        yield from ("space", str(answer))
+
+
+def until_trials(journals, n_trials):
+    """Keys until that many trials are in the journal, then Escape."""
+    for key in any_keys(1):
+        if sum(path.read_text().count('"Record"') for path in journals.glob("*.jsonl")) >= n_trials:
+            break
+        yield key
+    yield from ["Escape"] * 20
+
+
+@dataclass(frozen=True)
+class Sitting:
+    data: Path
+    escaped: tuple[int, str, str]
+    resumed: tuple[int, str, str]
+
+    @property
+    def rows(self):
+        [path] = (self.data / "data").glob("*_data.csv")
+        return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+@pytest.fixture(scope="module")
+def sitting(display, tmp_path_factory):
+    data = tmp_path_factory.mktemp("session") / "pilot"
+    run = ("run", "tutorial", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", data)
+    escaped = sit(tactometry(*run), display, until_trials(data / "journals", 5))
+    resumed = sit(tactometry(*run, "--resume"), display, any_keys(2))
+    return Sitting(data, escaped, resumed)
+
+
+def test_escape_ends_the_session_with_status_1_and_one_sentence(sitting):
+    status, _, errors = sitting.escaped
+    assert status == 1
+    assert "Escape was pressed; what was recorded is safe" in errors
+    assert "Traceback" not in errors
+
+
+def test_a_resumed_session_is_completed(sitting):
+    status, output, errors = sitting.resumed
+    assert (status, errors) == (0, "")
+    assert f"{len(sitting.rows)} trials" in output
+
+
+def test_every_trial_of_the_tutorial_is_there_once(sitting):
+    levels = [(row["frequency_hz"], row["level"]) for row in sitting.rows if row["level"]]
+    assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("10", "18", "26", "34")] * 4)
+    assert [row["trial"] for row in sitting.rows] == [str(n + 1) for n in range(len(sitting.rows))]
+
+
+def test_answers_have_latencies_and_times_go_on(sitting):
+    onsets_s = [float(row["onset_s"]) for row in sitting.rows]
+    assert onsets_s == sorted(onsets_s)
+    assert all(0 < float(row["latency_s"]) < 60 for row in sitting.rows)
+    assert {row["response"] for row in sitting.rows} == {"0", "1"}
+    assert {row["force_mean_n"] for row in sitting.rows} == {""}
+
+
+def test_the_journal_names_display_keyboard_and_clock(sitting):
+    [path] = (sitting.data / "journals").glob("*.jsonl")
+    head = json.dumps(json.loads(path.read_text().splitlines()[0]))
+    assert all(fact in head for fact in ('"ptb"', '"time.perf_counter"', '"display_width_px"', '"psychopy"'))
+
+
+@pytest.mark.parametrize("command", ["validate", "replay"])
+def test_the_data_set_is_sound_and_replays(sitting, command):
+    process = tactometry(command, sitting.data)
+    output, errors = process.communicate(timeout=LONGEST_S)
+    assert process.returncode == 0, output + errors
