@@ -46,10 +46,10 @@ help: ## what can be made
 demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo/
 	@$(BIN)/tactometry demo --out demo
 
-test: $(VENV)/.test system ## all tests with branch coverage; slow ones in reduced form
+test: system $(VENV)/.test ## all tests with branch coverage; slow ones in reduced form
 	@$(BIN)/python -m pytest --cov $(ARGS)
 
-soak: $(VENV)/.test system ## all tests at full size: hours
+soak: system $(VENV)/.test ## all tests at full size: hours
 	@TACTOMETRY_SOAK=1 $(BIN)/python -m pytest --timeout 14400 $(ARGS)
 
 static: $(VENV)/.test ## format, lint, strict types, import contracts
@@ -62,7 +62,7 @@ check: ## the static checks, then the tests
 	@$(MAKE) --no-print-directory static
 	$(MAKE) --no-print-directory test
 
-bench: $(VENV)/.test system ## every benchmark: ratios measured in one run
+bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
 
 constraints: $(VENV)/.python ## write constraints.txt anew: the newest versions that pyproject.toml admits
