@@ -94,10 +94,10 @@ system:
 # The first Python that really runs (a pyenv shim of an inactive version does not) and is 3.11 or 3.12.
 $(VENV)/.python:
 	@$(debian)
-	for python in $(PYTHON) python3.11 python3.12 python3 /usr/bin/python3 none; do
+	for python in $(or $(PYTHON),python3.11 python3.12 python3 /usr/bin/python3) none; do
 	    $$python -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null && break
 	done
-	[ $$python != none ] || { echo "make: no Python 3.11 or 3.12 found; name one with: make PYTHON=/path/to/python" >&2; exit 1; }
+	[ $$python != none ] || { echo "make: found no Python 3.11 or 3.12 that runs$(PYTHON:%= (%)); name one: make PYTHON=/path/to/python" >&2; exit 1; }
 	if ! $$python -c 'import ensurepip, venv' 2>/dev/null; then
 	    debian $$($$python -c 'import sys; print("python3.%d-venv" % sys.version_info[1])')
 	fi
