@@ -21,6 +21,7 @@ from tactometry.stimuli.electrovibration.solution import Solution
 from tactometry.stimuli.electrovibration.square import Square
 from tactometry.stimuli.electrovibration.stack import Layer, Stack
 from tactometry.stimuli.electrovibration.step import Step
+from tactometry.stimuli.electrovibration.stick_slip import DryFriction, StickSlip, Travel, stick_slip
 from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
 from tactometry.stimuli.electrovibration.triangle import Triangle
 
@@ -31,6 +32,7 @@ __all__ = [
     "Corners",
     "CoulombFriction",
     "DispersiveLayer",
+    "DryFriction",
     "ElectrovibrationSensation",
     "Finger",
     "FrictionLag",
@@ -48,7 +50,9 @@ __all__ = [
     "Square",
     "Stack",
     "Step",
+    "StickSlip",
     "Trapezoid",
+    "Travel",
     "Triangle",
     "WithOffset",
     "charge_c",
@@ -59,4 +63,5 @@ __all__ = [
     "level_db_re_1v",
     "peak_voltage_v",
     "sliding",
+    "stick_slip",
 ]

@@ -81,29 +81,52 @@ class Plan:
 
 @lru_cache(maxsize=256)
 def _plan(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
-    pieces, t_s = timing.pieces, timing.t_s
-    nodes = np.unique(np.concatenate([[0.0], _nodes(pieces, relaxations), t_s]))
-    nodes = nodes[nodes <= t_s[-1]]
-    piece = pieces.index(nodes)
-    since = nodes - pieces.starts_s[piece]
-    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
-    moves = (since * rates < DECAYED * (1 - 1e-9)).T[:-1]
+    nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
+    shared = phases(timing.pieces, relaxations, nodes)
+    rates = np.array(relaxations.rates_per_s)
+    moves = (shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9))[:-1]
     groups, kinds = _kinds(np.diff(nodes), moves)
-    circuits = [Circuit(relaxations, tuple(pieces.frequencies_hz.tolist()), timing.has_slope, moving)
-                for _, moving in groups]  # fmt: skip
+    frequencies_hz = tuple(timing.pieces.frequencies_hz.tolist())
+    circuits = [Circuit(relaxations, frequencies_hz, timing.has_slope, moving) for _, moving in groups]
     flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
     n = len(system.input)
     maps = np.array([step.states for step in flows]).reshape(-1, n, n)
     drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
+    rest = (np.array(relaxations.gains), relaxations.dc_gain, timing.has_slope)
+    arrays = (*shared.arrays, *rest, kinds, maps, drives.reshape(len(flows), n, -1))
+    return Plan(np.searchsorted(nodes, timing.t_s), arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class Phases:
+    """Where each node lies: the piece that holds, the time since its start, and what depends on time alone."""
+
+    piece: NDArray[np.intp]
+    since: Real
+    factors: tuple[object, ...]
+
+    @property
+    def arrays(self) -> tuple[object, ...]:
+        """Piece, since, decays and lines at nodes, spans, decays and lines over pieces, turns, responses."""
+        return (self.piece, self.since, *self.factors)
+
+
+def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
+    """The phases of nodes (n_nodes,) within the pieces."""
+    piece = pieces.index(nodes)
+    since = nodes - pieces.starts_s[piece]
+    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
     spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
-    arrays = (
-        piece, since, np.exp(-rates * since), since * phi1(rates * since),
-        spans, np.exp(-rates * spans), spans * phi1(rates * spans),
-        np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz)), _responses(relaxations, pieces),
-        np.array(relaxations.gains), relaxations.dc_gain, timing.has_slope,
-        kinds, maps, drives.reshape(len(flows), n, -1),
-    )  # fmt: skip
-    return Plan(np.searchsorted(nodes, t_s), arrays)
+    turns = np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz))
+    at_nodes = (np.exp(-rates * since), since * phi1(rates * since))
+    at_ends = (spans, np.exp(-rates * spans), spans * phi1(rates * spans))
+    return Phases(piece, since, (*at_nodes, *at_ends, turns, _responses(relaxations, pieces)))
+
+
+def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
+    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
+    nodes = np.unique(np.concatenate([[0.0], _nodes(pieces, relaxations), t_s]))
+    return np.asarray(nodes[nodes <= t_s[-1]])
 
 
 def _nodes(pieces: Pieces, relaxations: Relaxations) -> Real:

@@ -1,0 +1,258 @@
+"""Stick and slip: closed form, an independent solver with events, laws of friction, hard speeds and loads."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    DryFriction,
+    Finger,
+    Pieces,
+    Sine,
+    Skin,
+    Solution,
+    Square,
+    StickSlip,
+    Trapezoid,
+    Travel,
+    stick_slip,
+)
+from tactometry.stimuli.electrovibration.force import ForceForm, force_form
+from tactometry.stimuli.electrovibration.pieces import straight
+
+FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5)
+LAYER = force_form("sc_layer", Skin(), 1e-4)
+STRONG = ForceForm(LAYER.relaxations, 500 * LAYER.newton_per_v2)
+QUIET = straight([0, 1.0], [0, 0])
+SINE = Sine(frequency_hz=60.0, ramp_s=0.0, duration_s=0.1).pieces(46.0)
+SQUARE = Square(frequency_hz=60.0, ramp_s=0.0, duration_s=0.1).pieces(30.0)
+TRAPEZOID = Trapezoid(rise_s=1e-3, high_s=7e-3, fall_s=2e-3, low_s=6e-3, duration_s=0.1).pieces(46.0)
+T_S = np.linspace(0, 0.1, 401)
+
+
+def run(pieces: Pieces = SINE, t_s: np.ndarray = T_S, **changes) -> StickSlip:
+    arguments = {"finger": FINGER, "friction": FRICTION, "force_n": 0.5, "travel": Travel(0.05)}
+    return stick_slip(t_s, pieces, STRONG, **{**arguments, **changes})
+
+
+def test_period_of_stick_and_slip_in_closed_form() -> None:
+    finger, speed = Finger(damping_n_s_per_m=0.0), 0.05
+    motion = run(QUIET, np.linspace(0, 1, 11), finger=finger, force_n=1.0)
+    omega = np.sqrt(finger.stiffness_n_per_m / finger.mass_kg)
+    half_swing_m = (0.6 - 0.5) / finger.stiffness_n_per_m
+    first_s = 0.6 / finger.stiffness_n_per_m / speed
+    slip_s = 2 * (np.pi - np.arctan(half_swing_m * omega / speed)) / omega
+    lengths_s = np.diff(motion.events_s)
+    assert motion.events_s[0] == pytest.approx(first_s, rel=1e-13)
+    np.testing.assert_allclose(lengths_s[::2], slip_s, rtol=1e-12)
+    np.testing.assert_allclose(lengths_s[1::2], 2 * half_swing_m / speed, rtol=1e-12)
+    assert motion.event_directions.tolist() == [1.0, 0.0] * (len(motion.events_s) // 2) + [1.0] * (
+        len(motion.events_s) % 2
+    )
+
+
+def leg(pieces: Pieces, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
+    """An adaptive solution in stick (way 0) or slip from (time, stretch, rate) to the next event or `stop`."""
+    m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
+    solved, before_stop = Solution(pieces, STRONG.relaxations), np.nextafter(stop, 0)
+
+    def load_n(t: float) -> float:
+        return force_n + STRONG.newton_per_v2 * float(solved.at(min(t, before_stop))) ** 2
+
+    def speed(t: float) -> float:
+        return travel.speed_m_per_s + travel.acceleration_m_per_s2 * t
+
+    def slope(t: float, y: np.ndarray) -> list[float]:
+        push_n = m * travel.acceleration_m_per_s2 + way * 0.5 * load_n(t)
+        slipping = [y[1], (push_n - c * y[1] - k * y[0]) / m]
+        return slipping if way else [speed(t), travel.acceleration_m_per_s2]
+
+    def event(t: float, y: np.ndarray) -> float:
+        if way:
+            return way * (speed(t) - y[1]) + (1e-9 if t < start[0] + 1e-5 else 0)
+        return 0.6 * load_n(t) - abs(k * y[0] + c * speed(t))
+
+    event.terminal, event.direction = True, -1
+    if way == 0 and event(start[0], start[1:]) < -1e-9:
+        return None
+    return solve_ivp(
+        slope, (start[0], stop), start[1:], method="DOP853", events=event, rtol=1e-11, atol=1e-14,
+        max_step=2e-4, dense_output=True,
+    )  # fmt: skip
+
+
+def reference(pieces: Pieces, travel: Travel, force_n: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stretch at `T_S` and event times, by an adaptive solver restarted at events and starts of pieces."""
+    c, k = FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
+    time, s, rate, way = 0.0, 0.0, travel.speed_m_per_s, 0
+    found_m, events_s = np.zeros(len(T_S)), []
+    stops = np.array([*pieces.starts_s[1:], pieces.end_s])
+    while time < pieces.end_s:
+        stop = stops[stops > time * (1 + 1e-14)].min()
+        speed = travel.speed_m_per_s + travel.acceleration_m_per_s2 * time
+        r = leg(pieces, travel, force_n, way, [time, s, rate], stop)
+        if r is not None:
+            until = r.t_events[0][0] if r.t_events[0].size else stop
+            inside = (time <= T_S) & (until >= T_S)
+            found_m[inside] = r.sol(T_S[inside])[0] if inside.any() else 0
+            time, (s, rate) = until, r.sol(until)
+            speed = travel.speed_m_per_s + travel.acceleration_m_per_s2 * time
+        if r is None or time < stop:
+            way = 0 if way else int(np.sign(k * s + c * speed))
+            rate = speed
+            events_s.append(time)
+    return found_m, np.array(events_s)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "travel"),
+    [(SINE, Travel(0.05)), (TRAPEZOID, Travel(0.1)), (SQUARE, Travel(0.1)), (SINE, Travel(-0.15, 3.0))],
+    ids=["sine", "trapezoid", "square", "through zero"],
+)
+def test_events_and_motion_against_an_adaptive_solver(pieces: Pieces, travel: Travel) -> None:
+    motion = run(pieces, travel=travel)
+    expected_m, events_s = reference(pieces, travel, 0.5)
+    assert len(motion.events_s) >= 4
+    np.testing.assert_allclose(motion.events_s, events_s, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(motion.stretch_m, expected_m, rtol=0, atol=1e-9 * np.abs(expected_m).max())
+
+
+@pytest.mark.parametrize("pieces", [SINE, SQUARE, TRAPEZOID])
+def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> None:
+    coarse, fine = run(pieces, T_S[::40]), run(pieces, np.linspace(0, 0.1, 8001))
+    np.testing.assert_allclose(fine.events_s, coarse.events_s, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(fine.stretch_m[::800], coarse.stretch_m, rtol=0, atol=1e-15)
+
+
+@given(
+    speed=st.floats(-0.2, 0.2), force_n=st.floats(0.01, 2.0), mu=st.floats(0.1, 0.9), more=st.floats(0, 0.5),
+    gated=st.booleans(),
+)  # fmt: skip
+@settings(max_examples=60)
+def test_friction_is_the_kinetic_one_in_slip_and_bearable_in_stick(
+    speed: float, force_n: float, mu: float, more: float, gated: bool
+) -> None:
+    friction = DryFriction(mu + more, mu, gated)
+    motion = run(friction=friction, force_n=force_n, travel=Travel(speed))
+    load_n = force_n + motion.electrostatic_n
+    slips = motion.direction != 0
+    expected_n = motion.direction[slips] * mu * load_n[slips]
+    np.testing.assert_allclose(motion.lateral_n[slips], expected_n, rtol=1e-12)
+    static_n = (mu + more) * (force_n if gated else load_n)
+    bearable_n = np.maximum(static_n, mu * load_n) if gated else static_n
+    assert (np.abs(motion.lateral_n) <= bearable_n * (1 + 1e-9))[~slips].all()
+    np.testing.assert_allclose(motion.stretch_m_per_s[~slips], speed, atol=1e-15)
+    ahead = motion.direction * (speed - motion.stretch_m_per_s)
+    assert (ahead[slips] >= -1e-9).all()
+
+
+def test_speed_0_has_no_effect_whatever_the_voltage() -> None:
+    motion = run(travel=Travel(0.0))
+    assert motion.events_s.size == 0
+    assert not motion.lateral_n.any()
+    assert motion.electrostatic_n.any()
+
+
+def test_speed_of_a_nanometre_per_second_only_stretches() -> None:
+    motion = run(travel=Travel(1e-9))
+    assert motion.events_s.size == 0
+    np.testing.assert_allclose(motion.stretch_m, 1e-9 * T_S, rtol=1e-12)
+
+
+def test_speed_through_zero_turns_the_slip_round() -> None:
+    motion = run(QUIET, np.linspace(0, 1, 2001), travel=Travel(0.1, -0.2), force_n=0.2)
+    assert set(motion.event_directions.tolist()) == {-1.0, 0.0, 1.0}
+    signs = motion.event_directions[motion.event_directions != 0]
+    assert (np.diff(signs) <= 0).all()
+
+
+def test_normal_force_0_without_voltage_has_no_friction() -> None:
+    motion = run(QUIET, force_n=0.0, friction=DryFriction(0.5, 0.5))
+    assert np.abs(motion.lateral_n).max() == 0
+
+
+def test_normal_force_0_with_voltage_has_the_friction_of_the_voltage() -> None:
+    motion = run(SINE, force_n=0.0)
+    assert (np.abs(motion.lateral_n) <= 0.6 * motion.electrostatic_n + 1e-15).all()
+    assert motion.lateral_n.any()
+
+
+def test_normal_force_of_1_kilonewton_sticks() -> None:
+    motion = run(SINE, force_n=1000.0)
+    assert motion.events_s.size == 0
+    np.testing.assert_allclose(motion.stretch_m, 0.05 * T_S, rtol=1e-12)
+
+
+def test_chatter_at_a_kilohertz_stays_exact() -> None:
+    chatter = Square(frequency_hz=1000.0, ramp_s=0.0, duration_s=0.1).pieces(34.0)
+    motion = run(chatter, force_n=0.2, travel=Travel(0.1))
+    again = run(chatter, T_S[::100], force_n=0.2, travel=Travel(0.1))
+    assert motion.events_s.size > 20
+    np.testing.assert_allclose(again.stretch_m, motion.stretch_m[::100], rtol=0, atol=1e-13)
+
+
+def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not() -> None:
+    def smooth_n(mu_static: float) -> np.ndarray:
+        width = 1e-4
+        m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
+
+        def slope(t: float, y: np.ndarray) -> list[float]:
+            ahead = (0.05 - y[1]) / width
+            mu = 0.5 * np.tanh(ahead) + (mu_static - 0.5) * ahead * np.exp(0.5 * (1 - ahead**2))
+            return [y[1], (mu * 1.0 - c * y[1] - k * y[0]) / m]
+
+        r = solve_ivp(slope, (0, 0.1), [0, 0.05], method="Radau", t_eval=T_S, rtol=1e-6, atol=1e-10)
+        return np.asarray(r.y[0])
+
+    def sharp_n(mu_static: float) -> np.ndarray:
+        return run(QUIET, force_n=1.0, friction=DryFriction(mu_static, 0.5)).stretch_m
+
+    scale = 0.5 / FINGER.stiffness_n_per_m
+    assert np.abs(smooth_n(0.5) - sharp_n(0.5)).max() < 2e-3 * scale
+    assert np.abs(smooth_n(0.75) - sharp_n(0.75)).max() > 2e-2 * scale
+
+
+def test_a_gated_voltage_does_not_help_the_finger_to_stick() -> None:
+    constant = straight([0, 1.0], [50, 50])
+    lossless = ForceForm(force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), 1e-4).relaxations, 1e-3)
+    breaks_s = [
+        float(
+            stick_slip(
+                [1.0], constant, lossless, finger=FINGER, friction=DryFriction(0.6, 0.3, gated), force_n=1.0,
+                travel=Travel(0.01),
+            ).events_s[0]
+        )
+        for gated in (False, True)
+    ]  # fmt: skip
+    load_n = 1.0 + 1e-3 * (50 * Skin().k) ** 2
+    k, c = FINGER.stiffness_n_per_m, FINGER.damping_n_s_per_m
+    limits_n = [0.6 * load_n, max(0.6, 0.3 * load_n)]
+    np.testing.assert_allclose(breaks_s, [(limit - c * 0.01) / k / 0.01 for limit in limits_n], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: DryFriction(0.4, 0.5),
+            "DryFriction.static: found 0.4, expected at least the kinetic coefficient (0.5)",
+        ),
+        (
+            lambda: Travel(float("nan")),
+            "Travel.speed_m_per_s: found nan, expected a finite number",
+        ),
+        (lambda: run(force_n=-1.0), "stick_slip.force_n: found -1.0, expected a finite number, at least 0"),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
+
+
+def test_too_many_events_stop_with_their_time() -> None:
+    with pytest.raises(InvalidParameter, match=r"too many changes between stick and slip above n_events_max \(3\)"):
+        run(n_events_max=3)
