@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
 
 FloatArray = NDArray[np.float64]
@@ -21,6 +23,7 @@ SOUND_SPEED_M_PER_S: Final = 343.0
 AIR_DENSITY_KG_PER_M3: Final = 1.204
 REFERENCE_PRESSURE_PA: Final = 20e-6
 AUDIBLE_MAX_HZ: Final = 20e3
+FREQUENCIES_AT_ONCE: Final = 1024
 EDGE_EFFICIENCY: Final = 0.01
 """Radiation efficiency below coincidence, where only edges radiate; unverified default."""
 
@@ -122,12 +125,17 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
     w = 2 * np.pi * frequency_hz
     total = np.zeros(len(w))
-    for omega, decay, force in zip(
-        oscillators.omega_rad_per_s, oscillators.decay_per_s, screen.modal_forces(f_max_hz), strict=True
-    ):
-        drive = np.abs(force @ played) ** 2
-        total += drive * w**2 / ((omega**2 - w**2) ** 2 + (2 * decay * w) ** 2 + np.finfo(float).tiny)
+    forces = screen.modal_forces(f_max_hz)
+    for start, stop in chunks(len(w), FREQUENCIES_AT_ONCE):
+        driven = np.abs(forces @ played[:, start:stop]) ** 2
+        total[start:stop] = np.einsum("nf,nf->f", driven, _mobility(oscillators, w[start:stop]))
     return np.asarray(frequency_hz), 2 * total / screen.plate.mass_kg**2
+
+
+def _mobility(oscillators: Oscillators, w: FloatArray) -> FloatArray:
+    """(n_modes, n_frequencies): |i w / (w_n^2 - w^2 + 2 i w / tau)|^2."""
+    omega2, decay = oscillators.omega_rad_per_s[:, None] ** 2, oscillators.decay_per_s[:, None]
+    return np.asarray(w**2 / ((omega2 - w**2) ** 2 + (2 * decay * w) ** 2 + np.finfo(float).tiny))
 
 
 def _a_gain(f: FloatArray) -> FloatArray:

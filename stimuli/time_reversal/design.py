@@ -1,0 +1,276 @@
+"""The design guide (thesis 3.5): from a plate, transducers, a band and targets to T, T_r, Q, band and thickness.
+
+It answers with what closed forms predict for the recommendation, and says of each target that cannot be reached why
+not and what would have to change. Its rule for time constants is T = 2 tau <= T_r (86 % of the 1-bit amplitude), an
+own rule: the thesis's recommendation was not found.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.closed_forms import (
+    Reverberation,
+    contrast_limit,
+    contrast_whole,
+    one_bit_amplitude_ratio,
+    repetition_noise_ratio,
+    resolution_m,
+)
+from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.statics import bending_stress_pa
+from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
+
+FloatArray = NDArray[np.float64]
+
+MAX_TRANSDUCERS: Final = 256
+STRESS_MAX_PA: Final = 20e6
+"""Bending stress that annealed glass bears for long under a finger; unverified default."""
+
+FINGER_FORCE_N: Final = 2.0
+FINGER_DIAMETER_M: Final = 10e-3
+
+
+@dataclass(frozen=True)
+class Transducers:
+    """Square patches of side `side_m` (m) with a moment (N per V), driven with one bit at `voltage_v`."""
+
+    n: int = 32
+    side_m: float = 10e-3
+    moment_n_per_v: float = MOMENT_N_PER_V
+    voltage_v: float = 30.0
+
+    def __post_init__(self) -> None:
+        for name in ("n", "side_m", "moment_n_per_v", "voltage_v"):
+            positive(f"Transducers.{name}", getattr(self, name))
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is wanted; None is no wish.
+
+    Parameters
+    ----------
+    resolution_m : float, optional
+        Largest full width at -6 dB.
+    contrast : float, optional
+        Smallest `closed_forms.contrast_whole`.
+    amplitude_m : float, optional
+        Smallest displacement at the focus without a finger.
+    repetition_hz : float, optional
+        Rate at which foci follow one another.
+    """
+
+    resolution_m: float | None = None
+    contrast: float | None = None
+    amplitude_m: float | None = None
+    repetition_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None:
+                positive(f"Target.{name}", value)
+
+
+@dataclass(frozen=True)
+class Design:
+    """A screen in numbers, enough for the closed forms."""
+
+    plate: Plate
+    transducers: Transducers
+    band: Band
+    tau_s: float
+    reversal_s: float
+
+    @property
+    def reverberation(self) -> Reverberation:
+        return Reverberation(
+            self.transducers.n, self.band.width_hz, self.tau_s, self.reversal_s, self.plate.modal_density_s
+        )
+
+    @property
+    def resolution_m(self) -> float:
+        return resolution_m(self.plate, self.band)
+
+    @property
+    def contrast(self) -> float:
+        return contrast_whole(self.reverberation)
+
+    @property
+    def amplitude_m(self) -> float:
+        return one_bit_amplitude_m(self)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """The answer: a design, its repetition time (None: single foci) and the wishes that it cannot meet, with why."""
+
+    design: Design
+    repetition_s: float | None
+    unreachable: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def one_bit_amplitude_m(design: Design) -> float:
+    """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
+
+    A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of W^2
+    over the band; W is the low-pass of the patch, averaged over directions. Derived; within 15 % of simulation.
+    """
+    plate, patches = design.plate, design.transducers
+    push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
+    sigma = push * math.sqrt(plate.modal_density_s / 2 * _passed_hz(design))
+    ring_s = design.tau_s * float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
+    return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma
+
+
+def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, target: Target) -> Guide:
+    """Choose T, T_r, Q, band and thickness for a target, changing as little as possible of what is given.
+
+    Parameters
+    ----------
+    plate, transducers, band, tau_s
+        What is there. Q is raised to what contrast and amplitude need; the band is moved up where resolution needs
+        it; thickness is advised, not changed.
+    target : Target
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+    >>> target = Target(contrast=15.0, repetition_hz=100.0)
+    >>> guide = recommend(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3.5e-3, target)
+    >>> guide.unreachable
+    ()
+    >>> guide.design.reversal_s
+    0.007
+    """
+    positive("tau_s", tau_s)
+    repetition_s = None if target.repetition_hz is None else 1 / target.repetition_hz
+    reversal_s = 2 * tau_s if repetition_s is None else min(2 * tau_s, repetition_s)
+    start = Design(plate, transducers, band, tau_s, reversal_s)
+    sharp, unsharp, notes = _for_resolution(start, target.resolution_m)
+    clear, unclear = _for_contrast(sharp, target.contrast)
+    strong, weak = _for_amplitude(clear, target.amplitude_m)
+    unreachable = (*unsharp, *unclear, *weak, *_too_fast(strong, repetition_s))
+    return Guide(strong, repetition_s, unreachable, (*notes, *_about_time(strong, repetition_s), *_about_stress(plate)))
+
+
+def amplitude_over_reversal(design: Design, reversal_s: FloatArray) -> FloatArray:
+    """Amplitude (m) for reversal times."""
+    return np.array([replace(design, reversal_s=float(t)).amplitude_m for t in reversal_s])
+
+
+def contrast_over(design: Design, n_channels: FloatArray, reversal_s: FloatArray) -> FloatArray:
+    """(n_channels, n_times): contrast for numbers of transducers and reversal times."""
+    room = design.reverberation
+    return np.array(
+        [
+            [contrast_whole(replace(room, n_channels=int(q), reversal_s=float(t))) for t in reversal_s]
+            for q in n_channels
+        ]
+    )
+
+
+def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
+    """Thickness that gives a resolution in a band: widths go with its square root."""
+    return plate.thickness_m * (wanted_resolution_m / resolution_m(plate, band)) ** 2
+
+
+def _for_resolution(design: Design, wanted_m: float | None) -> tuple[Design, tuple[str, ...], tuple[str, ...]]:
+    if wanted_m is None or design.resolution_m <= wanted_m:
+        return design, (), ()
+    factor = (design.resolution_m / wanted_m) ** 2
+    thin_m = thickness_for_m(design.plate, design.band, wanted_m)
+    advice = (
+        f"resolution: {wanted_m * 1e3:.3g} mm instead of {design.resolution_m * 1e3:.3g} mm needs a mean frequency of "
+        f"{design.band.mean_hz * factor / 1e3:.3g} kHz or a plate of {thin_m * 1e3:.2g} mm"
+    )
+    f_max = design.band.f_max_hz * factor
+    if wavelength_to_patch(design.plate, f_max, design.transducers.side_m) >= 1:
+        higher = Band(design.band.f_min_hz * factor, f_max, design.band.flank_hz)
+        return replace(design, band=higher), (), (f"{advice}; the band is moved up",)
+    reason = f"; at {f_max / 1e3:.3g} kHz the wave is shorter than a patch of {design.transducers.side_m * 1e3:.3g} mm"
+    return design, (advice + reason,), ()
+
+
+def wavelength_to_patch(plate: Plate, frequency_hz: float, side_m: float) -> float:
+    """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
+    return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
+
+
+def _for_contrast(design: Design, wanted: float | None) -> tuple[Design, tuple[str, ...]]:
+    if wanted is None or design.contrast >= wanted:
+        return design, ()
+    room = design.reverberation
+    limit = contrast_limit(room)
+    if wanted >= limit:
+        needed_hz = wanted**2 / design.plate.modal_density_s
+        return design, (
+            f"contrast: {wanted:.3g} is above sqrt(N) = {limit:.3g}, the limit for {room.n_modes:.0f} modes in the "
+            f"band, whatever Q and T; widen the band beyond {needed_hz / 1e3:.3g} kHz or take a larger or thinner "
+            "plate",
+        )
+    needed = math.ceil((room.kurtosis + room.absorption) / ((limit / wanted) ** 2 - 1))
+    if needed > MAX_TRANSDUCERS:
+        return design, (
+            f"contrast: {wanted:.3g} needs {needed} transducers, more than {MAX_TRANSDUCERS}; widen the band, or raise "
+            "tau and T",
+        )
+    return replace(design, transducers=replace(design.transducers, n=needed)), ()
+
+
+def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tuple[str, ...]]:
+    if wanted_m is None or design.amplitude_m >= wanted_m:
+        return design, ()
+    needed = math.ceil(design.transducers.n * wanted_m / design.amplitude_m)
+    if needed > MAX_TRANSDUCERS or needed * design.transducers.side_m > design.plate.perimeter_m:
+        volts = design.transducers.voltage_v * wanted_m / design.amplitude_m
+        return design, (
+            f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than the plate's edges hold; "
+            f"{design.transducers.n} of them reach it at {volts:.3g} V",
+        )
+    return replace(design, transducers=replace(design.transducers, n=needed)), ()
+
+
+def _too_fast(design: Design, repetition_s: float | None) -> tuple[str, ...]:
+    shortest_s = 2 / design.band.width_hz
+    if repetition_s is None or repetition_s >= shortest_s:
+        return ()
+    return (
+        f"repetition: {1 / repetition_s:.3g} Hz leaves {repetition_s * 1e3:.3g} ms, less than two widths of a focus "
+        f"({shortest_s * 1e3:.3g} ms for the bandwidth); repeat more slowly or widen the band",
+    )
+
+
+def _about_time(design: Design, repetition_s: float | None) -> tuple[str, ...]:
+    share = float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
+    said = f"time: T = {design.reversal_s * 1e3:.3g} ms uses {share:.0%} of the amplitude of an endless reversal"
+    if repetition_s is None:
+        return (said,)
+    noise = float(repetition_noise_ratio(repetition_s, design.tau_s))
+    return (f"{said}; repetition multiplies the residual noise power by {noise:.2g}",)
+
+
+def _about_stress(plate: Plate) -> tuple[str, ...]:
+    stress_pa = bending_stress_pa(plate, FINGER_FORCE_N, FINGER_DIAMETER_M)
+    verdict = "more than" if stress_pa > STRESS_MAX_PA else "within"
+    return (
+        f"stress: {FINGER_FORCE_N:.0f} N bend the plate (edges supported) with {stress_pa / 1e6:.2g} MPa, "
+        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long",
+    )
+
+
+def _passed_hz(design: Design) -> float:
+    """The integral of W^2 over the band: the width of the band that the patch lets pass."""
+    f = np.linspace(max(design.band.f_min_hz, 1.0), design.band.f_max_hz, 200)
+    half = wavenumber_rad_per_m(design.plate, f) * design.transducers.side_m / 2
+    angle = (np.arange(64) + 0.5) * math.pi / 128
+    along, across = np.outer(half, np.cos(angle)), np.outer(half, np.sin(angle))
+    passed = np.mean((np.sinc(along / math.pi) * np.sinc(across / math.pi)) ** 2, axis=1)
+    return float(np.trapezoid(passed, f))

@@ -1,0 +1,166 @@
+"""Figures of a focus: map, cross-section, scans per band, spectrum, time signal, the four driving signals."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.decay import schroeder_db, tau_s
+from tactometry.stimuli.time_reversal.field import field, grid
+from tactometry.stimuli.time_reversal.figures.style import BLUE, DIVERGING, ORANGE, colours, label, sheet
+from tactometry.stimuli.time_reversal.finger import Emission
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.merit import width_m
+from tactometry.stimuli.time_reversal.responses import Point, Responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band
+
+FloatArray = NDArray[np.float64]
+
+N_X, N_Y = 301, 213
+
+
+def displacement_map(screen: Screen, focus: Point, emission: Emission) -> Figure:
+    """The plate at the focus instant, and the cross-section through the focus (thesis 3.8)."""
+    signal = _drive(screen, focus, emission)
+    (x, y), u = _field(screen, signal, emission)
+    figure, (left, right) = sheet(1, 2, width_in=9.6, height_in=3.4)
+    _map(figure, left, x, y, u, "Focus instant")
+    line = field(screen, signal, signal.samples.shape[1] - 1, (x, np.array([focus[1]])), emission.f_max_hz)[:, 0]
+    right.plot(x * 1e3, line * 1e6, color=BLUE)
+    near = np.abs(x - focus[0]) < 0.25 * screen.plate.length_m
+    label(
+        right,
+        "x (mm)",
+        "Displacement (µm)",
+        f"y = {focus[1] * 1e3:g} mm, width {width_m(x[near], line[near]) * 1e3:.1f} mm",
+    )
+    return figure
+
+
+def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission: Emission) -> Figure:
+    """The focus for several bands (thesis 3.13)."""
+    figure, axes = sheet(1, len(bands), width_in=3.4 * len(bands), height_in=2.8)
+    for one, band in zip(axes, bands, strict=True):
+        made = Emission(band, emission.reversal_s, emission.rate_hz, emission.voltage_v, emission.quantiser)
+        (x, y), u = _field(screen, _drive(screen, focus, made), made)
+        _map(figure, one, x, y, u, f"{band.f_min_hz / 1e3:g}–{band.f_max_hz / 1e3:g} kHz")
+    return figure
+
+
+def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emission: Emission) -> Figure:
+    """Focus amplitude against bandwidth for transducers of several sizes (thesis 3.11, 3.12)."""
+    figure, (axes,) = sheet()
+    widths = np.linspace(2e3, emission.band.f_max_hz, 12)
+    for (name, screen), colour in zip(screens.items(), colours(), strict=False):
+        amplitude = [_amplitude(screen, focus, Band(0.0, float(b)), emission) for b in widths]
+        axes.plot(widths / 1e3, np.multiply(amplitude, 1e6), "o-", color=colour, label=name)
+    label(axes, "Bandwidth from 0 (kHz)", "Focus amplitude (µm)")
+    axes.set_ylim(0, None)
+    axes.legend(frameon=False)
+    return figure
+
+
+def frequency_response(responses: Responses, f_max_hz: float) -> Figure:
+    """Spectrum of the response at the focus, the mean over transducers (thesis 3.14)."""
+    figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
+    f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)
+    power = np.mean(np.abs(np.fft.rfft(responses.samples[0])) ** 2, axis=0)
+    shown = (f > 0) & (f <= f_max_hz)
+    axes.plot(f[shown] / 1e3, 10 * np.log10(power[shown] / power[shown].max()), color=BLUE, linewidth=0.8)
+    label(axes, "Frequency (kHz)", "Mean response (dB re largest)")
+    return figure
+
+
+def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
+    """A decaying exponential on an impulse response, by Schroeder's integration (thesis 4.11)."""
+    fitted = tau_s(response, rate_hz)
+    time_ms = np.arange(len(response)) / rate_hz * 1e3
+    figure, (left, right) = sheet(1, 2, width_in=9.0, height_in=3.4)
+    left.plot(time_ms, response / np.abs(response).max(), color=BLUE, linewidth=0.5)
+    for sign in (1, -1):
+        left.plot(time_ms, sign * np.exp(-time_ms / fitted / 1e3), color=ORANGE)
+    label(left, "Time (ms)", "Response (of its largest)", f"τ = {fitted * 1e3:.2f} ms")
+    level = schroeder_db(response)
+    right.plot(time_ms, level, color=BLUE, label="energy to come")
+    right.plot(time_ms, -20 / np.log(10) * time_ms / fitted / 1e3, "--", color=ORANGE, label="fitted slope")
+    right.set_ylim(-40, 1)
+    label(right, "Time (ms)", "Level (dB)")
+    right.legend(frameon=False)
+    return figure
+
+
+def noise_window(
+    screen: Screen, focus: Point, emission: Emission, window_s: tuple[float, float] = (1e-3, 4e-3)
+) -> Figure:
+    """Time signal at the focus with its amplitude and the window of the noise (thesis 4.13)."""
+    responses = emission.responses(screen, [focus])
+    signal = drive(responses, emission.voltage_v, emission.quantiser)
+    u = emitted(signal, responses)[0] * 1e6
+    last = signal.samples.shape[1] - 1
+    time_ms = (np.arange(len(u)) - last) / emission.rate_hz * 1e3
+    figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
+    axes.plot(time_ms, u, color=BLUE, linewidth=0.6)
+    axes.axvspan(window_s[0] * 1e3, window_s[1] * 1e3, color=ORANGE, alpha=0.25, label="noise window")
+    axes.annotate(f"A = {u[last]:.2f} µm", (0.0, u[last]), xytext=(6, -4), textcoords="offset points")
+    label(axes, "Time from the focus (ms)", "Displacement (µm)")
+    axes.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def four_signals(screen: Screen, focus: Point, emissions: Mapping[str, Emission]) -> Figure:
+    """Temporal and spatial characteristics of the focus for each driving signal (thesis 4.15 to 4.22)."""
+    figure, axes = sheet(2, len(emissions), width_in=3.0 * len(emissions), height_in=5.0)
+    for i, (name, emission) in enumerate(emissions.items()):
+        _focus_in_time(axes[i], screen, focus, emission, name)
+        _focus_in_space(axes[len(emissions) + i], screen, focus, emission)
+    for row in (axes[: len(emissions)], axes[len(emissions) :]):
+        for one in row[1:]:
+            one.set_ylabel("")
+    return figure
+
+
+def _focus_in_time(axes: Axes, screen: Screen, focus: Point, emission: Emission, name: str) -> None:
+    responses = emission.responses(screen, [focus])
+    signal = drive(responses, emission.voltage_v, emission.quantiser)
+    u = emitted(signal, responses)[0] * 1e6
+    time_ms = (np.arange(len(u)) - signal.samples.shape[1] + 1) / emission.rate_hz * 1e3
+    shown = np.abs(time_ms) < 0.5
+    axes.plot(time_ms[shown], u[shown], color=BLUE, linewidth=0.9)
+    label(axes, "Time (ms)", "Displacement (µm)", name)
+
+
+def _focus_in_space(axes: Axes, screen: Screen, focus: Point, emission: Emission) -> None:
+    signal = _drive(screen, focus, emission)
+    x = np.linspace(max(focus[0] - 0.05, 0), min(focus[0] + 0.05, screen.plate.length_m), 301)
+    at = (x, np.array([focus[1]]))
+    u = field(screen, signal, signal.samples.shape[1] - 1, at, emission.f_max_hz)[:, 0] * 1e6
+    axes.plot((x - focus[0]) * 1e3, u, color=ORANGE, linewidth=0.9)
+    label(axes, "x from the focus (mm)", "Displacement (µm)", f"width {width_m(x, u) * 1e3:.1f} mm")
+
+
+def _drive(screen: Screen, focus: Point, emission: Emission) -> Signal:
+    return drive(emission.responses(screen, [focus]), emission.voltage_v, emission.quantiser)
+
+
+def _field(screen: Screen, signal: Signal, emission: Emission) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+    at = grid(screen, N_X, N_Y)
+    return at, field(screen, signal, signal.samples.shape[1] - 1, at, emission.f_max_hz)
+
+
+def _amplitude(screen: Screen, focus: Point, band: Band, emission: Emission) -> float:
+    made = Emission(band, emission.reversal_s, emission.rate_hz, emission.voltage_v, emission.quantiser)
+    responses = made.responses(screen, [focus])
+    return focus_amplitude(drive(responses, made.voltage_v, made.quantiser), responses)
+
+
+def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, u: FloatArray, title: str) -> None:
+    largest = float(np.abs(u).max()) * 1e6
+    extent = (0, x[-1] * 1e3, 0, y[-1] * 1e3)
+    image = axes.imshow(u.T * 1e6, origin="lower", extent=extent, cmap=DIVERGING, vmin=-largest, vmax=largest)
+    figure.colorbar(image, ax=axes, label="Displacement (µm)", shrink=0.85)
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    axes.set_title(title, fontsize="medium")

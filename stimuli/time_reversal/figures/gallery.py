@@ -1,0 +1,151 @@
+"""Every figure of the thesis's time-reversal chapters, from the model with its default (unverified) parameters."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_forms import Reverberation, resolution_m
+from tactometry.stimuli.time_reversal.contactor import Contactor
+from tactometry.stimuli.time_reversal.design import Target, Transducers, recommend
+from tactometry.stimuli.time_reversal.figures import design, drives, focus, prototype, theory
+from tactometry.stimuli.time_reversal.figures.style import save
+from tactometry.stimuli.time_reversal.finger import Emission
+from tactometry.stimuli.time_reversal.focusing import drive
+from tactometry.stimuli.time_reversal.force_loss import force_loss
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.quantiser import OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, TAU_S, Screen
+from tactometry.stimuli.time_reversal.sound import NoiseSpectrum, noise
+from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.transducer import Disc
+from tactometry.stimuli.time_reversal.variability import (
+    amplitude_by_subset_m,
+    amplitude_over_count_m,
+    contributions_m,
+    resolution_per_focus_m,
+)
+
+FOCUS: Final = (0.121, 0.093)
+P1: Final = (0.205, 0.142)
+FOCI: Final = [(x, y) for y in (0.045, 0.105, 0.165) for x in (0.05, 0.1, 0.15, 0.2, 0.25)]
+RIG_BAND: Final = Emission(Band(200.0, 25e3, 200.0), 2 * TAU_S, 100e3)
+UNFILTERED: Final = Emission(Band(200.0, 60e3, 200.0), 2 * TAU_S, 250e3)
+FILTERED: Final = Emission(Band(20e3, 60e3, 200.0), 2 * TAU_S, 250e3)
+FOUR: Final[Mapping[str, Emission]] = {
+    "1 bit": UNFILTERED,
+    "1 bit, filtered": FILTERED,
+    "SDM": Emission(UNFILTERED.band, 2 * TAU_S, 1e6, quantiser=SigmaDelta(2)),
+    "SDM, filtered": Emission(FILTERED.band, 2 * TAU_S, 1e6, quantiser=SigmaDelta(2)),
+}
+
+
+def rig(diameter_m: float, thickness_m: float = 2e-3) -> Screen:
+    """The rig of chapter 3: discs along two sides of thick glass; positions are an unverified default."""
+    plate = BOROFLOAT_33.plate(0.297, 0.21, thickness_m, "SSSS")
+    x = np.linspace(0.03, 0.267, 4)
+    discs = tuple(Disc(float(at), y, diameter_m) for y in (0.025, 0.185) for at in x)
+    return Screen(plate, discs, Attenuation(TAU_S))
+
+
+def _resolution_over_bandwidth() -> Figure:
+    plates = {f"{h:g} mm": BOROFLOAT_33.plate(0.297, 0.21, h * 1e-3, "SSSS") for h in (2, 3)}
+    return theory.resolution_over_bandwidth(plates)
+
+
+def _contrast() -> Figure:
+    room = Reverberation(32, 25e3, TAU_S, 2 * TAU_S, A4_SCREEN.modal_density_s, 1.25)
+    return theory.contrast_over_transducers(room, (1, 4, 8, 32), np.linspace(0.2e-3, 15e-3, 80))
+
+
+def _frequency_response() -> Figure:
+    h = impulse_responses(rig(35e-3), [FOCUS], rate_hz=50e3, duration_s=60e-3, f_max_hz=10e3)
+    return focus.frequency_response(h, 10e3)
+
+
+def _decay_fit() -> Figure:
+    h = impulse_responses(A4_PROTOTYPE, [FOCUS], rate_hz=100e3, duration_s=25e-3, f_max_hz=25e3)
+    return focus.decay_fit(h.samples[0, 0], 100e3)
+
+
+def _spectra() -> dict[str, NoiseSpectrum]:
+    return {name: _noise(emission) for name, emission in FOUR.items()}
+
+
+def _noise(emission: Emission) -> NoiseSpectrum:
+    signal = drive(emission.responses(A4_PROTOTYPE, [FOCUS]), emission.voltage_v, emission.quantiser or OneBit())
+    return noise(A4_PROTOTYPE, signal, 125e3)
+
+
+def _contributions() -> np.ndarray:
+    return contributions_m(UNFILTERED.responses(A4_PROTOTYPE, FOCI), UNFILTERED.voltage_v)
+
+
+def _subsets() -> Figure:
+    subsets = {"all 32": range(32), "every second": range(0, 32, 2), "every fourth": range(0, 32, 4)}
+    return prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), subsets))
+
+
+def _resolution_of_foci() -> Figure:
+    widths = resolution_per_focus_m(A4_PROTOTYPE, FOCI, UNFILTERED)
+    return prototype.resolution_of_foci(widths, resolution_m(A4_SCREEN, UNFILTERED.band))
+
+
+def _force_loss() -> Figure:
+    contactors = [Contactor("finger"), *(Contactor(k, d) for k in ("soft", "rigid") for d in (5e-3, 10e-3))]
+    forces = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
+    return prototype.loss_over_force(
+        force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, contactors, forces, RIG_BAND)
+    )
+
+
+def _design() -> Figure:
+    target = Target(contrast=20.0, repetition_hz=100.0)
+    return design.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
+
+
+GALLERY: Final[Mapping[str, Callable[[], Figure]]] = {
+    "3.8-focus-map": lambda: focus.displacement_map(A4_PROTOTYPE, FOCUS, RIG_BAND),
+    "3.9-resolution-over-bandwidth": _resolution_over_bandwidth,
+    "3.11-amplitude-over-bandwidth": lambda: focus.amplitude_over_bandwidth(
+        {"12 mm discs": rig(12e-3), "35 mm discs": rig(35e-3)}, FOCUS, RIG_BAND
+    ),
+    "3.13-scans-per-band": lambda: focus.scans_per_band(
+        A4_PROTOTYPE, FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], RIG_BAND
+    ),
+    "3.14-frequency-response": _frequency_response,
+    "3.15-stress-and-deflection": lambda: theory.stress_and_deflection_over_thickness(A4_SCREEN),
+    "3.16-resolution-over-mean-frequency": lambda: theory.resolution_over_mean_frequency(A4_SCREEN),
+    "3.18-amplitude-over-reversal": lambda: theory.amplitude_over_reversal(TAU_S, np.linspace(0, 20e-3, 100)),
+    "3.21-contrast": _contrast,
+    "3.22-design": _design,
+    "4.5-quantised-sine": drives.quantised_sine,
+    "4.7-order-1": lambda: drives.modulator_diagram(1),
+    "4.8-order-2": lambda: drives.modulator_diagram(2),
+    "4.9-modulator-noise": drives.modulator_noise,
+    "4.11-decay-fit": _decay_fit,
+    "4.13-noise-window": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
+    "4.15-four-signals": lambda: focus.four_signals(A4_PROTOTYPE, FOCUS, FOUR),
+    "4.25-sound": lambda: drives.sound_spectra(_spectra()),
+    "4.28-layout": lambda: prototype.layout(A4_PROTOTYPE, FOCI),
+    "4.29-amplitude-per-transducer": lambda: prototype.amplitude_per_transducer(_contributions()),
+    "4.30-amplitude-over-count": lambda: prototype.amplitude_over_count(
+        amplitude_over_count_m(_contributions(), np.random.default_rng(0))
+    ),
+    "4.31-amplitude-by-subset": _subsets,
+    "4.34-resolution-of-foci": _resolution_of_foci,
+    "5.3-force-loss": _force_loss,
+    "5.8-patterns": drives.pattern_waveforms,
+}
+
+
+def write(folder: Path) -> list[Path]:
+    """Draw every figure as a PNG; the paths."""
+    paths = [folder / f"{name}.png" for name in GALLERY]
+    for path, draw in zip(paths, GALLERY.values(), strict=True):
+        save(draw(), path)
+    return paths

@@ -1,0 +1,47 @@
+"""How the figures look: one column width, colours that colour-blind readers can tell apart, units on every axis."""
+
+from collections.abc import Iterator
+from itertools import cycle
+from pathlib import Path
+from typing import Final
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+BLUE: Final = "#0072B2"
+ORANGE: Final = "#D55E00"
+GREEN: Final = "#009E73"
+PINK: Final = "#CC79A7"
+SKY: Final = "#56B4E9"
+GOLD: Final = "#E69F00"
+BLACK: Final = "#000000"
+COLOURS: Final = (BLUE, ORANGE, GREEN, PINK, SKY, GOLD, BLACK)
+DIVERGING: Final = "RdBu_r"
+RESOLUTION_DPI: Final = 150
+
+
+def sheet(
+    n_rows: int = 1, n_columns: int = 1, *, width_in: float = 6.4, height_in: float = 4.0
+) -> tuple[Figure, list[Axes]]:
+    """A figure and its axes, row by row."""
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    return figure, list(figure.subplots(n_rows, n_columns, squeeze=False).ravel())
+
+
+def label(axes: Axes, x: str, y: str, title: str = "") -> None:
+    """Axis labels with units, a light grid, no box."""
+    axes.set(xlabel=x, ylabel=y)
+    axes.set_title(title, fontsize="medium")
+    axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def colours() -> Iterator[str]:
+    """The palette, over and over."""
+    return cycle(COLOURS)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the file's suffix."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=RESOLUTION_DPI)

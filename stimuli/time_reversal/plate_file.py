@@ -1,0 +1,43 @@
+"""A plate from a TOML file: the fields of `Plate`, or a glass by name and its sizes."""
+
+import tomllib
+from pathlib import Path
+from typing import Final
+
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.quantity import as_si
+from tactometry.stimuli.time_reversal.glass import GLASSES
+from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.strict import build
+
+MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
+
+
+def read_plate(path: Path) -> Plate:
+    """The plate of a file such as::
+
+        glass = "Borofloat 33"
+        length_m = 0.297
+        width_m = "210 mm"
+        thickness_m = 1.1e-3
+        boundary = "FFFF"
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, a key is unknown or missing, or a value is out of range.
+    """
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        return build(Plate, as_si({**_glass(table.pop("glass", None)), **table}, ""), "plate")
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, InvalidParameter) as error:
+        raise InvalidFile(f"{path}: {error}") from error
+
+
+def _glass(name: object) -> dict[str, object]:
+    if name is None:
+        return {}
+    if not isinstance(name, str) or name not in GLASSES:
+        hint = nearest(name, GLASSES) if isinstance(name, str) else ""
+        raise InvalidParameter(f"glass: found {name!r}, expected one of {', '.join(GLASSES)}{hint}")
+    return {key: getattr(GLASSES[name], key) for key in MATERIAL}

@@ -1,0 +1,91 @@
+"""`tactometry design`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.design import Guide
+
+
+@click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
+@click.option(
+    "--plate", "plate_file", type=click.Path(path_type=Path), help="TOML file of a plate; default A4, 1.1 mm."
+)
+@click.option("--transducers", default=32, show_default=True, help="Number of patches Q.")
+@click.option("--patch-m", default=10e-3, show_default=True, help="Side of a patch.")
+@click.option("--voltage-v", default=30.0, show_default=True, help="Peak voltage of the one-bit drive.")
+@click.option("--band-hz", nargs=2, type=float, default=(20e3, 60e3), show_default=True, help="Lowest and highest.")
+@click.option("--tau-s", default=3.5e-3, show_default=True, help="Attenuation constant.")
+@click.option("--resolution-m", type=float, help="Wanted: largest width of the focus at -6 dB.")
+@click.option("--contrast", type=float, help="Wanted: smallest amplitude over the rms of the plate.")
+@click.option("--amplitude-m", type=float, help="Wanted: smallest displacement at the focus.")
+@click.option("--repetition-hz", type=float, help="Wanted: foci per second.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Write the trade-offs as a PNG, PDF or SVG.")
+@json_option
+@click.pass_context
+def command(
+    ctx: click.Context,
+    *,
+    plate_file: Path | None,
+    transducers: int,
+    patch_m: float,
+    voltage_v: float,
+    band_hz: tuple[float, float],
+    tau_s: float,
+    resolution_m: float | None,
+    contrast: float | None,
+    amplitude_m: float | None,
+    repetition_hz: float | None,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """Design a time-reversal screen: T, repetition time, transducers and band for what is wanted.
+
+    Exit status 1 if something that is wanted cannot be reached; the output says why.
+    """
+    from tactometry.stimuli.time_reversal.design import Target, Transducers, recommend
+    from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+    from tactometry.stimuli.time_reversal.plate_file import read_plate
+    from tactometry.stimuli.time_reversal.spectrum import Band
+
+    guide = recommend(
+        A4_SCREEN if plate_file is None else read_plate(plate_file),
+        Transducers(transducers, patch_m, voltage_v=voltage_v),
+        Band(*band_hz),
+        tau_s,
+        Target(resolution_m, contrast, amplitude_m, repetition_hz),
+    )
+    if figure is not None:
+        from tactometry.stimuli.time_reversal.figures.design import trade_offs
+        from tactometry.stimuli.time_reversal.figures.style import save
+
+        save(trade_offs(guide), figure)
+    say(_text(guide), _record(guide), as_json=as_json)
+    ctx.exit(1 if guide.unreachable else 0)
+
+
+def _text(guide: "Guide") -> str:
+    record = _record(guide)
+    lines = [f"{name:<16}{value:.6g}" for name, value in record.items() if isinstance(value, float | int)]
+    return "\n".join([*lines, *(f"note: {n}" for n in guide.notes), *(f"not reached: {n}" for n in guide.unreachable)])
+
+
+def _record(guide: "Guide") -> dict[str, float | int | list[str] | None]:
+    design = guide.design
+    return {
+        "reversal_s": design.reversal_s,
+        "repetition_s": guide.repetition_s,
+        "n_transducers": design.transducers.n,
+        "f_min_hz": design.band.f_min_hz,
+        "f_max_hz": design.band.f_max_hz,
+        "thickness_m": design.plate.thickness_m,
+        "resolution_m": design.resolution_m,
+        "contrast": design.contrast,
+        "amplitude_m": design.amplitude_m,
+        "notes": list(guide.notes),
+        "unreachable": list(guide.unreachable),
+    }
