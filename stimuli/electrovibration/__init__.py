@@ -1,7 +1,15 @@
 """Electrovibration: a voltage on a screen, the attraction and the friction that it causes under a finger."""
 
 from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
-from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea, ellipse_area_m2
+from tactometry.stimuli.electrovibration.contact_area import (
+    ContactArea,
+    PowerLawArea,
+    Print,
+    TableArea,
+    area_of_prints,
+    ellipse_area_m2,
+    power_law_of_prints,
+)
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
 from tactometry.stimuli.electrovibration.drive import charge_c, current_a
@@ -11,6 +19,7 @@ from tactometry.stimuli.electrovibration.friction import CoulombFriction, Fricti
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
 from tactometry.stimuli.electrovibration.offset import WithOffset
 from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.played_texture import PlayedTexture, PositionSensor
 from tactometry.stimuli.electrovibration.pulse_train import PulseTrain
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.sampled import Sampled
@@ -22,12 +31,15 @@ from tactometry.stimuli.electrovibration.square import Square
 from tactometry.stimuli.electrovibration.stack import Layer, Stack
 from tactometry.stimuli.electrovibration.step import Step
 from tactometry.stimuli.electrovibration.stick_slip import DryFriction, StickSlip, Travel, stick_slip
+from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
 from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
 from tactometry.stimuli.electrovibration.triangle import Triangle
+from tactometry.stimuli.electrovibration.velvet import Velvet
 
 __all__ = [
     "LAWS",
     "AmplitudeModulated",
+    "Bump",
     "ContactArea",
     "Corners",
     "CoulombFriction",
@@ -36,12 +48,19 @@ __all__ = [
     "ElectrovibrationSensation",
     "Finger",
     "FrictionLag",
+    "Grating",
+    "Image",
     "Law",
     "Layer",
     "Motion",
+    "Noise",
     "Pieces",
+    "PlayedTexture",
+    "PositionSensor",
     "PowerLawArea",
+    "Print",
     "PulseTrain",
+    "Region",
     "Relaxations",
     "Sampled",
     "Sine",
@@ -51,10 +70,14 @@ __all__ = [
     "Stack",
     "Step",
     "StickSlip",
+    "TableArea",
+    "Texture",
     "Trapezoid",
     "Travel",
     "Triangle",
+    "Velvet",
     "WithOffset",
+    "area_of_prints",
     "charge_c",
     "current_a",
     "electrostatic_force_at",
@@ -62,6 +85,7 @@ __all__ = [
     "ellipse_area_m2",
     "level_db_re_1v",
     "peak_voltage_v",
+    "power_law_of_prints",
     "sliding",
     "stick_slip",
 ]

@@ -35,10 +35,11 @@ def fraction(owner: str, **values: float) -> None:
     _each(owner, values, "a number between 0 and 1", lambda value: 0 <= value <= 1)
 
 
-def one_of(where: str, found: object, names: Iterable[str]) -> None:
-    """`found` is one of `names`."""
-    names = tuple(names)
-    if found not in names:
+def one_of(where: str, found: object, choices: Iterable[object]) -> None:
+    """`found` is one of `choices`."""
+    choices = tuple(choices)
+    if found not in choices:
+        names = [str(choice) for choice in choices]
         raise InvalidParameter(
             f"{where}: found {found!r}, expected one of {', '.join(names)}{nearest(str(found), names)}"
         )

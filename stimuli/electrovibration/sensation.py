@@ -8,7 +8,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea
 from tactometry.stimuli.electrovibration.force import Law, check_law, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.skin import Skin
@@ -47,7 +47,7 @@ class ElectrovibrationSensation:
 
     skin: Skin = field(default_factory=Skin)
     law: Law = "sc_layer"
-    area: PowerLawArea = field(default_factory=PowerLawArea)
+    area: ContactArea = field(default_factory=PowerLawArea)
     friction: CoulombFriction = field(default_factory=CoulombFriction)
     lag: FrictionLag | None = field(default_factory=FrictionLag)
     reference_force_n: float = 6.7e-6

@@ -1,0 +1,145 @@
+"""A texture under a moving finger: position sensor, latency, and the voltage that follows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.texture import Texture
+from tactometry.stimuli.electrovibration.timing import check_nyquist
+from tactometry.stimuli.electrovibration.velvet import Velvet
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PositionSensor:
+    """What the screen knows of the finger: samples at a rate, in steps of a resolution, late, held until the next.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Position reports per second.
+    resolution_m : float
+        Step of the reported position; 0 is none.
+    latency_s : float
+        From the position to the voltage that answers it.
+    """
+
+    rate_hz: float = 1000.0
+    resolution_m: float = 0.0
+    latency_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.positive("PositionSensor", rate_hz=self.rate_hz)
+        require.non_negative("PositionSensor", resolution_m=self.resolution_m, latency_s=self.latency_s)
+
+    def reported_m(self, x_m: Real, rate_hz: float) -> Real:
+        """Positions (n_samples,) that are known at the samples of a path at `rate_hz`; the first before any report.
+
+        >>> PositionSensor(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
+        [0.0, 0.0, 2.0, 2.0, 4.0, 4.0]
+        """
+        t_s = np.arange(x_m.size) / rate_hz - self.latency_s
+        report_s = np.floor(t_s * self.rate_hz + 1e-9) / self.rate_hz
+        known = np.interp(np.maximum(report_s, 0.0), np.arange(x_m.size) / rate_hz, x_m)
+        steps = known if self.resolution_m == 0 else np.round(known / self.resolution_m) * self.resolution_m
+        return np.asarray(steps, dtype=np.float64)
+
+    def check(self, period_m: float, speed_m_per_s: float) -> None:
+        """Refuse a texture whose period is shorter than two reports or two steps of resolution.
+
+        >>> PositionSensor(rate_hz=100.0).check(period_m=1e-3, speed_m_per_s=0.1)
+        Traceback (most recent call last):
+        tactometry.errors.InvalidParameter: PositionSensor.rate_hz: found 100.0 reports per second, expected at \
+least 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
+        """
+        require.positive("PositionSensor.check", period_m=period_m)
+        require.non_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
+        needed_hz = 2 * speed_m_per_s / period_m
+        if self.rate_hz < needed_hz * (1 - 1e-12):
+            raise InvalidParameter(
+                f"PositionSensor.rate_hz: found {self.rate_hz} reports per second, expected at least {needed_hz:.6g} "
+                f"for a period of {period_m} m at {speed_m_per_s} m/s; else the texture aliases: widen it, slow down "
+                "or report faster"
+            )
+        if self.resolution_m > period_m / 2:
+            raise InvalidParameter(
+                f"PositionSensor.resolution_m: found {self.resolution_m} m, expected at most half of the period "
+                f"({period_m / 2} m); else the texture aliases: widen it"
+            )
+
+
+@dataclass(frozen=True)
+class PlayedTexture:
+    """``V0 sqrt(share(x(t))) sin(2 pi f_c t)`` along the path of a finger.
+
+    Parameters
+    ----------
+    texture : Texture or Velvet
+    path_m : tuple of float
+        Position of the finger at each sample.
+    rate_hz : float
+    carrier_hz : float
+        Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
+    sensor : PositionSensor or None
+        None: the position is known exactly and at once.
+    level_unit
+        As in `Sine`.
+    """
+
+    texture: Texture | Velvet
+    path_m: tuple[float, ...]
+    rate_hz: float = 20_000.0
+    carrier_hz: float = 2_000.0
+    sensor: PositionSensor | None = None
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        require.positive("PlayedTexture", rate_hz=self.rate_hz, carrier_hz=self.carrier_hz)
+        require.one_of("PlayedTexture.level_unit", self.level_unit, ("dB re 1 V", "V"))
+        check_nyquist("PlayedTexture", "carrier_hz", self.carrier_hz, self.rate_hz)
+        path = require.finite_array("PlayedTexture.path_m", self.path_m)
+        if path.ndim != 1 or path.size == 0:
+            raise InvalidParameter(f"PlayedTexture.path_m: found shape {path.shape}, expected positions (n_samples,)")
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.carrier_hz
+
+    @property
+    def force_share(self) -> Real:
+        """(n_samples,) share of the force that the finger is to meet."""
+        path = np.array(self.path_m)
+        known = path if self.sensor is None else self.sensor.reported_m(path, self.rate_hz)
+        along = self.texture.force_share_along if isinstance(self.texture, Velvet) else self.texture.force_share
+        return along(known)
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        t_s = np.arange(len(self.path_m)) / self.rate_hz
+        carrier = np.sin(2 * np.pi * self.carrier_hz * t_s)
+        samples = peak_voltage_v(level, self.level_unit) * (np.sqrt(self.force_share) * carrier)
+        return Signal(samples[None, :], self.rate_hz, "V")
+
+
+def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, start_m: float = 0.0) -> tuple[float, ...]:
+    """Positions of a finger at constant speed.
+
+    >>> straight_path_m(0.1, 0.2, 10.0)
+    (0.0, 0.01)
+    """
+    require.finite("straight_path_m", speed_m_per_s=speed_m_per_s, start_m=start_m)
+    require.positive("straight_path_m", duration_s=duration_s, rate_hz=rate_hz)
+    return tuple((start_m + speed_m_per_s * np.arange(round(duration_s * rate_hz)) / rate_hz).tolist())
+
+
+def lateral_modulation_n(share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike) -> Real:
+    """Slow change of the friction (N) by a texture: ``mu F share`` while the finger moves, 0 at rest."""
+    require.non_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
+    moving = np.asarray(speed_m_per_s, dtype=np.float64) != 0
+    return np.where(moving, coefficient * peak_force_n * np.asarray(share, dtype=np.float64), 0.0)

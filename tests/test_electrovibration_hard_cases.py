@@ -1,0 +1,215 @@
+"""Hard cases, each named, each with its reference."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    CoulombFriction,
+    Finger,
+    PulseTrain,
+    Sine,
+    Skin,
+    Solution,
+    Square,
+    Step,
+    WithOffset,
+    electrostatic_force_at,
+    electrostatic_force_n,
+    sliding,
+)
+from tactometry.stimuli.electrovibration.closed_form import rise_peak_v, step_voltage_v
+from tactometry.stimuli.electrovibration.force import corneum_voltage_v, force_form
+from tactometry.stimuli.electrovibration.relaxation import Relaxations, high_passed
+
+AREA_M2 = 1e-4
+P0 = Skin()
+
+
+def layer_force_n(voltage_v: np.ndarray, skin: Skin = P0, rate_hz: float = 1e4, area_m2: float = AREA_M2) -> np.ndarray:
+    return electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law="sc_layer")
+
+
+@pytest.mark.parametrize("tau_s", np.geomspace(1e-9, 1e3, 13))
+def test_tau_from_a_nanosecond_to_a_thousand_seconds(tau_s: float) -> None:
+    rate_per_s, rate_hz = 1 / tau_s, 1e5
+    voltage_v = np.array([0.0, 1.0, 4.0, 4.0, -2.0, -2.0, 0.0, 0.0])
+    found_v = Relaxations((1.0,), (rate_per_s,)).sampled(voltage_v, rate_hz)
+    with mp.workdps(50):
+        x = mp.mpf(rate_per_s) / mp.mpf(rate_hz)
+        state, expected_v = mp.mpf(0), [0.0]
+        for step_v in np.diff(voltage_v):
+            state = state * mp.exp(-x) + mp.mpf(step_v) * (1 - mp.exp(-x)) / x
+            expected_v.append(float(state))
+    np.testing.assert_allclose(found_v, expected_v, rtol=1e-13, atol=1e-15)
+
+
+def test_resistivity_0_leaves_no_voltage_on_the_corneum() -> None:
+    conductor = Skin(corneum_resistivity_ohm_m=0.0)
+    assert not layer_force_n(np.array([100.0, -100.0]), conductor).any()
+    assert conductor.gain(1e6) == 0
+    pressed_n = electrostatic_force_n([100.0], rate_hz=1.0, skin=conductor, area_m2=AREA_M2, law="interface")
+    plates_n = electrostatic_force_n([100.0], rate_hz=1.0, skin=conductor, area_m2=AREA_M2, law="parallel_plate")
+    np.testing.assert_allclose(pressed_n, plates_n * P0.insulator_permittivity, rtol=1e-14)
+
+
+def test_resistivity_to_0_and_to_infinity_tends_to_the_limits() -> None:
+    voltage_v = np.array([100.0, 50.0, -30.0])
+    for rho, limit in ((1e-15, 0.0), (1e25, np.inf)):
+        near_n = layer_force_n(voltage_v, Skin(corneum_resistivity_ohm_m=rho))
+        limit_n = layer_force_n(voltage_v, Skin(corneum_resistivity_ohm_m=limit))
+        np.testing.assert_allclose(near_n[1:], limit_n[1:], rtol=1e-12, atol=1e-20)
+
+
+@pytest.mark.parametrize("body_ohm", [0.0, 1e3])
+def test_area_to_0_is_regular_down_to_0(body_ohm: float) -> None:
+    skin, voltage_v = Skin(body_resistance_ohm=body_ohm), np.array([100.0, 80.0, -10.0])
+    assert not layer_force_n(voltage_v, skin, area_m2=0.0).any()
+    densities = [layer_force_n(voltage_v, skin, area_m2=a)[1:] / a for a in (1e-12, 1e-100, 1e-290)]
+    np.testing.assert_allclose(densities[1:], [densities[1]] * 2, rtol=1e-12)
+    np.testing.assert_allclose(densities[0], densities[1], rtol=1e-6)
+
+
+def test_area_of_1_square_metre() -> None:
+    np.testing.assert_allclose(
+        layer_force_n(np.array([100.0]), area_m2=1.0), layer_force_n(np.array([100.0])) * 1e4, rtol=1e-14
+    )
+
+
+def test_gap_to_0_is_continuous() -> None:
+    step_v = np.array([100.0, 100.0, 100.0])
+    for law in ("interface", "sc_layer"):
+        none_n, small_n = (
+            electrostatic_force_n(step_v, rate_hz=1e4, skin=Skin(gap_m=g), area_m2=AREA_M2, law=law)
+            for g in (0.0, 1e-18)
+        )
+        np.testing.assert_allclose(small_n, none_n, rtol=1e-10)
+
+
+def test_a_law_without_a_gap_refuses_one() -> None:
+    for law in ("parallel_plate", "total_thickness"):
+        with pytest.raises(InvalidParameter) as caught:
+            electrostatic_force_n([1.0], rate_hz=1.0, skin=Skin(gap_m=1e-6), area_m2=AREA_M2, law=law)
+        assert str(caught.value) == (
+            f"law: found {law} with Skin.gap_m above 0, which it has no term for; expected 0, or the law interface "
+            "or sc_layer"
+        )
+
+
+@pytest.mark.parametrize("permittivity", [1.0, 1e6])
+def test_permittivity_1_and_a_million(permittivity: float) -> None:
+    skin = Skin(corneum_permittivity=permittivity)
+    shares = [P0.insulator_thickness_m / P0.insulator_permittivity, 200e-6 / permittivity]
+    assert skin.k == pytest.approx(shares[1] / sum(shares), rel=1e-15)
+    found_v = corneum_voltage_v(np.full(50, 100.0), 1e4, skin, AREA_M2)
+    np.testing.assert_allclose(found_v, step_voltage_v(np.arange(50) / 1e4, 100.0, skin), rtol=1e-12, atol=1e-300)
+
+
+def test_a_rise_of_1_nanosecond() -> None:
+    pieces = Step(rise_s=1e-9, duration_s=0.1).pieces(40.0)
+    found_v = Solution(pieces, P0.relaxations(AREA_M2)).at([1e-9, 1e-3])
+    with mp.workdps(40):
+        tau, k = mp.mpf(P0.tau_s), mp.mpf(P0.k)
+        peak = 100 * k * tau / mp.mpf(1e-9) * (1 - mp.exp(-mp.mpf(1e-9) / tau))
+        expected_v = [float(peak), float(peak * mp.exp(-(mp.mpf(1e-3) - mp.mpf(1e-9)) / tau))]
+    np.testing.assert_allclose(found_v, expected_v, rtol=1e-13)
+    assert float(rise_peak_v(1e-9, 100.0, P0)) == pytest.approx(expected_v[0], rel=1e-15)
+
+
+@pytest.mark.parametrize("tau_s", [315e-6, 1e3])
+def test_10_seconds_at_1_megahertz_without_drift(tau_s: float) -> None:
+    n, decay = 10_000_000, 1 / (tau_s * 1e6)
+    steps = np.zeros(n)
+    steps[0] = 1.0
+    found = high_passed(steps, decay)
+    at = np.array([1, 1000, n // 2, n - 1])
+    with mp.workdps(40):
+        expected = [float(mp.exp(-mp.mpf(decay) * int(i))) for i in at]
+    np.testing.assert_allclose(found[at], expected, rtol=2e-12, atol=1e-300)
+
+
+def test_10_seconds_of_a_sine_at_1_megahertz_end_in_its_steady_state() -> None:
+    rate_hz, n = 1e6, 10_000_000
+    tone_v = np.sin(2 * np.pi * ((np.arange(n) * 240) % 1_000_000) / 1e6)
+    found_v = corneum_voltage_v(tone_v, rate_hz, P0, AREA_M2)[-4167:]
+    early_v = corneum_voltage_v(tone_v[:1_000_000], rate_hz, P0, AREA_M2)[-4167:]
+    np.testing.assert_allclose(found_v, early_v, rtol=0, atol=1e-12)
+
+
+def test_a_normal_force_of_0_and_of_1_kilonewton() -> None:
+    pieces, form = Sine(frequency_hz=60.0, duration_s=0.1).pieces(40.0), force_form("sc_layer", P0, AREA_M2)
+    t_s = np.linspace(0, 0.1, 101)
+    none, large = (
+        sliding(t_s, pieces, form, finger=Finger(), friction=CoulombFriction(), force_n=f) for f in (0.0, 1e3)
+    )
+    assert not none.lateral_n.any()
+    np.testing.assert_allclose(large.lateral_n, 0.5 * (1e3 + large.electrostatic_n), rtol=1e-15)
+
+
+def test_frequency_0_has_no_response_and_is_refused_as_a_tone() -> None:
+    assert P0.gain(0.0) == 0
+    with pytest.raises(InvalidParameter, match=r"Sine\.frequency_hz: found 0\.0"):
+        Sine(frequency_hz=0.0)
+    with pytest.raises(InvalidParameter, match="expected finite numbers, at least 0"):
+        P0.gain(-1.0)
+
+
+@pytest.mark.parametrize("kind", [Sine, Square])
+def test_frequency_at_nyquist_and_above_is_refused_and_just_below_is_played(kind: type) -> None:
+    for frequency_hz in (10_000.0, 15_000.0):
+        with pytest.raises(InvalidParameter, match="expected less than half of rate_hz"):
+            kind(frequency_hz=frequency_hz, rate_hz=20_000.0)
+    assert kind(frequency_hz=9_999.0, rate_hz=20_000.0).at(20.0).peak <= 10
+
+
+def test_a_band_limited_square_just_below_nyquist_is_a_sine() -> None:
+    square = Square(frequency_hz=9_000.0, rate_hz=20_000.0, ramp_s=0.0, band_limited=True, duration_s=0.01)
+    tone = np.sin(2 * np.pi * 9_000.0 * np.arange(200) / 20_000)
+    np.testing.assert_allclose(square.at(0.0).samples[0], tone, atol=1e-6)
+
+
+def test_voltage_0_and_1_kilovolt() -> None:
+    silent = Sine(frequency_hz=60.0, level_unit="V").at(0.0)
+    assert silent.peak == 0
+    assert not layer_force_n(silent.samples[0]).any()
+    np.testing.assert_allclose(layer_force_n(np.array([1000.0])), 100 * layer_force_n(np.array([100.0])), rtol=1e-14)
+
+
+def test_a_million_pulses() -> None:
+    train = PulseTrain(frequency_hz=1e5, width_s=2e-6, duration_s=10.0, ramp_s=0.0, rate_hz=1e6, polarity="positive")
+    pieces = train.pieces(40.0)
+    assert len(pieces.starts_s) == 2_000_000
+    solved = Solution(pieces, P0.relaxations(AREA_M2))
+    late_s = 10.0 - 1e-5
+    low_v, high_v = solved.at([late_s - 1e-9, late_s + 1e-9])
+    # Mean 0 in steady state: the part before a pulse is -(mean of the voltage) of a square blocked by the insulator.
+    period, on = 1e-5 / P0.tau_s, 2e-6 / P0.tau_s
+    before = 100 * P0.k * (np.exp(-period) - np.exp(-(period - on))) / -np.expm1(-period)
+    assert float(low_v) == pytest.approx(before, rel=1e-4)
+    assert float(high_v - low_v) == pytest.approx(100 * P0.k, rel=1e-4)
+
+
+@pytest.mark.parametrize("ratio", [0.5, -3.0])
+def test_a_voltage_whose_mean_is_not_0_is_blocked_in_steady_state(ratio: float) -> None:
+    shifted = WithOffset(Sine(frequency_hz=60.0, ramp_s=0.0), ratio)
+    plain_v = Solution(Sine(frequency_hz=60.0, ramp_s=0.0).pieces(40.0), P0.relaxations(AREA_M2))
+    shifted_v = Solution(shifted.pieces(40.0), P0.relaxations(AREA_M2))
+    late_s = np.linspace(40 * P0.tau_s, 0.5, 301)
+    np.testing.assert_allclose((1 + abs(ratio)) * shifted_v.at(late_s), plain_v.at(late_s), atol=1e-12)
+
+
+def test_ramps_shorter_than_a_sample_and_as_long_as_half_the_signal() -> None:
+    for ramp_s in (1e-9, 0.05):
+        signal = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=ramp_s).at(20.0)
+        assert signal.peak <= 10
+        assert np.isfinite(signal.samples).all()
+
+
+def test_the_exact_carrier_and_its_samples_give_the_same_slow_force() -> None:
+    carrier = AmplitudeModulated(frequency_hz=240.0, carrier_hz=2000.0, rate_hz=400_000.0, duration_s=0.2)
+    sampled_n = layer_force_n(carrier.at(40.0).samples[0], rate_hz=400_000.0)[:60_000]
+    t_s = np.arange(60_000) / 400_000
+    exact_n = electrostatic_force_at(t_s, carrier.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer")
+    np.testing.assert_allclose(sampled_n, exact_n, atol=1e-3 * exact_n.max())

@@ -1,0 +1,241 @@
+"""Textures over position, the pile of a velvet, the sensor's aliasing and latency, contact areas."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import PowerLawArea, Print, TableArea, area_of_prints, power_law_of_prints
+from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS
+from tactometry.stimuli.electrovibration.played_texture import (
+    PlayedTexture,
+    PositionSensor,
+    lateral_modulation_n,
+    straight_path_m,
+)
+from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
+from tactometry.stimuli.electrovibration.velvet import Velvet
+
+NOISE = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3))
+TEXTURES = [
+    *(Grating(2e-3, shape) for shape in ("square", "sinusoidal", "sawtooth")),
+    Region(0.01, 0.03, 1e-3),
+    Bump(0.02, 3e-3),
+    Bump(0.02, 3e-3, height_sign=-1),
+    NOISE,
+    Image(np.linspace(0, 1, 50), 1e-3),
+]
+RATE_HZ = 20_000.0
+
+
+@pytest.mark.parametrize("texture", TEXTURES)
+@given(x_m=st.floats(-1, 1))
+def test_every_texture_is_a_share(texture: Texture, x_m: float) -> None:
+    assert 0 <= float(texture.force_share(x_m)) <= 1
+
+
+@given(shape=st.sampled_from(["square", "sinusoidal", "sawtooth"]), n=st.integers(-5, 5), phase=st.floats(0.01, 0.49))
+def test_a_grating_repeats(shape: str, n: int, phase: float) -> None:
+    grating = Grating(2e-3, shape)
+    assert float(grating.force_share((n + phase) * 2e-3)) == pytest.approx(float(grating.force_share(phase * 2e-3)))
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected"),
+    [
+        ("square", [0.5, 2 / np.pi, 0.0, 2 / (3 * np.pi)]),
+        ("sinusoidal", [0.5, 0.5, 0.0, 0.0]),
+        ("sawtooth", [0.5, 1 / np.pi, 1 / (2 * np.pi), 1 / (3 * np.pi)]),
+    ],
+)
+def test_spectrum_of_a_grating_under_a_finger(shape: str, expected: list[float]) -> None:
+    grating, speed = Grating(1e-3, shape), 0.1
+    share = grating.force_share(straight_path_m(speed, 1.0, 200_000.0, start_m=0.25e-6))
+    spectrum = np.abs(np.fft.rfft(share)) / share.size * np.r_[1, np.full(100_000, 2)]
+    n = round(grating.temporal_frequency_hz(speed))
+    assert n == 100
+    np.testing.assert_allclose(spectrum[[0, n, 2 * n, 3 * n]], expected, atol=1e-3)
+
+
+def test_a_sinusoidal_grating_moves_the_friction_as_a_pure_tone() -> None:
+    played = PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 1.0, RATE_HZ))
+    spectrum = np.abs(np.fft.rfft(played.at(0.0).samples[0] ** 2)) / 20_000
+    np.testing.assert_allclose(spectrum[[0, 100, 200, 300]] * [1, 2, 2, 2], [0.25, 0.25, 0, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [0.0, -2.0])
+def test_noise_has_the_spectrum_it_was_asked_for(exponent: float) -> None:
+    noise = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5), exponent=exponent)
+    x_m = np.arange(1000) * 1e-4
+    power = np.abs(np.fft.rfft(noise.height(x_m)) / 1000) ** 2 * 2
+    lines = np.fft.rfftfreq(1000, 1e-4)
+    inside = (lines > 95) & (lines < 1005)
+    assert power[~inside].max() < 1e-25
+    slope = np.polyfit(np.log(lines[inside]), np.log(power[inside]), 1)[0]
+    assert slope == pytest.approx(exponent, abs=1e-9)
+    assert noise.height(x_m).std() == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_same_seed_draws_the_same_noise() -> None:
+    assert Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3)) == NOISE
+
+
+def test_a_bump_is_a_hole_for_a_finger_that_comes_from_the_other_side() -> None:
+    x_m = np.linspace(0, 0.04, 101)
+    bump, hole = Bump(0.02, 3e-3, direction=-1), Bump(0.02, 3e-3, height_sign=-1)
+    np.testing.assert_array_equal(bump.force_share(x_m), hole.force_share(x_m))
+
+
+def test_the_slope_of_a_bump_adds_up_to_its_height() -> None:
+    x_m = np.linspace(-0.02, 0.06, 8001)
+    height = np.cumsum(Bump(0.02, 3e-3).force_share(x_m) - 0.5) * 1e-5
+    expected = np.exp(-(((x_m - 0.02) / 3e-3) ** 2) / 2) * 3e-3 * np.exp(0.5) / 2
+    np.testing.assert_allclose(height, expected, atol=1e-5)
+
+
+def test_image_rows_and_grey_values() -> None:
+    picture = np.array([[0, 255], [255, 0]], dtype=np.uint8)
+    assert Image(picture, 1e-3, row=1).force_share([0.5e-3, 1.5e-3]).tolist() == [1.0, 0.0]
+    np.testing.assert_array_equal(
+        Image(picture, 1e-3).force_share(0.7e-3), Image(picture / 255, 1e-3).force_share(0.7e-3)
+    )
+
+
+def test_velvet_is_rough_against_the_pile_and_smooth_with_it() -> None:
+    there, back = np.linspace(0, 0.05, 2001), np.linspace(0.05, 0, 2001)[1:]
+    share = Velvet().force_share_along(np.r_[there, back])
+    assert share[1000:2001].mean() < 0.5 * share[3000:].mean()
+
+
+def test_velvet_remembers_the_reversal_over_its_length() -> None:
+    velvet = Velvet(with_pile=0.2, against_pile=1.0, tuft_depth=0.0, reversal_m=2e-3)
+    path_m = np.r_[np.linspace(0, 0.05, 5001), np.linspace(0.05, 0, 5001)[1:]]
+    share = velvet.force_share_along(path_m)
+    after_m = 0.05 - path_m[5001:]
+    np.testing.assert_allclose(share[5001:], 1.0 - 0.8 * np.exp(-after_m / 2e-3), rtol=1e-9)
+    assert share[5000] == pytest.approx(0.2)
+
+
+def test_velvet_tufts_beat_at_speed_over_their_distance() -> None:
+    share = Velvet(tuft_period_m=1e-3).force_share_along(np.arange(10_000) * 0.1 / 10_000)
+    spectrum = np.abs(np.fft.rfft(share - share.mean()))
+    assert np.argmax(spectrum) == 100
+
+
+def test_a_finger_that_waits_keeps_the_pile_as_it_lies() -> None:
+    share = Velvet(tuft_depth=0.0).force_share_along(np.r_[np.linspace(0.05, 0, 101), np.zeros(50)])
+    np.testing.assert_allclose(share[-50:], share[100])
+
+
+def test_latency_shifts_what_is_felt() -> None:
+    region, path = Region(0.01, 0.03), straight_path_m(0.1, 0.4, RATE_HZ)
+    late = PlayedTexture(region, path, sensor=PositionSensor(rate_hz=RATE_HZ, latency_s=0.05)).force_share
+    now = PlayedTexture(region, path).force_share
+    np.testing.assert_array_equal(late[1000:], now[:-1000])
+
+
+def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
+    path, grating = straight_path_m(0.1, 1.0, RATE_HZ), Grating(1e-3, "sinusoidal")
+    sensor = PositionSensor(rate_hz=120.0)
+    spectrum = np.abs(np.fft.rfft(PlayedTexture(grating, path, sensor=sensor).force_share))
+    assert np.argmax(spectrum[1:]) + 1 == 20
+    with pytest.raises(InvalidParameter, match="else the texture aliases"):
+        sensor.check(1e-3, 0.1)
+    PositionSensor(rate_hz=1000.0).check(1e-3, 0.1)
+
+
+def test_a_resolution_coarser_than_half_a_period_is_refused() -> None:
+    PositionSensor(resolution_m=0.5e-3).check(1e-3, 0.1)
+    with pytest.raises(InvalidParameter, match=r"PositionSensor\.resolution_m"):
+        PositionSensor(resolution_m=0.6e-3).check(1e-3, 0.1)
+
+
+def test_a_grid_finer_than_the_resolution_gives_steps() -> None:
+    path = straight_path_m(0.01, 0.1, RATE_HZ)
+    sensor = PositionSensor(rate_hz=RATE_HZ, resolution_m=0.1e-3)
+    known = sensor.reported_m(np.array(path), RATE_HZ)
+    assert len(np.unique(known)) == 11
+    assert np.abs(known - path).max() <= 0.05e-3 * (1 + 1e-9)
+
+
+def test_no_sample_of_a_played_texture_passes_the_peak() -> None:
+    for texture in (*TEXTURES, Velvet()):
+        assert PlayedTexture(texture, straight_path_m(0.1, 0.3, RATE_HZ)).at(20.0).peak <= 10.0
+
+
+def test_friction_changes_only_while_the_finger_moves() -> None:
+    np.testing.assert_array_equal(lateral_modulation_n([1.0, 1.0], 0.1, 0.5, [0.0, 0.05]), [0.0, 0.05])
+
+
+def test_prints_give_a_table_and_a_power_law() -> None:
+    table, law = area_of_prints(UNVERIFIED_PRINTS[::-1]), power_law_of_prints(UNVERIFIED_PRINTS)
+    for one in UNVERIFIED_PRINTS:
+        assert float(table.area_m2(one.force_n)) == pytest.approx(np.pi * one.length_m * one.width_m / 4)
+    assert 0.2 < law.exponent < 0.5
+    exact = [Print(f, 0.01 * f**0.2, 0.01 * f**0.1) for f in (0.5, 1.0, 4.0)]
+    assert power_law_of_prints(exact).exponent == pytest.approx(0.3)
+
+
+@given(force_n=st.floats(0, 100), factor=st.floats(1, 10))
+def test_a_power_law_scales(force_n: float, factor: float) -> None:
+    law = PowerLawArea()
+    ratio = float(law.area_m2(force_n * factor)) - factor ** (1 / 3) * float(law.area_m2(force_n))
+    assert abs(ratio) <= 1e-12
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: Image(np.zeros((4, 4, 3)), 1e-3),
+            "Image.grey: found shape (4, 4, 3), expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
+            "colour channels; convert it to grey first",
+        ),
+        (
+            lambda: Image(np.array([0.0, 2.0]), 1e-3),
+            "Image.grey: found values from 0.0 to 2.0, expected whole numbers 0 to 255 or numbers 0 to 1",
+        ),
+        (lambda: Image(np.array(["a"]), 1e-3), "Image.grey: found values of type <U1, expected numbers"),
+        (
+            lambda: Image(np.zeros((2, 2)), 1e-3, row=2),
+            "Image.row: found 2, expected a row of the image (shape (2, 2))",
+        ),
+        (lambda: Grating(0.0), "Grating.period_m: found 0.0, expected a finite number above 0"),
+        (
+            lambda: Grating(1e-3, "sinusoid"),
+            "Grating.shape: found 'sinusoid', expected one of square, sinusoidal, sawtooth; did you mean 'sinusoidal'?",
+        ),
+        (lambda: Grating(1e-3, duty=1.5), "Grating.duty: found 1.5, expected a number between 0 and 1"),
+        (
+            lambda: Region(0.03, 0.01),
+            "Region: found 0.03 to 0.01 m with edges of 0.0 m, expected a right edge behind the left one by at least "
+            "edge_m",
+        ),
+        (
+            lambda: Noise(100.0, 1000.0, 0.1, (0.0,)),
+            "Noise.phases_rad: found 1, expected one for each of the 91 lines between 100.0 and 1000.0 per m "
+            "(multiples of 1/length_m), at least one; use Noise.drawn",
+        ),
+        (lambda: Velvet(with_pile=2.0), "Velvet.with_pile: found 2.0, expected a number between 0 and 1"),
+        (lambda: Bump(0.0, 1e-3, height_sign=0), "Bump.height_sign: found 0, expected one of 1, -1"),
+        (
+            lambda: TableArea((1.0,), (1e-4,)).area_m2(2.0),
+            "TableArea: found a force of 2.0 N, expected at most the last of the table (1.0 N); measure further or "
+            "use a PowerLawArea",
+        ),
+        (lambda: TableArea((2.0, 1.0), (1.0, 1.0)), "TableArea.forces_n: found (2.0, 1.0), expected ascending forces"),
+        (
+            lambda: TableArea((1.0,), ()),
+            "TableArea: found 1 forces and 0 areas, expected as many of each, at least one",
+        ),
+        (
+            lambda: power_law_of_prints([Print(1.0, 0.01, 0.01)]),
+            "power_law_of_prints: found 1 prints, expected prints at two forces at least",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
