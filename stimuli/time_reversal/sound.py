@@ -123,12 +123,12 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     n_fft = int(next_fast_len(2 * signal.samples.shape[1] + round(6 * screen.attenuation.tau_s * signal.rate_hz)))
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)
     played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
-    w = 2 * np.pi * frequency_hz
+    w = np.asarray(2 * np.pi * frequency_hz, float)
     total = np.zeros(len(w))
     forces = screen.modal_forces(f_max_hz)
     for start, stop in chunks(len(w), FREQUENCIES_AT_ONCE):
         driven = np.abs(forces @ played[:, start:stop]) ** 2
-        total[start:stop] = np.einsum("nf,nf->f", driven, _mobility(oscillators, w[start:stop]))
+        total[start:stop] = np.sum(driven * _mobility(oscillators, w[start:stop]), axis=0)
     return np.asarray(frequency_hz), 2 * total / screen.plate.mass_kg**2
 
 

@@ -55,33 +55,34 @@ def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int
 
 def modulator_diagram(order: int) -> Figure:
     """Block diagram of the error-feedback modulator (thesis 4.7, 4.8)."""
-    figure, (axes,) = sheet(width_in=7.2, height_in=2.6)
+    figure, (axes,) = sheet(width_in=7.2, height_in=3.0)
     axes.set(xlim=(0, 10), ylim=(0, 4))
     axes.axis("off")
-    feedback = "z⁻¹" if order == 1 else "2z⁻¹ − z⁻²"
-    for x, y, text in ((2.0, 3, "−"), (5.2, 3, "sign"), (7.6, 1.2, "−"), (4.2, 1.2, feedback)):
-        axes.add_patch(FancyBboxPatch((x - 0.7, y - 0.4), 1.4, 0.8, boxstyle="round,pad=0.05", fc="white", ec=BLACK))
+    for x, y, text in ((2.0, 3.2, "u − ·"), (5.5, 3.2, "sign"), (5.5, 1.9, "v − y"), (2.0, 0.6, _FEEDBACK[order])):
+        axes.add_patch(FancyBboxPatch((x - 0.8, y - 0.3), 1.6, 0.6, boxstyle="round,pad=0.05", fc="white", ec=BLACK))
         axes.text(x, y, text, ha="center", va="center")
-    arrows = [
-        ((0.3, 3.0), (1.25, 3.0)),
-        ((2.75, 3.0), (4.45, 3.0)),
-        ((5.95, 3.0), (9.7, 3.0)),
-        ((7.6, 3.0), (7.6, 1.65)),
-    ]
-    arrows += [
-        ((3.5, 3), (3.5, 2.1)),
-        ((3.5, 2.1), (7.2, 1.65)),
-        ((6.85, 1.2), (4.95, 1.2)),
-        ((3.45, 1.2), (2.0, 2.55)),
-    ]
-    for start, end in arrows:
+    for start, *middle, end in _WIRES:
+        corners = [start, *middle]
+        axes.plot(*zip(*corners, strict=True), color=BLACK, linewidth=1.2)
         axes.add_patch(
-            FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=10, color=BLACK, shrinkA=0, shrinkB=0)
+            FancyArrowPatch(corners[-1], end, arrowstyle="-|>", mutation_scale=10, color=BLACK, shrinkA=0, shrinkB=0)
         )
-    for x, y, text in ((0.6, 3.2, "u"), (3.4, 3.2, "y"), (8.9, 3.2, "v"), (5.9, 0.85, "e = v − y")):
-        axes.text(x, y, text, style="italic")
+    for x, y, text in ((0.5, 3.35, "u"), (3.7, 3.35, "y"), (9.2, 3.35, "v"), (4.6, 0.7, "e")):
+        axes.text(x, y, text, style="italic", ha="center")
     axes.set_title(f"Sigma-delta modulator of order {order}", fontsize="medium")
     return figure
+
+
+_FEEDBACK = {1: "z⁻¹", 2: "2z⁻¹ − z⁻²"}
+_WIRES: tuple[tuple[tuple[float, float], ...], ...] = (
+    ((0.2, 3.2), (1.15, 3.2)),
+    ((2.85, 3.2), (4.65, 3.2)),
+    ((6.35, 3.2), (9.7, 3.2)),
+    ((3.7, 3.2), (3.7, 1.9), (4.65, 1.9)),
+    ((7.4, 3.2), (7.4, 1.9), (6.35, 1.9)),
+    ((5.5, 1.55), (5.5, 0.6), (2.85, 0.6)),
+    ((2.0, 0.95), (2.0, 2.85)),
+)
 
 
 def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3) -> Figure:

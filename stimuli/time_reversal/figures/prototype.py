@@ -29,7 +29,7 @@ def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
     axes.set_aspect("equal")
     axes.set(xlim=(-5, screen.plate.length_m * 1e3 + 5), ylim=(-5, screen.plate.width_m * 1e3 + 5))
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    axes.legend(frameon=False, loc="center")
+    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return figure
 
 
@@ -72,7 +72,7 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
     number = np.arange(1, len(widths_m) + 1)
     axes.plot(number, widths_m[:, 0] * 1e3, "o", color=BLUE, label="along x")
     axes.plot(number, widths_m[:, 1] * 1e3, "s", color=ORANGE, label="along y")
-    axes.axhline(expected_m * 1e3, color=BLACK, linestyle=":", label="diffuse-field model")
+    axes.axhline(expected_m * 1e3, color=BLACK, linestyle=":", label="model, flat band")
     label(axes, "Focus", "Width at −6 dB (mm)")
     axes.set_ylim(0, None)
     axes.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
@@ -82,7 +82,7 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
 def loss_over_force(rows: Sequence[LossRow]) -> Figure:
     """Amplitude loss against force, one panel per place (thesis 5.3, 5.4)."""
     places = list(dict.fromkeys(row.place for row in rows))
-    figure, axes = sheet(1, len(places), width_in=4.6 * len(places), height_in=3.8)
+    figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):
         kinds = dict.fromkeys((row.contactor, row.diameter_m) for row in rows if row.place == place)
         for kind, colour, marker in zip(kinds, colours(), "osD^v<>", strict=False):
@@ -92,5 +92,5 @@ def loss_over_force(rows: Sequence[LossRow]) -> Figure:
             one.plot(force, loss * 100, f"{marker}-", color=colour, label=name)
         label(one, "Contact force (N)", "Amplitude loss (%)", f"Contact at {place}")
         one.set_ylim(0, None)
-    axes[0].legend(frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), frameon=False, loc="outside right center")
     return figure
