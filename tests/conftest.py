@@ -5,6 +5,7 @@ import queue
 import shutil
 import threading
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,8 @@ def display(tmp_path_factory):
     It must not be ended earlier: a client whose server goes takes the whole process with it. This connection
     is its first client and keeps it from ending between two windows.
     """
+    if find_spec("psychopy") is None:
+        pytest.skip("no psychopy: pip install 'tactometry[window]'")
     missing = [name for name in ("Xvfb", "setpriv") if shutil.which(name) is None]
     if missing:
         pytest.skip(f"no {' and no '.join(missing)}: apt-get install xvfb util-linux")

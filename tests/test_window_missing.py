@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import pytest
 
@@ -30,6 +31,7 @@ def home(tmp_path):
     return str(tmp_path)
 
 
+@pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
 @pytest.mark.parametrize("display_name", [{}, {"DISPLAY": ":987"}], ids=["unset", "nobody there"])
 def test_without_a_display_one_sentence_says_so(home, display_name):
     line = said(OPEN, HOME=home, **display_name)
