@@ -20,10 +20,8 @@ volume wavelength width
 """
 QUANTITIES = frozenset(WORDS.split())
 UNIT = r"(?:s|hz|n|v|a|m|kg|pa|ohm|f|c|w|j|k|rad|cd|t|[sm][234]|v2|hz2|n2)"
-RATIO = r"(?:ratio|factor|exponent|fraction|cv|coefficient|gain|index)"
-SUFFIX = re.compile(
-    rf"_(?:{UNIT}(?:_{UNIT})*(?:_per(?:_{UNIT})+)*|per(?:_{UNIT})+|(?:db|dba)(?:_re_\w+)?|{RATIO})(?:_at)?$"
-)
+RATIOS = frozenset(("ratio", "factor", "exponent", "fraction", "share", "loss", "cv", "coefficient", "gain", "to"))
+SUFFIX = re.compile(rf"_(?:{UNIT}(?:_{UNIT})*(?:_per(?:_{UNIT})+)*|per(?:_{UNIT})+|(?:db|dba)(?:_re_\w+)?)(?:_at)?$")
 PREFIXED = re.compile(r"_(?:ms|us|khz|mhz|mm|um|nm|cm|mn|kn|kv|mv|ma|kpa|mpa|gpa|g|mg|deg|percent)$")
 
 BARE = {
@@ -38,6 +36,7 @@ BARE = {
     "amplitudes": "of the components of a record, in the unit of the record",
     "focus_amplitude": "in the unit of the responses",
     "focus_amplitudes": "in the unit of the responses",
+    "tuft_depth": "a share of a force",
     "phase": "a position in a cycle, 0 to 1",
     "phases": "positions in a cycle, 0 to 1",
     "width_in": "of a figure, in inches, which matplotlib takes",
@@ -80,7 +79,7 @@ def stems(name: str) -> set[str]:
 
 
 def lacks_unit(name: str, bare: frozenset[str]) -> bool:
-    if name in BARE or name.startswith("n_"):
+    if name in BARE or name.startswith("n_") or RATIOS & stems(name):
         return False
     return bool(PREFIXED.search(name)) or (not SUFFIX.search(name) and bool((QUANTITIES - bare) & stems(name)))
 
