@@ -9,6 +9,7 @@ import pandas as pd
 from tactometry.errors import InvalidParameter, nearest
 
 MAX_FACTORS = 2
+MIN_PARTICIPANTS = 3
 RELATIVE_ZERO = 1e-10
 """A spread below this part of the values' size is rounding."""
 
@@ -39,7 +40,7 @@ def repeated_measures(
     ------
     InvalidParameter
         For a column that is not there, a value that is not finite (naming the row), a missing cell (naming
-        participant and cell), fewer than two participants or levels, and data without variance to compare: a
+        participant and cell), fewer than three participants or two levels, and data without variance to compare: a
         statistic of these would be a number without meaning.
 
     Notes
@@ -98,7 +99,12 @@ def _checked(table: pd.DataFrame, dependent: str, factors: Sequence[str], subjec
 
 def _cell_means(data: pd.DataFrame, dependent: str, factors: list[str], subject: str) -> tuple[pd.DataFrame, list[str]]:
     """One value per participant and cell; every cell must be there."""
-    for name in (subject, *factors):
+    n = data[subject].nunique()
+    if n < MIN_PARTICIPANTS:
+        raise InvalidParameter(
+            f"{subject}: found {n} participant{'s' if n != 1 else ''}, expected at least {MIN_PARTICIPANTS} to compare"
+        )
+    for name in factors:
         if data[name].nunique() < 2:
             raise InvalidParameter(f"{name}: found {data[name].nunique()} value, expected at least 2 to compare")
     means = data.groupby([subject, *factors], observed=True)[dependent].agg(["mean", "size"])

@@ -16,6 +16,7 @@ from tactometry.psychometric import SHAPES
 
 FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
 SHAPE = "normal"
+DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
 """The just noticeable difference over the standard deviation of the normal function: 0.6745."""
 UNIT = "level_unit"
@@ -123,7 +124,13 @@ def n_alternatives(trials: Trials) -> int:
     return max(2, int(largest)) if np.isfinite(largest) else 2
 
 
-def estimates(found: Sequence[Cell], n_choices: int, interval: float = 0.95) -> list[Estimate]:
+def shape_of(unit: str) -> str:
+    """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels (Watson 1979,
+    Vision Res. 19, 515), where levels are in decibels; else the cumulative normal."""
+    return DETECTION_SHAPE_IN_DB if unit.startswith("dB") else SHAPE
+
+
+def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
     """Fit every cell, those of one task in one batch; in the order of the cells.
 
     Yes/no: posterior mean, free guess rate under prior and catch trials, lapse rate under its prior. Forced
@@ -134,18 +141,19 @@ def estimates(found: Sequence[Cell], n_choices: int, interval: float = 0.95) -> 
     for task in FITTED_TASKS:
         chosen = [cell for cell in found if cell.task == task]
         if chosen:
-            fits |= dict(zip(chosen, _fits(chosen, task, n_choices, interval), strict=True))
+            fits |= dict(zip(chosen, _fits(chosen, task, n_choices, unit, interval), strict=True))
     return [Estimate(cell, fits[cell]) for cell in found]
 
 
-def _fits(chosen: Sequence[Cell], task: str, n_choices: int, interval: float) -> tuple[ThresholdFit, ...]:
+def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
     counts = [_stack([getattr(cell, name) for cell in chosen]) for name in ("levels", "n_yes", "n_trials")]
     if task == "comparison":
         return fit_many(*counts, shape=SHAPE, guess_rate=0.0, lapse_rate=0.0, method="profile", interval=interval)
     is_detection = task == "yes_no"
     return fit_many(
         *counts,
-        shape=SHAPE,
+        shape=shape_of(unit),
+        robust_range=True,
         guess_rate=None if is_detection else 1 / n_choices,
         interval=interval,
         n_false_alarms=[cell.n_false_alarms if is_detection else 0 for cell in chosen],

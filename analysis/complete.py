@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 MAX_SUBSETS = 200_000
+MIN_PARTICIPANTS = 3
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
     """Participants and factor levels that are complete together, with as many values as possible.
 
     Every combination of subsets of levels is tried (of one level each beyond `MAX_SUBSETS`: all levels only);
-    ties go to more participants. None if no two participants share two levels of a factor.
+    ties go to more participants. None if no three participants share two levels of a factor.
     """
     levels = [sorted(table[name].unique()) for name in within]
     subjects = sorted(table[subject].unique())
@@ -40,7 +41,7 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
         complete = has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)
         n_cells = int(np.prod([len(part) for part in chosen]))
         rank = (int(complete.sum()) * n_cells, int(complete.sum()), n_cells, chosen)
-        if complete.sum() >= 2 and (best is None or rank[:3] > best[:3]):
+        if complete.sum() >= MIN_PARTICIPANTS and (best is None or rank[:3] > best[:3]):
             best = rank
     return None if best is None else _kept(table, within, subject, levels, subjects, has, best[3])
 

@@ -97,17 +97,18 @@ def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> 
         raise InvalidParameter(f"{where}: found {values[dataset, row]:g}, expected {expected} (rows count from 0)")
 
 
-def normalised(x: Array, k: Array, n: Array) -> Counts:
+def normalised(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
     """Sort, pool equal levels, and bring every data set to its own range.
 
-    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels).
+    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The range is that
+    of all levels, or (`robust_range`) of those within Tukey's fences.
     """
     if x.shape[1] == 0:
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
     x, k, n = np.take_along_axis(x, order, 1), np.take_along_axis(k, order, 1), np.take_along_axis(n, order, 1)
     used = n > 0
-    low, high = _ends(x, used)
+    low, high = _fenced(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
     centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
     u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
     u, k, n = _pool(u, k, n)
@@ -117,6 +118,18 @@ def normalised(x: Array, k: Array, n: Array) -> Counts:
 def _ends(x: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
     low, high = np.where(used, x, np.inf).min(axis=1), np.where(used, x, -np.inf).max(axis=1)
     return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
+
+
+def _fenced(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """The range cut at Tukey's fences (quartiles over trials, 1.5 interquartile ranges out), where it is not emptied.
+
+    `x` is sorted where `n` > 0. Tukey, Exploratory Data Analysis (1977), section 2D.
+    """
+    share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
+    first, third = (np.take_along_axis(x, (share < part).sum(axis=1, keepdims=True), 1)[:, 0] for part in (0.25, 0.75))
+    reach = 1.5 * (third - first)
+    kept = (reach > 0) & (n.sum(axis=1) > 0)
+    return np.where(kept, np.maximum(low, first - reach), low), np.where(kept, np.minimum(high, third + reach), high)
 
 
 def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:

@@ -117,7 +117,8 @@ def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFra
     table["level"] = _classes(table["level"].to_numpy(dtype=float), table["n_trials"].to_numpy(dtype=float))
     rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
     low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
-    return rates.assign(rate=rates["n_yes"] / rates["n_trials"], rate_low=low, rate_high=high)
+    rate = rates["n_yes"] / rates["n_trials"]
+    return rates.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
 
 
 def _classes(levels: Array, weights: Array) -> Array:

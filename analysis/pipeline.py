@@ -129,7 +129,7 @@ def analysed(trials: Trials) -> Analysis:
             "expected some to analyse"
         )
     n_choices = cells.n_alternatives(trials)
-    estimates = cells.estimates(found, n_choices)
+    estimates = cells.estimates(found, n_choices, unit)
     table = cells.estimate_table(estimates, trials.factors, unit)
     outcomes = tuple(
         _outcome(table[table["task"] == task], trials.factors, task, dependent)
@@ -176,7 +176,7 @@ def _variance(table: pd.DataFrame, factors: Sequence[str], dependent: str) -> tu
         return None, [f"no analysis of variance: {varied[0]} does not vary within participants"]
     part = largest_complete(table, dependent=dependent, within=varied, subject="participant")
     if part is None:
-        return None, ["no analysis of variance: no two participants share two conditions with a value"]
+        return None, ["no analysis of variance: no three participants share two conditions with a value"]
     notes = []
     if part.left_out:
         notes = [f"the analysis of variance uses the largest complete sub-design; left out: {', '.join(part.left_out)}"]

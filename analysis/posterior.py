@@ -18,8 +18,12 @@ from tactometry.psychometric import Shape, log_mixture
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
-FINAL_NODES = (45, 33, 8, 8)
-SEARCH_NODES = (13, 11, 4, 4)
+FINAL_NODES = (45, 33)
+RATE_NODES = 8
+INTERIOR_RATE_NODES = 16
+"""A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
+SEARCH_NODES = (13, 11, 5, 5)
+START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
 
 
@@ -62,7 +66,7 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*prior.bounds())
     sd = np.sqrt(np.maximum(np.diagonal(mode.covariance, axis1=1, axis2=2), 0.0))
-    reach = np.where(sd > 0, 10 * sd, np.inf)
+    reach = np.where(sd > 0, START_SD * sd, np.inf)
     box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
     open_sets = np.arange(len(counts))
     for _ in range(MAX_SEARCHES):
@@ -82,14 +86,16 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
 
 
 def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Array]:
-    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
-    n_nodes)."""
-    axes = _axes(prior, box, SEARCH_NODES, closed=True)
-    profiles: list[list[Array]] = [[] for _ in axes]
+    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets, n_nodes)."""
+    profiles: list[list[Array]] = [[] for _ in range(N_PARAMETERS)]
     for i in range(len(counts)):
-        density = _log_density_grid(shape, counts[i : i + 1], prior[slice(i, i + 1)], [a[i] for a in axes])
-        for place in range(len(axes)):
-            profiles[place].append(density.max(axis=tuple(j for j in range(len(axes)) if j != place)))
+        axes = [
+            np.linspace(box.low[i, place], box.high[i, place], n if place in prior.free else 1)
+            for place, n in enumerate(SEARCH_NODES)
+        ]
+        density = _log_density_grid(shape, counts[i : i + 1], prior[slice(i, i + 1)], axes)
+        for place in range(N_PARAMETERS):
+            profiles[place].append(density.max(axis=tuple(j for j in range(N_PARAMETERS) if j != place)))
     return [np.array(profile) for profile in profiles]
 
 
@@ -113,20 +119,21 @@ def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
     return _Box(low, high)
 
 
-def _axes(prior: Prior, box: _Box, n_nodes: tuple[int, ...], *, closed: bool) -> list[Array]:
-    """Nodes along each parameter, 4 of (n_sets, n_nodes); `closed` puts nodes on the ends of the rates
-    too."""
-    axes = []
+def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
+    """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
+    nodes, weights = [], []
     for place in range(N_PARAMETERS):
-        low, high = box.low[:, place, None], box.high[:, place, None]
         if place not in prior.free:
-            axes.append(low)
-            continue
-        unit = np.linspace(0, 1, n_nodes[place])
-        if place in (LAPSE, GUESS) and not closed:
-            unit = (np.polynomial.legendre.leggauss(n_nodes[place])[0] + 1) / 2
-        axes.append(low + (high - low) * unit)
-    return axes
+            unit, weight = np.zeros(1), np.ones(1)
+        elif place in (LAPSE, GUESS):
+            points, weight = np.polynomial.legendre.leggauss(RATE_NODES if low[place] == 0 else INTERIOR_RATE_NODES)
+            unit = (points + 1) / 2
+        else:
+            unit = np.linspace(0, 1, FINAL_NODES[place])
+            weight = np.ones(FINAL_NODES[place])
+        nodes.append(low[place] + (high[place] - low[place]) * unit)
+        weights.append(weight)
+    return nodes, weights
 
 
 def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Array]) -> Array:
@@ -168,15 +175,12 @@ def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
 def _marginals_of_one(
     shape: Shape, counts: Counts, prior: Prior, box: _Box, interval: float
 ) -> tuple[Array, Array, Array]:
-    axes = [axis[0] for axis in _axes(prior, box, FINAL_NODES, closed=False)]
+    axes, weights = _nodes(prior, box.low[0], box.high[0])
     density = _log_density_grid(shape, counts, prior, axes)
     density += axes[LOG_WIDTH][:, None, None]
     density -= density.max()
     mass = np.exp(density, out=density)
-    for place in (LAPSE, GUESS):
-        if place in prior.free:
-            weights = np.polynomial.legendre.leggauss(FINAL_NODES[place])[1]
-            mass *= weights.reshape([-1 if j == place else 1 for j in range(N_PARAMETERS)])
+    mass *= weights[LAPSE][:, None] * weights[GUESS]
     along = [mass.sum(axis=tuple(j for j in range(N_PARAMETERS) if j != place)) for place in range(N_PARAMETERS)]
     nodes = [np.exp(axis) if place == LOG_WIDTH else axis for place, axis in enumerate(axes)]
     mean = np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)])

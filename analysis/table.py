@@ -3,6 +3,7 @@
 Every refusal is one sentence with the file, the row (the header is row 1) and the column.
 """
 
+import csv
 import io
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -155,8 +156,28 @@ def _raw(file: Path) -> pd.DataFrame:
             index_col=False,
         )
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
-        raise InvalidFile(f"{file}: {_plainly(str(damage))}") from None
+        raise InvalidFile(f"{file}{_plainly(str(damage))}") from None
+    _refuse_short_rows(text, separator, cells.shape[1], file)
     return _with_header(cells, file)
+
+
+def _refuse_short_rows(text: str, separator: str, n_columns: int, file: Path) -> None:
+    """The reader fills short rows up in silence: count the cells where there are not enough."""
+    try:
+        counts = _cell_counts(text, separator)
+    except csv.Error as damage:
+        raise InvalidFile(
+            f"{file}: found something that is no table ({damage}), expected comma-separated values"
+        ) from None
+    for row, n in enumerate(counts, start=1):
+        if 0 < n < n_columns:
+            raise InvalidFile(f"{file}, row {row}: found {n} cells, expected {n_columns} as in the header")
+
+
+def _cell_counts(text: str, separator: str) -> list[int]:
+    if '"' in text:
+        return [len(cells) for cells in csv.reader(io.StringIO(text), delimiter=separator)]
+    return [line.count(separator) + 1 if line.strip() else 0 for line in text.split("\n")]
 
 
 def _text(file: Path) -> str:
@@ -184,10 +205,10 @@ def _text(file: Path) -> str:
 def _plainly(message: str) -> str:
     found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
     if found:
-        return f"row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
+        return f", row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
     if "EOF inside string" in message:
-        return "found a quotation mark that is never closed, expected it in pairs"
-    return f"found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
+        return ": found a quotation mark that is never closed, expected it in pairs"
+    return f": found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
 
 
 def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -249,7 +270,7 @@ def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str)
 def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
     empty = table[name] == ""
     values = pd.to_numeric(table[name].where(~empty, "nan"), errors="coerce").astype(np.float64)
-    bad = (~np.isfinite(values) & ~empty).to_numpy()
+    bad = np.asarray(~np.isfinite(values) & ~empty)
     if bad.any():
         comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
         _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")

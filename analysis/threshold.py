@@ -85,6 +85,7 @@ def fit(
     interval: float = 0.95,
     n_false_alarms: int = 0,
     n_catch: int = 0,
+    robust_range: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> ThresholdFit:
@@ -109,6 +110,9 @@ def fit(
         Coverage of the interval, between 0 and 1.
     n_false_alarms, n_catch : int
         "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
+    robust_range : bool
+        Whether the priors of threshold and width rest on the range of the levels within Tukey's fences instead of all.
+        An adaptive procedure starts far from where it ends: its whole range says nothing about the function.
 
     Returns
     -------
@@ -147,6 +151,7 @@ def fit(
         interval=interval,
         n_false_alarms=[n_false_alarms],
         n_catch=[n_catch],
+        robust_range=robust_range,
         n_resamples=n_resamples,
         rng=rng,
     )[0]
@@ -164,6 +169,7 @@ def fit_many(
     interval: float = 0.95,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
+    robust_range: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> tuple[ThresholdFit, ...]:
@@ -171,7 +177,7 @@ def fit_many(
 
     Sets of different length are filled up with rows of 0 trials.
 
-    >>> [found.status.value for found in fit_many([1, 2, 3], [[0, 5, 10], [10, 10, 10]], 10,
+    >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
     ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
     ['separated', 'threshold_below_range']
     """
@@ -180,7 +186,7 @@ def fit_many(
     x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
     if curve.on_log_levels:
         x = np.log(np.where(n > 0, x, 1.0))
-    counts = normalised(x, k, n)
+    counts = normalised(x, k, n, robust_range=robust_range)
     alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")

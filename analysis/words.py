@@ -134,17 +134,21 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
     return found
 
 
+CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (in decibels; Weibull of the amplitude)"}
+
+
 def methods(table: pd.DataFrame, n_choices: int) -> str:
     """A paragraph for the methods section, with versions."""
     tasks = set(table["task"])
+    curves = " or ".join(f"a {CURVES[name]}" for name in dict.fromkeys(table["shape"]))
     parts = [
-        "In each participant and condition a cumulative normal function of the level with asymptotes for guesses and "
+        f"In each participant and condition {curves} function of the level with asymptotes for guesses and "
         "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
     ]
     if tasks & {"yes_no", "forced_choice"}:
         parts.append(
             "Detection thresholds are posterior means with central 95 % intervals of the marginal posterior under "
-            "psignifit 4's priors (threshold and width from the range and spacing of the levels, lapse rate "
+            "psignifit 4's priors (threshold and width from the spacing of the levels and their range within Tukey's fences, lapse rate "
             "Beta(1, 10))."
         )
     if "yes_no" in tasks:

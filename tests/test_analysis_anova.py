@@ -1,0 +1,199 @@
+"""Repeated-measures analysis of variance: published values, invariances, and a refusal for what has no answer."""
+
+import math
+import re
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tactometry.analysis.anova import repeated_measures
+from tactometry.analysis.complete import largest_complete
+from tactometry.errors import InvalidParameter
+
+# Science 11.5: 8 participants; force 0.5 | 1 | 2 N, each at 60 120 240 480 Hz; dB re 1 V
+PUBLISHED = """
+30.40 26.65 22.90 25.30 30.75 25.25 22.00 24.50 30.15 25.15 22.40 24.80
+35.65 30.65 27.90 29.05 34.25 29.75 27.50 28.75 34.15 27.90 26.15 27.30
+32.65 28.65 24.65 29.05 34.00 28.25 24.75 27.00 32.15 26.90 23.90 26.05
+31.40 28.40 25.40 26.30 31.00 26.25 23.75 27.00 31.90 25.40 23.40 24.30
+35.90 31.65 27.40 31.55 36.00 30.00 28.50 30.50 35.15 29.65 26.40 28.30
+33.90 28.40 25.15 28.05 34.50 29.50 24.50 27.50 31.90 27.40 25.15 25.80
+31.90 27.40 25.15 26.80 33.00 26.75 25.00 26.75 30.90 27.40 23.90 25.55
+31.65 28.15 24.65 27.30 31.00 28.00 25.00 25.50 31.65 26.90 24.40 24.80
+"""
+WITHIN = ["force", "freq"]
+
+
+def long_table(values: np.ndarray, forces=(0.5, 1, 2), frequencies=(60, 120, 240, 480)) -> pd.DataFrame:
+    names = [f"P{n + 1}" for n in range(len(values))]
+    keys = list(product(names, forces, frequencies))
+    return pd.DataFrame(keys, columns=["subject", *WITHIN]).assign(y=values.ravel())
+
+
+@pytest.fixture
+def published() -> pd.DataFrame:
+    return long_table(np.array(PUBLISHED.split(), dtype=float).reshape(8, 12))
+
+
+def analysed(table: pd.DataFrame, within=WITHIN) -> pd.DataFrame:
+    return repeated_measures(table, dependent="y", within=within, subject="subject").set_index("Source")
+
+
+@pytest.mark.parametrize(
+    ("effect", "ss", "f", "p", "w", "epsilon", "p_corrected", "ng2"),
+    [
+        ("force", 29.930990, 38.121061, 2.162874e-6, 0.888157, 0.899408, 6.290984e-6, 0.105953),
+        ("freq", 778.992500, 625.427670, 1.093439e-20, 0.489410, 0.665974, 2.097376e-14, 0.755163),
+        ("force * freq", 5.342344, 1.980857, 0.09005187, 0.080312, 0.611773, 0.1319352, 0.020714),
+    ],
+)
+def test_published_two_way_analysis(published, effect, ss, f, p, w, epsilon, p_corrected, ng2) -> None:
+    row = analysed(published).loc[effect]
+    assert row["SS"] == pytest.approx(ss, rel=1e-7)
+    assert row["F"] == pytest.approx(f, rel=1e-6)
+    assert row["p_unc"] == pytest.approx(p, rel=1e-6)
+    assert row["W_spher"] == pytest.approx(w, abs=1e-6)
+    assert row["eps"] == pytest.approx(epsilon, abs=1e-6)
+    assert row["p_GG_corr"] == pytest.approx(p_corrected, rel=1e-5)
+    assert row["ng2"] == pytest.approx(ng2, abs=1e-6)
+
+
+def test_one_way_equals_statsmodels(published) -> None:
+    from statsmodels.stats.anova import AnovaRM
+
+    means = published.groupby(["subject", "freq"], as_index=False)["y"].mean()
+    peer = AnovaRM(means, "y", "subject", within=["freq"]).fit().anova_table
+    assert analysed(means, "freq").loc["freq", "F"] == pytest.approx(peer.loc["freq", "F Value"], rel=1e-9)
+
+
+@pytest.mark.parametrize(("scale", "offset"), [(1.0, 1e9), (1e-12, 0.0), (1e12, -3.0)])
+def test_scale_and_offset_do_not_matter(published, scale: float, offset: float) -> None:
+    moved = published.assign(y=published["y"] * scale + offset)
+    one, other = analysed(published), analysed(moved)
+    assert other["F"].to_numpy() == pytest.approx(one["F"].to_numpy(), rel=1e-4 if offset else 1e-9)
+    assert other["SS"].to_numpy() == pytest.approx(one["SS"].to_numpy() * scale**2, rel=1e-4 if offset else 1e-9)
+
+
+def test_order_of_rows_and_names_of_participants_do_not_matter(published) -> None:
+    shuffled = published.sample(frac=1.0, random_state=np.random.default_rng().integers(2**31))
+    renamed = shuffled.assign(subject=shuffled["subject"].map(lambda code: f"{code[::-1]} x"))
+    assert analysed(renamed)["F"].to_numpy() == pytest.approx(analysed(published)["F"].to_numpy(), rel=1e-9)
+
+
+def test_names_with_spaces_and_unused_categories_are_harmless(published) -> None:
+    table = published.rename(columns={"freq": "the frequency"})
+    table["force"] = pd.Categorical(table["force"], categories=[0.5, 1, 2, 9])
+    found = repeated_measures(table, dependent="y", within=["force", "the frequency"], subject="subject")
+    assert found["F"].to_numpy() == pytest.approx(analysed(published)["F"].to_numpy(), rel=1e-9)
+
+
+def test_several_values_in_a_cell_are_averaged_and_that_is_said(published) -> None:
+    twice = pd.concat([published.assign(y=published["y"] + d) for d in (-1, 1)])
+    found = repeated_measures(twice, dependent="y", within=WITHIN, subject="subject")
+    assert found.attrs["notes"] == ["several values of one participant in one cell were averaged"]
+    assert found["F"].to_numpy() == pytest.approx(analysed(published)["F"].to_numpy(), rel=1e-9)
+
+
+def test_fewer_participants_than_contrasts_are_explained(published) -> None:
+    few = published[published["subject"].isin(["P1", "P2", "P3", "P4"])]
+    notes = repeated_measures(few, dependent="y", within=WITHIN, subject="subject").attrs["notes"]
+    assert notes == [
+        "force * freq: fewer participants (4) than its contrasts need, so Mauchly's test does not exist and the "
+        "Greenhouse-Geisser correction is used"
+    ]
+
+
+def test_no_warning_of_a_library_reaches_the_user(published, recwarn) -> None:
+    analysed(published[published["subject"].isin(["P1", "P2", "P3"])])
+    analysed(published, "freq")
+    assert not recwarn.list
+
+
+def with_value(table: pd.DataFrame, row: int, value: object) -> pd.DataFrame:
+    changed = table.astype({"y": object})
+    changed.loc[row, "y"] = value
+    return changed
+
+
+SUBJECTS = np.arange(8.0)[:, None]
+CONDITIONS = np.arange(12.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda t: t.assign(y=3.25), "y: found the same value everywhere, expected values that differ"),
+        (
+            lambda t: t.assign(y=np.repeat(np.arange(8.0), 12)),
+            "y: found no difference between the conditions of any participant, expected some: F is undefined",
+        ),
+        (
+            lambda t: t.assign(y=(SUBJECTS + CONDITIONS**2).ravel()),
+            "y: found the same differences in all participants, "
+            "expected some to differ: the error is 0 and F is undefined",
+        ),
+        (
+            lambda t: t.drop(index=17),
+            "y: found no value for subject = P2, force = 1.0, freq = 120 (1 cells missing), "
+            "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+        ),
+        (lambda t: t[t["subject"] == "P1"], "subject: found 1 participant, expected at least 3 to compare"),
+        (lambda t: t[t["freq"] == 60], "freq: found 1 value, expected at least 2 to compare"),
+        (lambda t: t.iloc[:0], "table: found no row, expected values to compare"),
+        (
+            lambda t: with_value(t, 5, math.nan),
+            "y, row 5: found nan (subject = P1, force = 1.0, freq = 120), expected a "
+            "finite number; leave the participant or the condition out",
+        ),
+        (
+            lambda t: with_value(t, 5, math.inf),
+            "y, row 5: found inf (subject = P1, force = 1.0, freq = 120), expected a "
+            "finite number; leave the participant or the condition out",
+        ),
+        (
+            lambda t: with_value(t, 0, "loud"),
+            "y, row 0: found loud (subject = P1, force = 0.5, freq = 60), expected a "
+            "finite number; leave the participant or the condition out",
+        ),
+        (
+            lambda t: t.rename(columns={"freq": "frec"}),
+            "repeated_measures: found no column 'freq'; did you mean 'frec'?",
+        ),
+    ],
+)
+def test_refuses_what_has_no_answer(published, make, message: str) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
+        analysed(make(published))
+
+
+def test_refuses_three_factors(published) -> None:
+    table = published.assign(third=published["freq"] > 100)
+    with pytest.raises(InvalidParameter, match="expected one or two different factors"):
+        analysed(table, [*WITHIN, "third"])
+
+
+def test_the_largest_complete_part_of_a_whole_design_is_the_whole(published) -> None:
+    part = largest_complete(published, dependent="y", within=WITHIN, subject="subject")
+    assert (len(part.table), part.within, part.left_out) == (96, ("force", "freq"), ())
+
+
+def test_a_hole_costs_a_participant_many_holes_a_condition(published) -> None:
+    one = published.drop(index=17)
+    many = published.assign(y=published["y"].where(published["freq"] != 480))
+    found = [largest_complete(t, dependent="y", within=WITHIN, subject="subject") for t in (one, many)]
+    assert [part.left_out for part in found] == [("participant P2",), ("freq = 480",)]
+    assert [len(part.table) for part in found] == [84, 72]
+
+
+def test_a_factor_with_one_level_left_is_no_factor(published) -> None:
+    censored = published.assign(y=published["y"].where(published["force"] == 1))
+    part = largest_complete(censored, dependent="y", within=WITHIN, subject="subject")
+    assert part.within == ("freq",)
+    assert part.left_out == ("force = 0.5", "force = 2.0")
+
+
+def test_nothing_in_common_has_no_complete_part(published) -> None:
+    alone = published.assign(y=published["y"].where(published["subject"] == "P1"))
+    assert largest_complete(alone, dependent="y", within=WITHIN, subject="subject") is None

@@ -1,0 +1,253 @@
+"""From a trials table to tables and report: recovery, censoring, real data, equal bytes."""
+
+import json
+import re
+import subprocess
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from tactometry.analysis.group import cross_table, group_table
+from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.cli.analyse import command
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+
+HERE = Path(__file__).resolve()
+SHARED = HERE.parents[1].parent / "shared"
+FACTORS = ("force_n", "frequency_hz")
+MEANS = {(force, hz): base - 0.8 * force for force in (0.5, 3.0) for hz, base in ((60, 26.0), (240, 16.0), (480, 22.0))}
+
+
+def helper():
+    spec = spec_from_file_location("analysis_data", HERE.with_name("analysis_data.py"))
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+DATA = helper()
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> tuple[Path, dict]:
+    rng = np.random.default_rng()
+    truth = DATA.grid_of_thresholds(5, MEANS, 2.0, rng)
+    path = tmp_path_factory.mktemp("study") / "trials.csv"
+    return DATA.write_study(path, truth, FACTORS, rng=rng), truth
+
+
+@pytest.fixture(scope="module")
+def found(study) -> Analysis:
+    return analyse(study[0])
+
+
+def test_every_participant_and_condition_has_a_threshold_near_the_truth(study, found) -> None:
+    _, truth = study
+    table = found.tables["thresholds"]
+    errors = [
+        row["threshold"] - truth[row["participant"], (row["force_n"], row["frequency_hz"])]
+        for _, row in table.iterrows()
+    ]
+    assert len(table) == len(truth)
+    assert np.abs(errors).max() < 6 * 1.0
+
+
+def test_the_group_table_has_the_form_of_frequency_by_force(found) -> None:
+    cross = found.outcomes[0].cross
+    assert list(cross.columns) == ["frequency_hz", "force_n = 0.5", "force_n = 3"]
+    assert cross["frequency_hz"].tolist() == [60, 240, 480]
+    assert re.fullmatch(r"-?\d+\.\d \[-?\d+\.\d, -?\d+\.\d\] \(n = 5\)", cross.iloc[0, 1])
+
+
+def test_the_analysis_of_variance_finds_the_frequency(found) -> None:
+    anova = found.tables["anova_threshold"].set_index("Source")
+    assert anova.loc["frequency_hz", "p_unc"] < 1e-4
+    assert found.outcomes[0].sentences[1].startswith("frequency_hz: F(")
+
+
+def test_rates_count_every_answer_once(found) -> None:
+    rates, table = found.tables["rates"], found.tables["thresholds"]
+    assert rates["n_trials"].sum() == table["n_trials"].sum()
+    assert ((rates["rate_low"] <= rates["rate"]) & (rates["rate"] <= rates["rate_high"])).all()
+
+
+def test_catch_trials_stand_apart(found) -> None:
+    table = found.tables["thresholds"]
+    assert (table["n_catch"] == 20).all()
+    assert (table["n_trials"] == 9 * 12).all()
+    assert found.tables["quality"]["n_catch"].tolist() == [120] * 5
+
+
+def test_the_same_data_give_the_same_bytes(study, tmp_path) -> None:
+    for name in ("a", "b"):
+        analyse(study[0], report=tmp_path / name / "report.html")
+    for one in sorted((tmp_path / "a").rglob("*")):
+        other = tmp_path / "b" / one.relative_to(tmp_path / "a")
+        assert one.is_dir() or one.read_bytes() == other.read_bytes()
+
+
+def test_the_report_needs_nothing_else(study, tmp_path) -> None:
+    page = analyse(study[0], report=tmp_path / "report.html").report.read_text()
+    outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?((?!#|data:)[^"\')\s>]+)', page)
+    assert [link for link in outside if not link.startswith("f")] == []
+    assert not re.search(r"<(script|link|img|iframe)\b", page)
+    for word in ("Warnings", "Data quality", "Methods", "pingouin", "<svg"):
+        assert word in page
+    assert page.index("Warnings") < page.index("Detection threshold")
+
+
+def test_the_tables_of_the_report_are_the_tables_of_the_result(study, tmp_path) -> None:
+    found = analyse(study[0], report=tmp_path / "report.html")
+    for name, table in found.tables.items():
+        again = pd.read_csv(found.tables_folder / f"{name}.csv")
+        assert len(again) == len(table)
+        assert list(again.columns) == [str(column) for column in table.columns]
+
+
+@pytest.mark.parametrize("task", ["forced_choice", "comparison"])
+def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
+    rng = np.random.default_rng()
+    truth = {(f"P{i}", (0.0,)): 20.0 for i in range(8)}
+    found = analyse(DATA.write_study(tmp_path / "t.csv", truth, ["block_type"], rng=rng, task=task, n=30))
+    mean, low, high = found.outcomes[0].group[["mean", "mean_low", "mean_high"]].iloc[0]
+    assert mean == pytest.approx(20.0, abs=4.0 * max(high - low, 0.4))
+    if task == "comparison":
+        jnd = found.tables["group_jnd"].iloc[0]
+        assert jnd["mean"] == pytest.approx(
+            8.0 / 3.2897 * 0.67449, abs=4 * max(jnd["mean_high"] - jnd["mean_low"], 0.1)
+        )
+
+
+def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp_path) -> None:
+    rng = np.random.default_rng()
+    means = {(60.0,): 75.0, (240.0,): 16.0, (480.0,): 22.0}
+    truth = DATA.grid_of_thresholds(4, means, 1.0, rng)
+    found = analyse(DATA.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng))
+    outcome = found.outcomes[0]
+    first = outcome.group.iloc[0]
+    assert (first["n"], first["n_above"]) == (0, 4)
+    assert pd.isna(first["mean"])
+    assert first["mean_low"] > 30
+    assert re.fullmatch(r"> \d+\.\d \(4 of 4 above the levels\)", first["text"])
+    assert outcome.notes == (
+        "the analysis of variance uses the largest complete sub-design; left out: frequency_hz = 60",
+    )
+    assert any("4 of 12 cells have a threshold above their levels" in warning for warning in found.warnings)
+
+
+def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd.DataFrame:
+    table = pd.DataFrame(rows, columns=["threshold", "status", "interval_low", "interval_high"])
+    return table.assign(condition="x")
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4)], "2.0 [-10.7, 14.7] (n = 2)"),
+        ([(1.0, "ok", 0, 2)], "1.0 (n = 1)"),
+        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "> 3.0 (1 of 2 above the levels)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "< -1.0 (1 of 2 below the levels)"),
+        (
+            [(None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, 0.0)],
+            "1 below, 1 above the levels, of 2",
+        ),
+        ([(None, "flat", None, None)], "none (1 missing)"),
+    ],
+)
+def test_a_mean_is_never_taken_over_what_is_no_threshold(rows, text) -> None:
+    group = group_table(estimates(*rows), ["condition"])
+    assert cross_table(group, ["condition"])["text"].tolist() == [text]
+
+
+# Real data: Dallmann, Ernst and Moscatelli 2015, tactile speed with masking vibration
+@pytest.fixture(scope="module")
+def dallmann() -> Analysis:
+    path = SHARED / "data" / "dallmann2015_trials.csv"
+    if not path.exists():
+        pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
+    return analyse(path)
+
+
+def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
+    """The published conclusion."""
+    anova = dallmann.tables["anova_jnd"].set_index("Source")
+    mean = dallmann.tables["group_jnd"].set_index("vibration_hz")["mean"]
+    assert anova.loc["vibration_hz", "p_unc"] < 0.01
+    assert mean[32] > mean[0]
+    assert dallmann.tables["anova_pse"].set_index("Source").loc["vibration_hz", "p_unc"] > 0.05
+
+
+def test_individual_fits_of_real_data_equal_a_probit_regression(dallmann) -> None:
+    import statsmodels.api as sm
+
+    rows = dallmann.trials.rows
+    for _, row in dallmann.tables["thresholds"].iterrows():
+        own = rows[(rows["participant"] == row["participant"]) & (rows["vibration_hz"] == row["vibration_hz"])]
+        probit = sm.families.Binomial(sm.families.links.Probit())
+        model = sm.GLM(own["response"].astype(float), sm.add_constant(own["level"]), family=probit).fit(tol=1e-12)
+        intercept, slope = model.params
+        assert row["pse"] == pytest.approx(-intercept / slope, rel=1e-6)
+        assert row["jnd"] == pytest.approx(0.67448975 / slope, rel=1e-6)
+
+
+def test_real_data_through_the_command_line(tmp_path, dallmann) -> None:
+    page = tmp_path / "d.html"
+    result = CliRunner().invoke(command, [str(dallmann.trials.path), "--report", str(page), "--json"])
+    assert result.exit_code == 0, result.output
+    summary = json.loads(result.stdout)
+    assert summary["n_participants"] == 9
+    assert [outcome["dependent"] for outcome in summary["outcomes"]] == ["pse", "jnd"]
+    assert summary["thresholds"][0]["status"] == "ok"
+    assert page.exists()
+
+
+def test_the_terminal_shows_table_and_sentence(study) -> None:
+    result = CliRunner().invoke(command, [str(study[0])])
+    assert result.exit_code == 0, result.output
+    assert "frequency_hz" in result.output
+    assert "generalised eta squared" in result.output
+
+
+def test_the_command_ends_with_one_sentence_and_status_two(tmp_path) -> None:
+    bad = tmp_path / "bad.csv"
+    bad.write_text("participant,level\nP01,1\n")
+    done = subprocess.run(
+        [sys.executable, "-c", "from tactometry.cli import main; main()", "analyse", str(bad)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)\n"
+
+
+def test_refuses_a_report_that_is_no_page_or_cannot_be_written(study, tmp_path) -> None:
+    with pytest.raises(InvalidParameter, match=r"--report: found 'r.txt', expected a file name that ends in .html"):
+        analyse(study[0], report=tmp_path / "r.txt")
+    with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected one"):
+        analyse(study[0], pdf=True)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DeviceFailed, match="cannot be written"):
+        analyse(study[0], report=tmp_path / "file" / "r.html")
+
+
+def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
+    with pytest.raises(InvalidFile, match="found no valid answer of a yes/no, forced-choice or comparison task"):
+        analyse(path)
+
+
+def test_refuses_levels_in_two_units(tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(
+        "participant,trial,procedure,level,level_unit,task,response\nP1,1,c,1,V,yes_no,1\nP1,2,c,1,dB,yes_no,0\n"
+    )
+    with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as before"):
+        analyse(path)

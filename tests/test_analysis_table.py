@@ -1,0 +1,240 @@
+"""Trials tables: what is read, and one exact sentence for what is not."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tactometry.analysis.table import ColumnMap, read_column_map, read_trials, used_rows
+from tactometry.cli.analyse import command
+from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
+
+HEADER = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,valid,catch"
+ROW = "P01,1,s,1,1,0.5,staircase,20,dB re 1 V,yes_no,1,1,1,0"
+TASKS = (
+    "yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, preference, "
+    "measurement"
+)
+CODE = "a code of 1 to 32 letters and digits, no name and no path"
+
+
+def written(path: Path, *lines: str) -> Path:
+    file = path / "trials.csv"
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return file
+
+
+def changed(column: str, value: str) -> str:
+    cells = ROW.split(",")
+    cells[HEADER.split(",").index(column)] = value
+    return ",".join(cells)
+
+
+def test_reads_numbers_flags_and_factors(tmp_path: Path) -> None:
+    trials = read_trials(written(tmp_path, HEADER, ROW, changed("level", "").replace(",0", ",1")))
+    assert trials.factors == ("force_n",)
+    assert trials.rows["level"].tolist()[0] == 20.0
+    assert trials.rows["catch"].tolist() == [0.0, 1.0]
+    assert trials.rows["row"].tolist() == [2, 3]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "\ufeff" + HEADER + "\n" + ROW + "\n",
+        HEADER + "\r\n" + ROW + "\r\n",
+        HEADER + "\n\n" + ROW + "\n\n\n",
+        HEADER + "\n" + ROW,
+        ",".join(f'"{name}"' for name in HEADER.split(",")) + "\n" + ",".join(f'"{cell}"' for cell in ROW.split(",")),
+        HEADER + ",remark\n" + ROW + ',"a, b"\n',
+    ],
+    ids=["byte-order mark", "Windows line ends", "blank lines", "no end of line", "quoted", "extra column"],
+)
+def test_reads_what_other_programs_write(tmp_path: Path, content: str) -> None:
+    file = tmp_path / "trials.csv"
+    file.write_bytes(content.encode())
+    rows = read_trials(file).rows
+    assert (len(rows), rows["level"][0], rows["force_n"][0]) == (1, 20.0, 0.5)
+
+
+def test_shuffled_columns_and_rows_are_read_alike(tmp_path: Path) -> None:
+    names, cells = HEADER.split(","), ROW.split(",")
+    order = [*range(4), 10, 4, 5, 6, 9, 7, 8, 11, 12, 13]
+    trials = read_trials(
+        written(tmp_path, ",".join(names[i] for i in order), ",".join(cells[i] for i in order)), within=["force_n"]
+    )
+    assert (trials.factors, trials.rows["level"][0], trials.rows["response"][0]) == (("force_n",), 20.0, "1")
+
+
+def test_tab_separated_files_are_read_by_their_name(tmp_path: Path) -> None:
+    file = tmp_path / "beh.tsv"
+    file.write_text(f"{HEADER}\n{ROW}\n".replace(",", "\t"))
+    assert len(read_trials(file).rows) == 1
+
+
+def test_invalid_unanswered_and_practice_rows_do_not_enter_a_fit(tmp_path: Path) -> None:
+    header = HEADER + ",practice"
+    rows = [ROW + ",0", changed("valid", "0") + ",", changed("response", "") + ",", ROW + ",1"]
+    assert used_rows(read_trials(written(tmp_path, header, *rows)))["row"].tolist() == [2]
+
+
+def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
+    table = written(tmp_path, "subj,contrast,key,cond", "AB,0.1,1,x", "AB,0.2,0,y")
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(
+        '[columns]\nparticipant = "subj"\nlevel = "contrast"\nresponse = "key"\n[constants]\ntask = "yes_no"\n'
+    )
+    trials = read_trials(table, within=["cond"], column_map=read_column_map(mapping))
+    assert trials.rows["level"].tolist() == [0.1, 0.2]
+    assert trials.rows["cond"].tolist() == ["x", "y"]
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["", ""], "{}: found an empty file, expected a header and trials"),
+        ([HEADER], "{}: found no row below the header, expected trials"),
+        (
+            [HEADER.replace("level,", "levl,", 1), ROW],
+            "{}: found no column 'level'; did you mean 'levl'?; name it with a column map (--columns)",
+        ),
+        ([HEADER.replace(",task", ",level"), ROW], "{}, row 1: found the column 'level' twice, expected each once"),
+        ([HEADER.replace(",task", ","), ROW], "{}, row 1: found no name for column 10, expected one for each"),
+        (
+            [HEADER.replace(",procedure", ",rule"), ROW],
+            "{}: found no column 'procedure', expected the factors between "
+            "'trial' and 'procedure'; name the factors with --within",
+        ),
+        ([HEADER, ROW, ROW + ",1"], "{}, row 3: found 15 cells, expected 14 as in the header"),
+        ([HEADER, ROW, "P01,1,s"], "{}, row 3: found 3 cells, expected 14 as in the header"),
+        (
+            [HEADER, ROW, changed("participant", "Jane Doe")],
+            "{}, row 3, column 'participant': found 'Jane Doe', expected " + CODE,
+        ),
+        ([HEADER, changed("participant", "")], "{}, row 2, column 'participant': found nothing, expected " + CODE),
+        ([HEADER, changed("task", "yesno")], "{}, row 2, column 'task': found 'yesno', expected one of " + TASKS),
+        (
+            [HEADER, ROW, changed("level", "loud")],
+            "{}, row 3, column 'level': found 'loud', expected a finite number or nothing",
+        ),
+        (
+            [HEADER, changed("level", "inf")],
+            "{}, row 2, column 'level': found 'inf', expected a finite number or nothing",
+        ),
+        ([HEADER, changed("level", '"20,5"')], "{}, row 2, column 'level': found '20,5', expected a decimal point"),
+        (
+            [HEADER, changed("level", "")],
+            "{}, row 2, column 'level': found nothing, expected a level, or 1 in the column 'catch'",
+        ),
+        (
+            [HEADER, changed("response", "2")],
+            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing in a yes/no or comparison task",
+        ),
+        (
+            [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
+            "{}, row 2, column 'response': "
+            "found 'left', expected the number of an interval or nothing in a forced choice",
+        ),
+        ([HEADER, changed("correct", "yes")], "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing"),
+        ([HEADER, changed("valid", "2")], "{}, row 2, column 'valid': found '2', expected 1, 0 or nothing"),
+        ([HEADER, changed("block", "1.5")], "{}, row 2, column 'block': found '1.5', expected a whole number from 0"),
+        ([HEADER, changed("force_n", "")], "{}, row 2, column 'force_n': found nothing, expected the factor's value"),
+        (
+            [HEADER.replace(",", ";"), ROW],
+            "{}, row 1: found columns separated by ;, expected commas (or a file named .tsv "
+            "with tabs); save it as comma-separated values with decimal points",
+        ),
+        ([HEADER, '"P01' + ROW[3:]], "{}: found a quotation mark that is never closed, expected it in pairs"),
+    ],
+)
+def test_a_damaged_table_is_refused_in_one_sentence(tmp_path: Path, lines: list[str], message: str) -> None:
+    file = written(tmp_path, *lines)
+    with pytest.raises(InvalidFile, match=f"^{re.escape(message.format(file))}$"):
+        read_trials(file)
+
+
+def test_bytes_that_are_no_text_are_refused_with_their_row(tmp_path: Path) -> None:
+    file = tmp_path / "trials.csv"
+    file.write_bytes(f"{HEADER}\n{ROW}\nP0".encode() + b"\xff\n")
+    with pytest.raises(InvalidFile, match=re.escape("row 3: found the byte 0xff, expected UTF-8 text")):
+        read_trials(file)
+    file.write_bytes(f"{HEADER}\nP\0".encode())
+    with pytest.raises(InvalidFile, match=re.escape("row 2: found a zero byte, expected text")):
+        read_trials(file)
+
+
+def test_what_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="no such file or folder, expected a data set or a CSV file of trials"):
+        read_trials(tmp_path / "nowhere")
+    with pytest.raises(InvalidFile, match=re.escape("found no data/*_data.csv")):
+        read_trials(tmp_path)
+    with pytest.raises(InvalidParameter, match=r"--within: found 'forc_n', .*; did you mean 'force_n'"):
+        read_trials(written(tmp_path, HEADER, ROW), within=["forc_n"])
+
+
+def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "data"
+    folder.mkdir()
+    (folder / "a_data.csv").write_text(f"{HEADER}\n{ROW}\n")
+    (folder / "b_data.csv").write_text(f"{HEADER.replace('force_n', 'pattern')}\n{ROW}\n")
+    with pytest.raises(
+        InvalidFile, match=re.escape("b_data.csv: found other columns than in a_data.csv (force_n, pattern)")
+    ):
+        read_trials(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[column]\n", "found 'column', expected the tables [columns] and [constants]; did you mean 'columns'?"),
+        ("[columns]\nlevel = [1]\n", "columns.level: found [1], expected a text or a number"),
+        ("[columns\n", "found no valid TOML"),
+    ],
+)
+def test_a_damaged_column_map_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    file = tmp_path / "map.toml"
+    file.write_text(text)
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        read_column_map(file)
+
+
+def test_a_column_map_must_name_columns_that_exist(tmp_path: Path) -> None:
+    file = written(tmp_path, HEADER, ROW)
+    with pytest.raises(
+        InvalidFile,
+        match=re.escape("found no column 'lvl'; did you mean 'level'?, which the column map names for 'level'"),
+    ):
+        read_trials(file, column_map=ColumnMap({"level": "lvl"}))
+    with pytest.raises(
+        InvalidFile, match=re.escape("found the column 'level', which the column map also names 'block'")
+    ):
+        read_trials(file, column_map=ColumnMap({"level": "block"}))
+
+
+@given(content=st.binary(max_size=400))
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_random_bytes_are_refused_and_left_as_they_are(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "trials.csv"
+    file.write_bytes(content)
+    with pytest.raises(TactometryError):
+        read_trials(file)
+    assert file.read_bytes() == content
+
+
+@given(data=st.data())
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_table_with_random_damage_is_analysed_or_refused_never_a_traceback(
+    tmp_path: Path, data: st.DataObject
+) -> None:
+    content = bytearray("\n".join([HEADER, *[ROW] * 4, changed("level", "24")]).encode())
+    for _ in range(data.draw(st.integers(1, 3))):
+        place = data.draw(st.integers(0, len(content) - 1))
+        content[place : place + data.draw(st.integers(0, 3))] = data.draw(st.binary(max_size=3))
+    file = tmp_path / "trials.csv"
+    file.write_bytes(bytes(content))
+    result = CliRunner().invoke(command, [str(file), "--json"])
+    assert result.exception is None or isinstance(result.exception, TactometryError)
+    assert file.read_bytes() == bytes(content)
