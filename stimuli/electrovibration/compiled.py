@@ -12,41 +12,52 @@ compiled: Any = njit(cache=True)
 
 
 @compiled  # type: ignore[untyped-decorator]
-def _turned(turns: Complex, amplitudes: Complex) -> float:
+def turned(turns: Complex, i: int, amplitudes: Complex, piece: int) -> float:
+    """The sinusoids of a piece at node i."""
     total = 0.0
-    for k in range(len(turns)):
-        total += (turns[k] * amplitudes[k]).real
+    for k in range(turns.shape[1]):
+        total += (turns[i, k] * amplitudes[piece, k]).real
     return total
 
 
 @compiled  # type: ignore[untyped-decorator]
-def _enter(
-    new: int, offsets: Real, slopes: Real, amplitudes: Complex, turns: Complex,
-    spans: Real, end_decay: Real, end_line: Real, responses: Complex, free: Real,
-) -> None:  # fmt: skip
-    """Free decays at the start of a piece, from those of the piece before it and the jump between them."""
-    old, jump = new - 1, offsets[new] + _turned(turns, amplitudes[new])
-    if old >= 0:
-        jump -= offsets[old] + slopes[old] * spans[old] + _turned(turns, amplitudes[old])
-    for m in range(len(free)):
-        turned = turns * responses[m]
-        if old >= 0:
-            free[m] = free[m] * end_decay[m, old] + slopes[old] * end_line[m, old] + _turned(turned, amplitudes[old])
-        free[m] += jump - _turned(turned, amplitudes[new])
+def answered(turns: Complex, i: int, responses: Complex, m: int, amplitudes: Complex, piece: int) -> float:
+    """What relaxation m makes of the sinusoids of a piece at node i."""
+    total = 0.0
+    for k in range(turns.shape[1]):
+        total += (turns[i, k] * responses[m, k] * amplitudes[piece, k]).real
+    return total
 
 
 @compiled  # type: ignore[untyped-decorator]
-def _advance(step: Real, drive: Real, newton: float, x: Real, z: Real, after: Real) -> None:
-    """``after = step x + newton drive P(z)``, P the products of z in the order of the upper triangle."""
-    for row in range(len(x)):
+def enter(
+    new: int, i: int, offsets: Real, slopes: Real, amplitudes: Complex, turns: Complex,
+    spans: Real, end_decay: Real, end_line: Real, responses: Complex, free: Real,
+) -> None:  # fmt: skip
+    """Free decays at the start of a piece (node i), from those of the piece before it and the jump between them."""
+    old, jump = new - 1, offsets[new] + turned(turns, i, amplitudes, new)
+    if old >= 0:
+        jump -= offsets[old] + slopes[old] * spans[old] + turned(turns, i, amplitudes, old)
+    for m in range(len(free)):
+        if old >= 0:
+            free[m] = free[m] * end_decay[m, old] + slopes[old] * end_line[m, old]
+            free[m] += answered(turns, i, responses, m, amplitudes, old)
+        free[m] += jump - answered(turns, i, responses, m, amplitudes, new)
+
+
+@compiled  # type: ignore[untyped-decorator]
+def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: int, z: Real) -> None:
+    """``x_(i+1) = map x_i + newton drive P(z)``, P the products of z in the order of the upper triangle."""
+    for row in range(path.shape[1]):
         total, product = 0.0, 0
         for a in range(len(z)):
             for b in range(a, len(z)):
-                total += drive[row, product] * z[a] * z[b]
+                total += drives[kind, row, product] * z[a] * z[b]
                 product += 1
-        after[row] = newton * total
-        for column in range(len(x)):
-            after[row] += step[row, column] * x[column]
+        total *= newton
+        for column in range(path.shape[1]):
+            total += maps[kind, row, column] * path[i, column]
+        path[i + 1, row] = total
 
 
 @compiled  # type: ignore[untyped-decorator]
@@ -62,7 +73,7 @@ def respond(
     factor of each relaxation; per piece the same at its end; the turn of each sinusoid at each node and its response.
     """
     n_nodes, n_relax, n_turns = len(piece), len(gains), amplitudes.shape[1]
-    voltage, path = np.empty(n_nodes), np.zeros((n_nodes, maps.shape[1]))
+    voltage, path = np.zeros(n_nodes), np.zeros((n_nodes, maps.shape[1]))
     has_line = dc_gain != 0
     slope_at = n_relax + (1 if has_line else 0)
     first = slope_at + (1 if has_slope else 0)
@@ -72,10 +83,11 @@ def respond(
         now = piece[i]
         while held < now:
             held += 1
-            _enter(held, offsets, slopes, amplitudes, turns[i], spans, end_decay, end_line, responses, free)
+            enter(held, i, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
         level = offsets[now] + slopes[now] * since[i]
         for m in range(n_relax):
-            z[m] = free[m] * decay[m, i] + slopes[now] * line[m, i] + _turned(turns[i] * responses[m], amplitudes[now])
+            z[m] = free[m] * decay[m, i] + slopes[now] * line[m, i] + answered(turns, i, responses, m, amplitudes, now)
+            voltage[i] += gains[m] * z[m]
         if has_line:
             z[n_relax] = level
         if has_slope:
@@ -83,7 +95,7 @@ def respond(
         for k in range(n_turns):
             turn = turns[i, k] * amplitudes[now, k]
             z[first + 2 * k], z[first + 2 * k + 1] = turn.real, turn.imag
-        voltage[i] = dc_gain * (level + _turned(turns[i], amplitudes[now])) + np.sum(gains * z[:n_relax])
+        voltage[i] += dc_gain * (level + turned(turns, i, amplitudes, now))
         if i + 1 < n_nodes:
-            _advance(maps[kinds[i]], drives[kinds[i]], newton, path[i], z, path[i + 1])
+            _advance(maps, drives, kinds[i], newton, path, i, z)
     return voltage, path

@@ -1,6 +1,7 @@
 """A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -56,7 +57,7 @@ class Finger:
     def natural_frequency_hz(self) -> float:
         return float(np.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
 
-    @property
+    @cached_property
     def system(self) -> LinearSystem:
         """States (x, x') under a force in newton."""
         m, k, c = self.mass_kg, self.stiffness_n_per_m, self.damping_n_s_per_m
@@ -101,20 +102,25 @@ def sliding(
     """
     t = checked_times(t_s, pieces)
     mu = friction.coefficient_at(force_n)
-    system = finger.system
-    pushed = LinearSystem(system.matrix, tuple(mu * b for b in system.input))
-    return _motion(t, driven(pieces, form, pushed, t), finger=finger, mu=mu, force_n=force_n)
+    response = driven(pieces, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
+    return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
 
 
-def _motion(t: NDArray[np.float64], response: Response, *, finger: Finger, mu: float, force_n: float) -> Motion:
+def _motion(
+    t: NDArray[np.float64],
+    response: Response,
+    electrostatic_n: NDArray[np.float64],
+    *,
+    finger: Finger,
+    friction_n: float,
+) -> Motion:
     change, speed = response.states.T
-    modulation = mu * response.force_n
-    push = modulation - finger.damping_n_s_per_m * speed - finger.stiffness_n_per_m * change
+    push = response.force_n - finger.damping_n_s_per_m * speed - finger.stiffness_n_per_m * change
     return Motion(
         t,
-        response.force_n,
-        mu * force_n + modulation,
-        mu * force_n / finger.stiffness_n_per_m + change,
+        electrostatic_n,
+        friction_n + response.force_n,
+        friction_n / finger.stiffness_n_per_m + change,
         speed,
         push / finger.mass_kg,
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tactometry.stimuli.electrovibration.compiled import _enter, _turned
+from tactometry.stimuli.electrovibration.compiled import answered, enter
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -152,11 +152,11 @@ def flow(  # noqa: PLR0912, PLR0915
         now = piece[i]
         while held < now:
             held += 1
-            _enter(held, offsets, slopes, amplitudes, turns[i], spans, end_decay, end_line, responses, free)
+            enter(held, i, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
         turn = turns[i] * amplitudes[now]
         for r in range(n_relax):
-            turned = _turned(turns[i] * responses[r], amplitudes[now])
-            y[r] = free[r] * decay[r, i] + slopes[now] * line[r, i] + turned
+            y[r] = free[r] * decay[r, i] + slopes[now] * line[r, i]
+            y[r] += answered(turns, i, responses, r, amplitudes, now)
         level = offsets[now] + slopes[now] * since[i]
         rest, first = lengths[i] if i < len(lengths) else 0.0, True
         while first or rest > 0:

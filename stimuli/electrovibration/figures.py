@@ -1,0 +1,189 @@
+"""Figures of electrovibration for the gallery; each function returns a matplotlib figure and draws on no screen."""
+
+from collections.abc import Mapping, Sequence
+from itertools import cycle
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
+from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
+from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, force_form
+from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.sine import Sine
+from tactometry.stimuli.electrovibration.skin import Skin
+from tactometry.stimuli.electrovibration.step import Step
+from tactometry.stimuli.electrovibration.texture import Texture
+from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito's palette, which the common colour blindnesses tell apart."""
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
+
+
+def input_against_position(
+    textures: Mapping[str, Texture],
+    *,
+    length_m: float = 0.04,
+    speed_m_per_s: float = 0.05,
+    carrier_hz: float = 100.0,
+    voltage_v: float = 100.0,
+) -> "Figure":
+    """Voltage against finger position, a panel per texture: carrier (thin) and envelope (thick).
+
+    The envelope is ``V0 sqrt(share)``. The default carrier is lower than a real one so that it can be seen.
+    """
+    x_m = np.linspace(0, length_m, 8001)
+    figure, axes = _panels(len(textures), 1, (7.0, 1.0 + 1.3 * len(textures)), sharex="all")
+    for ax, (name, texture), colour in zip(axes, textures.items(), cycle(COLOURS), strict=False):
+        envelope_v = voltage_v * np.sqrt(texture.force_share(x_m))
+        carrier = np.sin(2 * np.pi * carrier_hz * x_m / speed_m_per_s)
+        ax.plot(1e3 * x_m, envelope_v * carrier, color="0.6", linewidth=0.5)
+        ax.plot(1e3 * x_m, envelope_v, color=colour, linewidth=1.8)
+        ax.set(ylabel="voltage (V)", ylim=(-1.15 * voltage_v, 1.15 * voltage_v))
+        ax.set_title(name, loc="left", fontsize=9)
+    axes[-1].set_xlabel(f"finger position (mm), sliding at {1e3 * speed_m_per_s:g} mm/s")
+    return figure
+
+
+def force_against_area(
+    *, voltage_v: float = 100.0, skin: Skin | None = None, laws: Sequence[Law] = LAWS, largest_m2: float = 3e-4
+) -> "Figure":
+    """Electrostatic force just after a step against contact area, a line per law, on logarithmic axes."""
+    areas_m2 = np.geomspace(largest_m2 / 100, largest_m2, 60)
+    figure, (ax,) = _panels(1, 1, (6.0, 4.0))
+    for law, colour, dash in zip(laws, COLOURS, DASHES, strict=False):
+        forces_n = [_force_after_step_n(law, skin or Skin(), area, voltage_v) for area in areas_m2]
+        ax.loglog(1e4 * areas_m2, forces_n, color=colour, linestyle=dash, label=law)
+    ax.set(xlabel="contact area (cm²)", ylabel="electrostatic force (N)")
+    ax.set_title(f"{voltage_v:g} V step, at once after it", loc="left", fontsize=9)
+    ax.legend(frameon=False, title="force law")
+    ax.grid(which="major", color="0.9")
+    return figure
+
+
+def skin_properties(layers: Mapping[str, DispersiveLayer] | None = None) -> "Figure":
+    """Resistivity and relative permittivity against frequency, a line per layer (defaults: unverified tables)."""
+    defaults = {"stratum corneum (unverified)": STRATUM_CORNEUM, "deeper tissue (unverified)": DEEPER_TISSUE}
+    figure, axes = _panels(1, 2, (8.0, 3.6))
+    for (name, layer), colour, dash in zip((layers or defaults).items(), COLOURS, DASHES, strict=False):
+        f_hz = np.geomspace(layer.frequencies_hz[0], layer.frequencies_hz[-1], 200)
+        permittivity, resistivity = layer.properties(f_hz)
+        axes[0].loglog(f_hz, resistivity, color=colour, linestyle=dash, label=name)
+        axes[1].loglog(f_hz, permittivity, color=colour, linestyle=dash, label=name)
+    axes[0].set(xlabel="frequency (Hz)", ylabel="resistivity (Ω m)")
+    axes[1].set(xlabel="frequency (Hz)", ylabel="relative permittivity")
+    axes[0].legend(frameon=False, fontsize=8)
+    for ax in axes:
+        ax.grid(which="major", color="0.9")
+    return figure
+
+
+def force_for_inputs(
+    areas_m2: Sequence[float] = (0.5e-4, 1.0e-4, 1.5e-4),
+    *,
+    skin: Skin | None = None,
+    law: Law = "sc_layer",
+    level: float = 40.0,
+    inputs: Mapping[str, Pieces] | None = None,
+) -> "Figure":
+    """Voltage (above) and force (below) over time for a step, a trapezoid and a sine, a line per contact area."""
+    shown = inputs or {
+        "step": Step(onset_s=1e-3, duration_s=6e-3).pieces(level),
+        "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, duration_s=16e-3).pieces(level),
+        "sine, 60 Hz": Sine(frequency_hz=60.0, ramp_s=0.0, duration_s=2 / 60).pieces(level),
+    }
+    figure, axes = _panels(2, len(shown), (3.2 * len(shown), 4.6), sharex="col")
+    for column, (name, pieces) in enumerate(shown.items()):
+        t_s = np.linspace(0, pieces.end_s, 2001)[:-1]
+        above, below = axes[column], axes[len(shown) + column]
+        above.plot(1e3 * t_s, pieces.at(t_s), color="0.3")
+        above.set_title(name, loc="left", fontsize=9)
+        _draw_forces(below, t_s, pieces, areas_m2, skin or Skin(), law)
+        below.set_xlabel("time (ms)")
+    axes[0].set_ylabel("voltage (V)")
+    axes[len(shown)].set_ylabel("electrostatic force (mN)")
+    axes[len(shown)].legend(frameon=False, fontsize=8, title=f"contact area ({law})", title_fontsize=8)
+    return figure
+
+
+def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
+    """Applied force per condition: each participant's mean as a point, their mean and 95 % t-interval beside.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no condition, or a condition has no value.
+    """
+    if not forces_n or not all(len(values) for values in forces_n.values()):
+        raise InvalidParameter("applied_forces: found a condition without forces, expected one per participant")
+    figure, (ax,) = _panels(1, 1, (1.5 + 1.2 * len(forces_n), 4.0))
+    for place, values in enumerate(forces_n.values()):
+        spread = np.linspace(-0.12, 0.12, len(values)) if len(values) > 1 else np.zeros(1)
+        ax.plot(place + spread, np.sort(values), "o", color="0.6", markersize=4)
+        ax.errorbar(place + 0.27, np.mean(values), yerr=_half_interval(values), fmt="s", color=COLOURS[0], capsize=4)
+    ax.set_xticks(range(len(forces_n)), list(forces_n))
+    ax.set(ylabel="applied force (N)", xlim=(-0.5, len(forces_n) - 0.3), ylim=(0, None))
+    ax.set_title("participants (grey), mean and 95 % interval (blue)", loc="left", fontsize=9)
+    return figure
+
+
+def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
+    """The contact ellipse at each force, and its area against force with the power law that fits it best."""
+    from matplotlib.patches import Ellipse
+
+    figure, (left, right) = _panels(1, 2, (8.0, 3.8))
+    ordered = sorted(prints, key=lambda one: one.force_n)
+    for one, colour, dash in zip(ordered, COLOURS, DASHES, strict=False):
+        ellipse = Ellipse((0, 0), 1e3 * one.width_m, 1e3 * one.length_m, fill=False, edgecolor=colour, linestyle=dash)
+        left.add_patch(ellipse)
+        ellipse.set(linewidth=1.8, label=f"{one.force_n:g} N")
+        right.plot(one.force_n, 1e4 * one.area_m2, "o", color=colour)
+    reach = 0.6e3 * max(one.length_m for one in prints)
+    left.set(xlim=(-reach, 1.7 * reach), ylim=(-reach, reach), aspect="equal")
+    left.set(xlabel="across the finger (mm)", ylabel="along the finger (mm)")
+    left.legend(frameon=False, title="applied force", loc="right")
+    law, top = power_law_of_prints(prints), ordered[-1].force_n
+    force_n = np.linspace(0, 1.05 * top, 200)
+    right.plot(force_n, 1e4 * law.area_m2(force_n), color="0.4", zorder=0, label=f"A ∝ F^{law.exponent:.2f}")
+    right.set(xlabel="applied force (N)", ylabel="contact area (cm²)", xlim=(0, None), ylim=(0, None))
+    right.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def _panels(
+    rows: int, columns: int, size_in: tuple[float, float], sharex: Literal["none", "all", "col"] = "none"
+) -> "tuple[Figure, list[Axes]]":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size_in, layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=sharex)
+    for ax in axes.flat:
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure, list(axes.flat)
+
+
+def _force_after_step_n(law: Law, skin: Skin, area_m2: float, voltage_v: float) -> float:
+    form = force_form(law, skin, area_m2)
+    at_once = form.relaxations.dc_gain + sum(form.relaxations.gains)
+    return form.newton_per_v2 * (at_once * voltage_v) ** 2
+
+
+def _draw_forces(ax: "Axes", t_s: np.ndarray, pieces: Pieces, areas_m2: Sequence[float], skin: Skin, law: Law) -> None:
+    for area_m2, colour, dash in zip(areas_m2, COLOURS, DASHES, strict=False):
+        force_n = electrostatic_force_at(t_s, pieces, skin=skin, area_m2=area_m2, law=law)
+        ax.plot(1e3 * t_s, 1e3 * force_n, color=colour, linestyle=dash, label=f"{1e4 * area_m2:g} cm²")
+    ax.set_ylim(0, None)
+
+
+def _half_interval(values: Sequence[float]) -> float:
+    from scipy.stats import t
+
+    if len(values) < 2:
+        return 0.0
+    return float(t.ppf(0.975, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values)))
