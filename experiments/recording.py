@@ -88,14 +88,15 @@ def record(
     InvalidParameter
         If `who` asks for another seed or number than the recorded one.
     """
-    design = experiment.design(study_toml)
-    keeper = OpenSession(root, design, Session(who.participant, who.session, design.study), resume=resume)
+    design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
+    number = who.counterbalancing_number
+    keeper = OpenSession(root, design, session, resume=resume)
     try:
         seed = _agreed(keeper.head, who)
         n_resumed, rig = keeper.n_trials, kind.make(seed)
         if keeper.head is None:
             keeper.begin(_head(design, who, seed, kind, rig))
-        course = experiment.course(who.participant, who.session, who.counterbalancing_number, seed)
+        course = experiment.course(who.participant, who.session, number, seed)
         tracks = run(course, rig, keeper)
     finally:
         keeper.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 from tactometry.dataset import sessions
 from tactometry.errors import Diverged, InvalidFile
 from tactometry.experiments.study import parse
-from tactometry.experiments.validation import derived_csv, first_difference
+from tactometry.experiments.validation import derived_csv, first_difference, n_rows, trials_file
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.journal import read
 from tactometry.provenance import sha256
@@ -47,14 +47,16 @@ def replay_data_set(path: Path) -> list[Replayed]:
 def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Replayed:
     recording = read(journal)
     head = recording.head
+    trials = trials_file(root, journal)
     if head is None:
+        if n_rows(trials):
+            raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
         return Replayed(journal.name, 0, complete=False)
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
     recorded = Replay(recording.entries, str(journal), first_line=2)
     replay(course, recorded, complete=recording.complete)
-    trials = root / "data" / f"{journal.stem}_data.csv"
     found = trials.read_bytes() if trials.is_file() else b""
     row = first_difference(found, derived_csv(recording, experiment))
     if row is not None:

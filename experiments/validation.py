@@ -36,8 +36,7 @@ def validate(path: Path) -> Soundness:
         If there is no such folder or file.
     """
     if path.is_file():
-        content = _content(path)
-        return Soundness(1, max(content.count(b"\n") - 1, 0), tuple(defects(content, path.name)), ())
+        return Soundness(1, n_rows(path), tuple(defects(_content(path), path.name)), ())
     if not path.is_dir():
         raise InvalidFile(f"{path}: found no such folder or file, expected a data set or a trials file")
     experiment, found = _study(path)
@@ -45,7 +44,7 @@ def validate(path: Path) -> Soundness:
     found += [*_description(path), *_trials_files(path)]
     for journal in sessions(path):
         found += _session(path, journal, experiment, notes)
-    n_trials = sum(max(_content(file).count(b"\n") - 1, 0) for file in _csv_files(path))
+    n_trials = sum(map(n_rows, _csv_files(path)))
     return Soundness(len(_csv_files(path)), n_trials, tuple(found), tuple(notes))
 
 
@@ -118,20 +117,39 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         yield Defect(name, int(line[1]) if line else None, line[2] if line else str(error))
         return
     if recording.head is None:
-        notes.append(f"{name}: the session has not begun; start it with --resume")
+        yield from _not_begun(root, journal, notes)
         return
     if not recording.complete:
         notes.append(f"{name}: the session is not finished ({len(recording.trials)} trials); go on with --resume")
+    if experiment is None:
+        return
     if sha256(_content(root / "study.toml")) != recording.head.study_sha256:
         yield Defect(name, 1, "found the digest of another study.toml, expected that of this data set")
-    elif experiment is not None:
+    else:
         yield from _agreement(root, journal, recording, experiment)
+
+
+def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
+    if n_rows(trials_file(root, journal)):
+        yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
+    else:
+        notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
+
+
+def trials_file(root: Path, journal: Path) -> Path:
+    """The trials file of a journal."""
+    return root / "data" / f"{journal.stem}_data.csv"
+
+
+def n_rows(path: Path) -> int:
+    """Rows of a trials file below its header; 0 where there is none."""
+    return max(_content(path).count(b"\n") - 1, 0) if path.is_file() else 0
 
 
 def _agreement(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
     """Whether the trials file is what the journal says."""
     assert recording.head is not None
-    file = root / "data" / f"{journal.stem}_data.csv"
+    file = trials_file(root, journal)
     if not file.is_file():
         yield Defect(f"data/{file.name}", None, "found no such file, expected the trials of the journal; use --resume")
         return

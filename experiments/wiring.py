@@ -217,4 +217,6 @@ def _check_levels(experiment: Experiment) -> None:
         try:
             experiment.study.limits.check(stimulus.at(highest))
         except TactometryError as error:
-            raise InvalidParameter(f"procedure: the highest level, {highest:g}, passes a limit ({error})") from None
+            raise InvalidParameter(
+                f"procedure: found the highest level {highest:g}, expected one within the limits ({error})"
+            ) from None

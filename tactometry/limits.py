@@ -25,7 +25,7 @@ class Limits:
         for name in ("voltage_peak_v", "duration_s"):
             value = getattr(self, name)
             if not 0 < value < float("inf"):
-                raise InvalidParameter(f"limits.{name}: found {value}, expected a finite number above 0")
+                raise InvalidParameter(f"Limits.{name}: found {value}, expected a finite number above 0")
 
     def check(self, signal: Signal) -> None:
         """Refuse a signal that passes a limit.

@@ -54,6 +54,9 @@ def convert(kind: Any, value: object, path: str) -> Any:
     """
     if dataclasses.is_dataclass(kind) and isinstance(kind, type):
         return build(kind, value, path)
+    if typing.get_origin(kind) is dict and isinstance(value, Mapping):
+        inner = typing.get_args(kind)[1]
+        return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
@@ -100,7 +103,7 @@ def _words(kind: Any) -> str:
     if origin in (typing.Union, types.UnionType):
         return " or ".join(_words(part) for part in inner if part is not type(None))
     if origin is tuple:
-        return f"a list of {_words(inner[0]).removeprefix('a ')}s"
+        return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in _words(inner[0]).split(' or '))}"
     return "a table"
 
 

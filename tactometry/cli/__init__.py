@@ -79,7 +79,7 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         sys.stderr.close()
         status = 0
-    sys.exit(status)
+    sys.exit(status or 0)
 
 
 def _where(error: click.ClickException) -> str:

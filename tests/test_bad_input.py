@@ -1,0 +1,478 @@
+"""Broken study files, data sets, journals and command lines: one sentence, the right exit status, nothing changed."""
+
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.cli import main
+from tactometry.errors import TactometryError
+from tactometry.experiments.study import builtin, load, parse
+from tactometry.experiments.wiring import wire
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+THRESHOLD = builtin()["electrovibration-threshold"].read_text("utf-8")
+
+STUDIES = {
+    "unknown key": (
+        TUTORIAL.replace("trial_s = 5.0", "trail_s = 5.0"),
+        "s.toml, trail_s: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
+        "touch, procedure, limits, counterbalance, trial_s, sensation, observer, finger, texts; did you mean 'trial_s'?",
+    ),
+    "unknown table": (
+        TUTORIAL.replace("[limits]", "[limit]"),
+        "s.toml, limit: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
+        "touch, procedure, limits, counterbalance, trial_s, sensation, observer, finger, texts; did you mean 'limits'?",
+    ),
+    "missing key": (
+        TUTORIAL.replace('name = "tutorial"\n', ""),
+        "s.toml, name: found no such key, expected a text",
+    ),
+    "missing table": (
+        TUTORIAL.partition("[limits]")[0],
+        "s.toml, limits: found no such key, expected a table",
+    ),
+    "text for number": (
+        TUTORIAL.replace("trial_s = 5.0", 'trial_s = "soon"'),
+        "s.toml, trial_s: found 'soon', expected a number in s or a string such as '1 s' (one of s, ms, us, µs, min, h)",
+    ),
+    "wrong unit": (
+        TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "500 mm"'),
+        "s.toml, stimulus.duration_s: found '500 mm', expected a number in s or a string such as '1 s' (one of s, ms, "
+        "us, µs, min, h)",
+    ),
+    "number for text": (
+        TUTORIAL.replace('title = "Tutorial: is there a vibration under the finger?"', "title = 5"),
+        "s.toml, title: found 5, expected a text",
+    ),
+    "list for number": (
+        TUTORIAL.replace("catch_rate = 0.2", "catch_rate = [0.2]"),
+        "s.toml, task.catch_rate: found [0.2], expected a number",
+    ),
+    "number for list": (
+        TUTORIAL.replace("levels = [10, 18, 26, 34] ", "levels = 10 "),
+        "s.toml, procedure.levels: found 10, expected a list of numbers",
+    ),
+    "table for list": (
+        TUTORIAL.replace("frequency_hz = [60, 240]", "frequency_hz = {low = 60}"),
+        "s.toml, factors.frequency_hz: found {'low': 60}, expected a list of numbers or texts",
+    ),
+    "empty list": (
+        TUTORIAL.replace("[60, 240]", "[]"),
+        "s.toml, factors.frequency_hz: found an empty list, expected at least one level",
+    ),
+    "duplicate factor level": (
+        TUTORIAL.replace("[60, 240]", "[60, 60]"),
+        "s.toml, factors.frequency_hz[1]: found 60.0 twice, expected each level once",
+    ),
+    "duplicate level": (
+        TUTORIAL.replace("[10, 18, 26, 34]", "[10, 18, 18]"),
+        "s.toml, procedure.levels[2]: found 18 twice, expected each level once; raise repeats to present it more often",
+    ),
+    "empty levels": (
+        TUTORIAL.replace("[10, 18, 26, 34]", "[]"),
+        "s.toml, procedure.levels: found no level, expected at least one",
+    ),
+    "level above the limit": (
+        TUTORIAL.replace("[10, 18, 26, 34]", "[10, 60]"),
+        "s.toml, procedure: found the highest level 60, expected one within the limits (limits.voltage_peak_v: found a peak of 951.052 V, "
+        "the "
+        "limit is 100 V; lower the level; nothing was played)",
+    ),
+    "no repeats": (
+        TUTORIAL.replace("repeats = 4", "repeats = 0"),
+        "s.toml, procedure.repeats: found 0, expected at least 1",
+    ),
+    "unknown task": (
+        TUTORIAL.replace('"yes_no"', '"yesno"'),
+        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice; did you mean 'yes_no'?",
+    ),
+    "catch rate": (
+        TUTORIAL.replace("catch_rate = 0.2", "catch_rate = 0.9"),
+        "s.toml, task.catch_rate: found 0.9, expected from 0 to 0.5",
+    ),
+    "catch trials in forced choice": (
+        TUTORIAL.replace('"yes_no"', '"forced_choice"'),
+        "s.toml, task.catch_rate: found 0.2 with forced_choice, expected 0: every trial of a forced choice holds a "
+        "stimulus; remove the key",
+    ),
+    "unknown stimulus": (
+        TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
+        "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine; did you mean 'sine'?",
+    ),
+    "no kind": (
+        TUTORIAL.replace('kind = "slide"\n', ""),
+        "s.toml, touch.kind: found no such key, expected one of press, slide",
+    ),
+    "key of another kind": (
+        THRESHOLD.replace('kind = "amplitude_modulated"', 'kind = "sine"\ncarrier_hz = 2000'),
+        "s.toml, stimulus.carrier_hz: found an unknown key, expected one of frequency_hz, duration_s, ramp_s, rate_hz, "
+        "phase_rad, level_unit",
+    ),
+    "frequency above Nyquist": (
+        TUTORIAL.replace("[60, 240]", "[60, 24000]").replace('"amplitude_modulated"', '"sine"'),
+        None,
+    ),
+    "negative duration": (
+        TUTORIAL.replace('"500 ms"', "-1"),
+        None,
+    ),
+    "factor that changes nothing": (
+        TUTORIAL.replace("frequency_hz = [60, 240]", "frequenz_hz = [60, 240]"),
+        None,
+    ),
+    "factor and value": (
+        TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "500 ms"\nfrequency_hz = 60'),
+        "s.toml, stimulus.frequency_hz: found a value that is a factor too, expected one of the two; remove it here or "
+        "in factors",
+    ),
+    "factor named as a column": (
+        TUTORIAL.replace("frequency_hz = [60, 240]", "level = [60, 240]"),
+        "s.toml, factors.level: found a name that is a column of every trials table, expected another",
+    ),
+    "counterbalance of no factor": (
+        THRESHOLD.replace('["force_n", "frequency_hz"]', '["force_m"]'),
+        "s.toml, counterbalance[0]: found 'force_m', expected each factor at most once (force_n, frequency_hz); did you "
+        "mean 'force_n'?",
+    ),
+    "name": (
+        TUTORIAL.replace('name = "tutorial"', 'name = "../up"'),
+        "s.toml, name: found '../up', expected words of small letters and digits joined by hyphens",
+    ),
+    "negative force": (
+        TUTORIAL.replace("force_n = 1.0", "force_n = -1.0"),
+        "s.toml, touch.force_n: found -1.0, expected a finite number above 0",
+    ),
+    "no limit": (
+        TUTORIAL.replace("voltage_peak_v = 100.0", "voltage_peak_v = 0"),
+        "s.toml, limits.voltage_peak_v: found 0.0, expected a finite number above 0",
+    ),
+    "infinite limit": (
+        TUTORIAL.replace("voltage_peak_v = 100.0", "voltage_peak_v = inf"),
+        "s.toml, limits.voltage_peak_v: found inf, expected a finite number above 0",
+    ),
+    "not a number": (
+        TUTORIAL.replace("voltage_peak_v = 100.0", "voltage_peak_v = nan"),
+        "s.toml, limits.voltage_peak_v: found nan, expected a finite number above 0",
+    ),
+    "staircase steps": (
+        THRESHOLD.replace("steps = [8.0, 4.0, 2.0]", "steps = [8.0, 0.0]"),
+        "s.toml, procedure.steps[1]: found 0, expected above 0 and at most the range of levels (56)",
+    ),
+    "step of text": (
+        THRESHOLD.replace("steps = [8.0, 4.0, 2.0]", 'steps = [8.0, "x"]'),
+        "s.toml, procedure.steps[1]: found 'x', expected a number",
+    ),
+    "staircase start": (
+        THRESHOLD.replace("start = 40.0", "start = 50.0"),
+        "s.toml, procedure.start: found 50, expected a level between low (-10) and high (46)",
+    ),
+    "state of a procedure": (
+        THRESHOLD.replace("start = 40.0", "start = 40.0\nreversals = [1.0]"),
+        None,
+    ),
+    "lapse rate": (
+        THRESHOLD.replace("lapse_rate = 0.02", "lapse_rate = 1.0"),
+        None,
+    ),
+}
+SYNTAX = {
+    "no TOML": (
+        "name = ",
+        r"s\.toml: found no valid TOML \(Invalid value \(at end of document\)\), expected a study file",
+    ),
+    "key twice": ("a = 1\na = 2", r"s\.toml: found no valid TOML \(Cannot overwrite a value \(at .*\)\), .*"),
+    "empty": ("", r"s\.toml, name: found no such key, expected a text"),
+}
+
+
+def call(capsys, *arguments):
+    """The exit status of a command line and what it said on standard error."""
+    with pytest.raises(SystemExit) as ended:
+        main(list(map(str, arguments)))
+    said = capsys.readouterr()
+    return ended.value.code, said.err.strip(), said.out
+
+
+def assert_one_sentence(said):
+    assert said.startswith("tactometry: ")
+    assert "\n" not in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("broken", STUDIES)
+def test_a_broken_study_file_is_refused_in_one_sentence(tmp_path, capsys, monkeypatch, broken):
+    content, message = STUDIES[broken]
+    assert content not in (TUTORIAL, THRESHOLD)
+    (tmp_path / "s.toml").write_text(content, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    status, said, _ = call(capsys, "simulate", "s.toml", "--participants", 1, "--seed", 1, "--out", "d")
+    assert status == 2
+    assert_one_sentence(said)
+    if message is not None:
+        assert said == f"tactometry: {message}"
+    assert "found" in said
+    assert "expected" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+    assert (tmp_path / "s.toml").read_text("utf-8") == content
+
+
+@pytest.mark.parametrize("broken", SYNTAX)
+def test_a_file_that_is_no_toml_is_refused_with_its_line(tmp_path, capsys, monkeypatch, broken):
+    content, message = SYNTAX[broken]
+    (tmp_path / "s.toml").write_text(content, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    status, said, _ = call(capsys, "simulate", "s.toml", "--participants", 1, "--seed", 1, "--out", "d")
+    assert status == 2
+    assert re.fullmatch(f"tactometry: {message}", said)
+
+
+COMMAND_LINES = {
+    "unknown command": (["runn"], 2, "found no command 'runn', expected one of .*; did you mean 'run'\\?"),
+    "unknown option": (["simulate", "--sede", "1"], 2, "simulate: No such option '--sede'.*--seed.*"),
+    "missing option": (["simulate", "tutorial"], 2, "simulate: Missing option '--participants'."),
+    "missing argument": (["run"], 2, "run: Missing argument 'STUDY'."),
+    "no number": (
+        ["simulate", "tutorial", "--participants", "many", "--seed", "1", "--out", "d"],
+        2,
+        "simulate: Invalid value for '--participants': 'many' is not a valid integer.",
+    ),
+    "unknown study": (
+        ["simulate", "tutorail", "--participants", "1", "--seed", "1", "--out", "d"],
+        2,
+        "tutorail: found no such file nor built-in study, expected .*; did you mean 'tutorial'\\?",
+    ),
+    "no participants": (
+        ["simulate", "tutorial", "--participants", "0", "--seed", "1", "--out", "d"],
+        2,
+        "--participants: found 0, expected at least 1",
+    ),
+    "negative seed": (
+        ["simulate", "tutorial", "--participants", "1", "--seed", "-1", "--out", "d"],
+        2,
+        "--seed: found -1, expected a whole number, at least 0",
+    ),
+    "no jobs": (
+        ["simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "d", "--jobs", "0"],
+        2,
+        "--jobs: found 0, expected at least 1, or -1 for all cores; or --scheduler alone",
+    ),
+    "name for a code": (
+        ["run", "tutorial", "--participant", "Anna K.", "--rig", "simulated", "--out", "d"],
+        2,
+        "participant: found 'Anna K.', expected a code of 1 to 32 letters and digits .*: no names, no paths",
+    ),
+    "path for a code": (
+        ["run", "tutorial", "--participant", "../../etc", "--rig", "simulated", "--out", "d"],
+        2,
+        "participant: found '../../etc', expected a code of .*",
+    ),
+    "code without number": (
+        ["run", "tutorial", "--participant", "AK", "--rig", "simulated", "--out", "d"],
+        2,
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+    ),
+    "session 0": (
+        ["run", "tutorial", "--participant", "P01", "--session", "0", "--rig", "simulated", "--out", "d"],
+        2,
+        "session: found 0, expected a number from 1",
+    ),
+    "unknown rig": (
+        ["run", "tutorial", "--participant", "P01", "--rig", "benhc"],
+        2,
+        "run: Invalid value for '--rig': 'benhc' is not one of 'bench', 'console', 'simulated'.",
+    ),
+    "no bench file": (
+        ["run", "tutorial", "--participant", "P01", "--bench", "none.toml", "--out", "d"],
+        2,
+        "none.toml: cannot read the bench file .*, expected a readable file",
+    ),
+    "nothing to replay": (["replay", "."], 2, ".: found no journal, expected a data set with journals/.*"),
+    "nothing to validate": (
+        ["validate", "nowhere"],
+        2,
+        "nowhere: found no such folder or file, expected a data set .*",
+    ),
+    "nothing to analyse": (
+        ["analyse", "nowhere"],
+        2,
+        "nowhere: no such file or folder, expected a data set or a CSV file of trials",
+    ),
+    "unknown built-in": (["new", "nothing"], 2, "nothing: found no such file nor built-in study, expected .*"),
+}
+
+
+@pytest.mark.parametrize("line", COMMAND_LINES)
+def test_a_bad_command_line_is_refused_in_one_sentence(tmp_path, capsys, monkeypatch, line):
+    arguments, expected, message = COMMAND_LINES[line]
+    monkeypatch.chdir(tmp_path)
+    status, said, _ = call(capsys, *arguments)
+    assert_one_sentence(said)
+    assert re.fullmatch(f"tactometry: {message}", said), said
+    assert status == expected
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_not_overwritten(tmp_path, capsys):
+    mine = tmp_path / "mine.toml"
+    mine.write_text("precious")
+    status, said, _ = call(capsys, "new", "tutorial", "--out", mine)
+    assert (status, said) == (2, f"tactometry: {mine}: found a file, expected none to overwrite; give another --out")
+    assert mine.read_text() == "precious"
+
+
+@pytest.fixture(scope="module")
+def data_set(tmp_path_factory):
+    root = tmp_path_factory.mktemp("data") / "d"
+    with pytest.raises(SystemExit):
+        main(["simulate", "tutorial", "--participants", "2", "--seed", "3", "--out", str(root)])
+    return root
+
+
+@pytest.fixture
+def copied(data_set, tmp_path):
+    import shutil
+
+    return shutil.copytree(data_set, tmp_path / "d")
+
+
+def trials_of(root):
+    return sorted((root / "data").glob("*.csv"))[0]
+
+
+def edit(path, old, new, count=1):
+    content = path.read_bytes()
+    assert old in content
+    path.write_bytes(content.replace(old, new, count))
+
+
+DEFECTS = {
+    "cell": (lambda root: edit(trials_of(root), b",yes_no,", b",yes,"), "column 'task': found 'yes', expected one of"),
+    "row": (
+        lambda root: edit(trials_of(root), b"P01,1,tutorial,1,2,", b"P01,1,tutorial,1,2,9,"),
+        "row 3: found 25 cells",
+    ),
+    "header": (lambda root: edit(trials_of(root), b"latency_s", b"latenz_s"), "found no column 'latency_s'"),
+    "bytes": (lambda root: edit(trials_of(root), b"tutorial", b"\xff"), "found no CSV in UTF-8"),
+    "empty": (lambda root: trials_of(root).write_bytes(b""), "found an empty file"),
+    "missing": (lambda root: trials_of(root).unlink(), "found no such file, expected the trials of the journal"),
+    "extra row": (
+        lambda root: trials_of(root).write_bytes(
+            trials_of(root).read_bytes() + trials_of(root).read_bytes().splitlines()[-1] + b"\n"
+        ),
+        "expected each trial once",
+    ),
+    "value": (lambda root: edit(trials_of(root), b",1,1,", b",1,0,"), "found another row than the journal holds"),
+    "study": (lambda root: edit(root / "study.toml", b"tutorial", b"tutoria"), "digest of another study.toml"),
+    "no study": (lambda root: (root / "study.toml").unlink(), "study.toml: found no such file"),
+    "description": (
+        lambda root: edit(root / "dataset_description.json", b"schema.org", b"example.org"),
+        "@context: found",
+    ),
+    "broken description": (
+        lambda root: (root / "dataset_description.json").write_text("{"),
+        "dataset_description.json: found no description",
+    ),
+    "undescribed column": (
+        lambda root: edit(root / "dataset_description.json", b'"name": "latency_s"', b'"name": "latenz_s"'),
+        "has a column 'latency_s', expected both to agree",
+    ),
+    "journal": (
+        lambda root: edit(next((root / "journals").glob("*P01*")), b'"at_s":2.0', b'"at_s":3.0'),
+        "row 2: the line is damaged",
+    ),
+    "no journal": (lambda root: next((root / "journals").glob("*P01*")).unlink(), "found no journal of this session"),
+}
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_validate_names_the_defect(copied, capsys, defect):
+    break_it, message = DEFECTS[defect]
+    break_it(copied)
+    status, _, out = call(capsys, "validate", copied)
+    assert status == 1
+    assert message in out
+
+
+def test_validate_finds_nothing_in_a_sound_data_set(copied, capsys):
+    status, _, out = call(capsys, "validate", copied)
+    assert (status, out.strip()) == (0, f"{copied}: sound; 2 sessions, {n_trials(copied)} trials")
+
+
+def n_trials(root):
+    return sum(path.read_bytes().count(b"\n") - 1 for path in (root / "data").glob("*.csv"))
+
+
+def test_replay_names_the_first_row_that_differs(copied, capsys):
+    edit(trials_of(copied), b",1,1,", b",1,0,")
+    status, said, _ = call(capsys, "replay", copied)
+    assert status == 1
+    assert re.search(r"row \d+: found another row than the replayed session gives", said)
+
+
+def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
+    edit(next((copied / "journals").glob("*P01*")), b'"at_s":2.0', b'"at_s":3.0')
+    status, said, _ = call(capsys, "replay", copied)
+    assert status == 2
+    assert "line 2: the line is damaged" in said
+
+
+def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(copied):
+    from tactometry.errors import Diverged
+    from tactometry.journal import read
+    from tactometry.rigs.replay import Replay
+    from tactometry.run import replay
+
+    study, _ = load("tutorial")
+    experiment = wire(study, "tutorial")
+    recording = read(next((copied / "journals").glob("*P01*")))
+    with pytest.raises(Diverged, match=r"line \d+: .*the recording holds .*, the protocol asks for"):
+        replay(experiment.course("P01", 1, 1, 4), Replay(recording.entries, "journal", 2))
+
+
+def test_resuming_with_another_seed_is_refused(copied, capsys):
+    journal = next((copied / "journals").glob("*P01*"))
+    journal.write_bytes(journal.read_bytes()[:-50])
+    arguments = ["run", "tutorial", "--participant", "P01", "--rig", "simulated", "--seed", 4, "--resume"]
+    status, said, _ = call(capsys, *arguments, "--out", copied)
+    assert (status, said) == (
+        2,
+        "tactometry: --seed: found 4, but this session began with 3; leave it out to go on",
+    )
+
+
+@given(content=st.binary(max_size=300) | st.text(max_size=300).map(lambda text: text.encode("utf-8", "replace")))
+def test_random_bytes_are_no_study(content):
+    with pytest.raises(TactometryError, match=r"(?s)found .*expected"):
+        wire(parse(content, "s.toml"), "s.toml")
+
+
+@given(place=st.integers(0, 10**6), byte=st.binary(min_size=0, max_size=3), length=st.integers(0, 4))
+@settings(max_examples=200)
+def test_a_study_file_hit_anywhere_is_read_or_refused(place, byte, length):
+    whole = TUTORIAL.encode()
+    start = place % len(whole)
+    hit = whole[:start] + byte + whole[start + length :]
+    try:
+        wire(parse(hit, "s.toml"), "s.toml")
+    except TactometryError as error:
+        assert re.search(r"(?s)s\.toml.*found .*expected", str(error))
+
+
+@given(content=st.binary(max_size=400))
+@settings(max_examples=50)
+def test_random_bytes_for_a_journal_never_give_a_traceback(data_set, content):
+    import shutil
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(shutil.copytree(data_set, Path(folder) / "d"))
+        journal = next((root / "journals").glob("*P01*"))
+        journal.write_bytes(content)
+        for command in ("replay", "validate"):
+            with pytest.raises(SystemExit) as ended:
+                main([command, str(root)])
+            assert ended.value.code in (0, 1, 2)
+        assert journal.read_bytes() == content

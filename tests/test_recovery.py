@@ -1,0 +1,86 @@
+"""The whole way recovers what is known: simulated participants, journals, trials files, fits."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.contact import Contact
+from tactometry.experiments.simulating import Simulation, simulate
+from tactometry.experiments.study import builtin, parse
+from tactometry.experiments.wiring import wire
+
+N = 1000 if os.environ.get("TACTOMETRY_SOAK") == "1" else 200
+AT_1E_4 = 3.72
+"""One-sided normal quantile of 1e-4."""
+
+ONE_CELL = (
+    builtin()["electrovibration-threshold"]
+    .read_text("utf-8")
+    .replace("force_n = [0.5, 1.5, 3.0] ", "force_n = [1.5] ")
+    .replace("[30, 60, 120, 180, 240, 320, 480]", "[240]")
+    .encode()
+)
+HEAD, _, TAIL = ONE_CELL.partition(b"[procedure]")
+CONSTANT = b'[procedure]\nkind = "constant_stimuli"\nlevels = [6, 9, 12, 15, 18, 21, 24]\nrepeats = 7\n\n[limits]'
+PROCEDURES = {"staircase": ONE_CELL, "constant stimuli": HEAD + CONSTANT + TAIL.partition(b"[limits]")[2]}
+
+
+def true_threshold(experiment, participant, seed):
+    """The level at which the participant says yes half-way between false alarms and lapses, by its own rule."""
+    observer = experiment.simulated_participant(participant, seed)
+    sensation, condition = experiment.sensation(), experiment.conditions[0]
+    stimulus = experiment.bank[condition.stimulus]
+    contact = Contact(condition.touch.force_n, condition.touch.speed_m_per_s)
+    detects = 1 - norm.sf(observer.criterion)
+
+    def excess(level):
+        d_prime = observer.d_prime(sensation.sensation_db(stimulus.at(level), contact))
+        return norm.cdf(d_prime - observer.criterion) - (1 + 1 - detects) / 2
+
+    return brentq(excess, -40, 46)
+
+
+@pytest.fixture(scope="module", params=PROCEDURES)
+def recovered(request, tmp_path_factory):
+    """True and estimated thresholds with their intervals, of N participants."""
+    toml, root = PROCEDURES[request.param], tmp_path_factory.mktemp("recovery")
+    seed = int(np.random.default_rng().integers(2**31))
+    print(f"seed {seed}")
+    list(simulate(Simulation(toml, "study", root, N, seed)))
+    estimates = analyse(root).tables["thresholds"].set_index("participant")
+    experiment = wire(parse(toml, "study"), "study")
+    truth = {code: true_threshold(experiment, code, seed) for code in estimates.index}
+    return estimates.assign(truth=truth)
+
+
+def test_most_cells_have_a_threshold(recovered):
+    assert (recovered["threshold"].notna()).mean() > 0.9
+
+
+def test_the_mean_bias_is_small_against_the_differences_between_participants(recovered):
+    kept = recovered.dropna(subset=["threshold"])
+    errors = kept["threshold"] - kept["truth"]
+    bound = 0.15 * kept["truth"].std()
+    assert abs(errors.mean()) <= bound + AT_1E_4 * errors.std() / np.sqrt(len(errors))
+
+
+def test_the_intervals_hold_the_truth(recovered):
+    inside = (recovered["interval_low"].fillna(-np.inf) <= recovered["truth"]) & (
+        recovered["truth"] <= recovered["interval_high"].fillna(np.inf)
+    )
+    assert inside.mean() >= 0.935 - AT_1E_4 * np.sqrt(0.065 * 0.935 / len(inside))
+
+
+def test_a_finger_at_rest_is_at_chance(tmp_path):
+    study = parse(ONE_CELL, "study")
+    experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-300}), "study")
+    sensation, condition = experiment.sensation(), experiment.conditions[0]
+    signal = experiment.bank[condition.stimulus].at(46.0)
+    observer = experiment.study.observer
+    assert sensation.sensation_db(signal, Contact(1.5, 0.0)) == -np.inf
+    assert observer.d_prime(-np.inf) == 0
