@@ -213,7 +213,7 @@ def curve_figure(found: Sequence[Estimate], factors: Sequence[str], *, unit: str
             )
         task = shown[0].cell.task
         figure.supxlabel(f"Level ({unit})" if unit else "Level", fontsize=8)
-        figure.supylabel(RATE_LABEL[task], fontsize=8)
+        figure.supylabel(RATE_LABEL[task], fontsize=8, x=0.08 / figure.get_size_inches()[0])
         return svg(figure)
 
 
@@ -221,7 +221,7 @@ def _panel(figure: Any, place: int, rows: int, columns: int) -> "Axes":
     """A panel at a fixed spot: laying out dozens of panels takes longer than drawing them."""
     figure.set_layout_engine("none")
     width_in, height_in = figure.get_size_inches()
-    left, bottom = 0.5 / width_in, 0.45 / height_in
+    left, bottom = 0.62 / width_in, 0.45 / height_in
     across, up = (1 - left - 0.01) / columns, (1 - bottom - 0.02) / rows
     column, row = place % columns, rows - 1 - place // columns
     axes: Axes = figure.add_axes((left + column * across, bottom + row * up, across * 0.9, up * 0.76))
