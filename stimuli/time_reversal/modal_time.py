@@ -19,7 +19,7 @@ from tactometry.stimuli.time_reversal.checks import choice
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-BLOCK: Final = 256
+BLOCK: Final = 64
 STILL_RAD_PER_S: Final = 1e-150
 QUANTITIES: Final = ("displacement", "velocity", "acceleration")
 
@@ -88,9 +88,9 @@ class Oscillators:
         first, last = start // BLOCK, (stop - 1) // BLOCK + 1
         anchors = self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
         inner = self._phasor(np.arange(float(BLOCK)), rate_hz)
-        out = anchors.real[:, :, None] * inner.imag[:, None, :]
-        out += anchors.imag[:, :, None] * inner.real[:, None, :]
-        return out.reshape(self.n, -1)[:, start - first * BLOCK : stop - first * BLOCK]
+        left, right = np.stack([anchors.real, anchors.imag], axis=2), np.stack([inner.imag, inner.real], axis=1)
+        out = np.matmul(left, right).reshape(self.n, -1)
+        return np.asarray(out[:, start - first * BLOCK : stop - first * BLOCK])
 
     def _weight(self, quantity: str) -> ComplexArray:
         pole = -self.decay_per_s + 1j * self.split_rad_per_s

@@ -50,7 +50,7 @@ def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float,
     """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
     mass.
     """
-    return np.asarray(_impulses(transition(oscillators, 1 / rate_hz), np.ascontiguousarray(impulses), keep))
+    return np.asarray(_impulses(transition(oscillators, 1 / rate_hz), np.ascontiguousarray(impulses.T), keep)).T
 
 
 def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> FloatArray:
@@ -59,7 +59,7 @@ def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> 
     """
     step_s = 1 / rate_hz
     weights = linear_input(oscillators, step_s)
-    return np.asarray(_linear(transition(oscillators, step_s), weights, np.ascontiguousarray(forces)))
+    return np.asarray(_linear(transition(oscillators, step_s), weights, np.ascontiguousarray(forces.T))).T
 
 
 def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
@@ -111,33 +111,40 @@ def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _impulses(step: FloatArray, impulses: FloatArray, keep: NDArray[np.int64]) -> FloatArray:
-    n, n_samples = impulses.shape
-    out = np.zeros((n, len(keep)))
-    for i in range(n):
-        q = 0.0
-        v = 0.0
-        kept = 0
-        a, b, c, d = step[i, 0, 0], step[i, 0, 1], step[i, 1, 0], step[i, 1, 1]
-        for k in range(n_samples):
-            q, v = a * q + b * v, c * q + d * v
-            v += impulses[i, k]
-            if kept < len(keep) and keep[kept] == k:
-                out[i, kept] = q
-                kept += 1
+    """Time outside, modes inside: no mode waits for another."""
+    n_samples, n = impulses.shape
+    out = np.zeros((len(keep), n))
+    q, v = np.zeros(n), np.zeros(n)
+    a, b, c, d = step[:, 0, 0].copy(), step[:, 0, 1].copy(), step[:, 1, 0].copy(), step[:, 1, 1].copy()
+    kept = 0
+    for k in range(n_samples):
+        for i in range(n):
+            moved = a[i] * q[i] + b[i] * v[i]
+            v[i] = c[i] * q[i] + d[i] * v[i] + impulses[k, i]
+            q[i] = moved
+        if kept < len(keep) and keep[kept] == k:
+            out[kept] = q
+            kept += 1
     return out
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _linear(step: FloatArray, weights: FloatArray, forces: FloatArray) -> FloatArray:
-    n, n_samples = forces.shape
-    out = np.zeros((n, n_samples))
-    for i in range(n):
-        q = 0.0
-        v = 0.0
-        a, b, c, d = step[i, 0, 0], step[i, 0, 1], step[i, 1, 0], step[i, 1, 1]
-        q0, q1, v0, v1 = weights[i, 0, 0], weights[i, 0, 1], weights[i, 1, 0], weights[i, 1, 1]
-        for k in range(1, n_samples):
-            start, end = forces[i, k - 1], forces[i, k]
-            q, v = a * q + b * v + q0 * start + q1 * end, c * q + d * v + v0 * start + v1 * end
-            out[i, k] = q
+    n_samples, n = forces.shape
+    out = np.zeros((n_samples, n))
+    q, v = np.zeros(n), np.zeros(n)
+    a, b, c, d = step[:, 0, 0].copy(), step[:, 0, 1].copy(), step[:, 1, 0].copy(), step[:, 1, 1].copy()
+    q0, q1, v0, v1 = (
+        weights[:, 0, 0].copy(),
+        weights[:, 0, 1].copy(),
+        weights[:, 1, 0].copy(),
+        weights[:, 1, 1].copy(),
+    )
+    for k in range(1, n_samples):
+        for i in range(n):
+            start, end = forces[k - 1, i], forces[k, i]
+            moved = a[i] * q[i] + b[i] * v[i] + q0[i] * start + q1[i] * end
+            v[i] = c[i] * q[i] + d[i] * v[i] + v0[i] * start + v1[i] * end
+            q[i] = moved
+            out[k, i] = moved
     return out

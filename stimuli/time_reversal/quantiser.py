@@ -85,7 +85,7 @@ class SigmaDelta:
                 f"{stream.peak_state:.3g}, the limit is {stream.limit:.3g}: the modulator overloads; "
                 "lower scale to 0.7 or less; nothing is emitted"
             )
-        return stream.bits
+        return stream.bits.astype(float)
 
 
 @dataclass(frozen=True)

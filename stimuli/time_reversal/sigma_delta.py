@@ -5,6 +5,7 @@ that V = U + (1 - z^-1)^L E. Time is the outer loop and channels the inner one: 
 another, and the compiler fills its vectors.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,18 +20,19 @@ from tactometry.stimuli.time_reversal.quantiser import STATE_LIMIT
 FloatArray = NDArray[np.float64]
 
 FIRST_ORDER_LIMIT: Final = 2.0
+FEEDBACK: Final = {1: (1.0, 0.0), 2: (2.0, -1.0)}
 
 
 @dataclass(frozen=True, eq=False)
 class BitStream:
     """What a modulator emitted.
 
-    `bits` (n_channels, n_samples) are -1 or +1; `peak_state` is the largest |y|, and `limit` what a sound
+    `bits` (n_channels, n_samples) are -1 or +1, one byte each; `peak_state` is the largest |y|, and `limit` what a sound
     modulator of this order keeps to: 2 exactly for the first order with |u| <= 1, 10 by simulation for the
     second.
     """
 
-    bits: FloatArray
+    bits: NDArray[np.int8]
     peak_state: float
     limit: float
 
@@ -45,7 +47,8 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     Parameters
     ----------
     signal : (n_channels, n_samples) array
-        Finite; |u| <= 1 for the first order and about 0.7 for the second keep the modulator sound.
+        Finite; |u| <= 1 for the first order and about 0.7 for the second keep the modulator sound. Memory in order of
+        time (the transpose of a contiguous (n_samples, n_channels) array) saves a copy.
     order : int
         1 or 2.
 
@@ -54,42 +57,27 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     >>> modulate(np.full((1, 8), 0.5), 1).bits[0].mean()
     np.float64(0.5)
     """
-    finite("signal", signal)
     if order not in (1, 2):
         raise InvalidParameter(f"order: found {order}, expected 1 or 2")
+    if not math.isfinite(float(np.vdot(signal.ravel("K"), signal.ravel("K")))):
+        finite("signal", signal)
     by_time = np.ascontiguousarray(signal.T)
-    bits = np.empty_like(by_time)
-    peak = (_first if order == 1 else _second)(by_time, bits)
+    bits = np.empty(by_time.shape, np.int8)
+    peak = _modulate(by_time, bits, *FEEDBACK[order])
     return BitStream(bits.T, float(peak.max(initial=0.0)), FIRST_ORDER_LIMIT if order == 1 else STATE_LIMIT)
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _first(signal: FloatArray, bits: FloatArray) -> FloatArray:
+def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> FloatArray:
+    """y = u - b1 e1 - b2 e2; the largest |y| of each channel."""
     n_samples, n_channels = signal.shape
-    e1 = np.zeros(n_channels)
-    peak = np.zeros(n_channels)
+    e1, e2, peak = np.zeros(n_channels), np.zeros(n_channels), np.zeros(n_channels)
     for t in range(n_samples):
         for c in range(n_channels):
-            y = signal[t, c] - e1[c]
-            v = 1.0 if y >= 0 else -1.0
-            e1[c] = v - y
-            peak[c] = max(peak[c], abs(y))
-            bits[t, c] = v
-    return peak
-
-
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _second(signal: FloatArray, bits: FloatArray) -> FloatArray:
-    n_samples, n_channels = signal.shape
-    e1 = np.zeros(n_channels)
-    e2 = np.zeros(n_channels)
-    peak = np.zeros(n_channels)
-    for t in range(n_samples):
-        for c in range(n_channels):
-            y = signal[t, c] - 2 * e1[c] + e2[c]
+            y = signal[t, c] - b1 * e1[c] - b2 * e2[c]
             v = 1.0 if y >= 0 else -1.0
             e2[c] = e1[c]
             e1[c] = v - y
             peak[c] = max(peak[c], abs(y))
-            bits[t, c] = v
+            bits[t, c] = np.int8(v)
     return peak

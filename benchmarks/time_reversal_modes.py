@@ -1,0 +1,112 @@
+"""Free-edge modes by Ritz: error beside time, over one dense product, and against scikit-fem.
+
+    OMP_NUM_THREADS=1 python benchmarks/time_reversal_modes.py
+
+The error is against the same basis with 20 more degrees; below 25 kHz both solvers are judged by that reference.
+scikit-fem runs Bogner-Fox-Schmit elements and scipy's sparse solver, the fair independent peer; it takes minutes. Set
+TACTOMETRY_BENCH_QUICK=1 to leave it out.
+"""
+
+import os
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+from time_reversal_rounds import interleaved, machine, row
+
+from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.ritz import degrees, solve
+
+PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
+ELEMENTS = ((40, 28), (60, 42), (90, 63))
+
+
+def frequencies_hz(f_max_hz: float, degree: tuple[int, int] | None = None) -> NDArray[np.float64]:
+    blocks = solve(PLATE, f_max_hz, degree)
+    return np.sort(np.concatenate([block.angular_frequency_rad_per_s for block in blocks])) / (2 * np.pi)
+
+
+def reference_hz(f_max_hz: float) -> NDArray[np.float64]:
+    p_x, p_y = degrees(PLATE, f_max_hz)
+    return frequencies_hz(1.001 * f_max_hz, (p_x + 20, p_y + 20))
+
+
+def error(found: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
+    """Largest relative error of the elastic frequencies."""
+    n = min(len(found), len(reference))
+    return float(np.max(np.abs(found[3:n] / reference[3:n] - 1)))
+
+
+def bogner_fox_schmit_hz(n_x: int, n_y: int, n_modes: int) -> NDArray[np.float64]:
+    """scikit-fem: the bilinear forms of Kirchhoff's plate, natural edges, shift-inverted Lanczos."""
+    from scipy.sparse.linalg import eigsh
+    from skfem import Basis, BilinearForm, ElementQuadBFS, MeshQuad
+    from skfem.helpers import dd, ddot, trace
+
+    mesh = MeshQuad.init_tensor(np.linspace(0, PLATE.length_m, n_x + 1), np.linspace(0, PLATE.width_m, n_y + 1))
+    basis = Basis(mesh, ElementQuadBFS())
+    nu = PLATE.poisson_ratio
+
+    @BilinearForm
+    def bending(u, v, w):  # type: ignore[no-untyped-def]
+        del w
+        return (1 - nu) * ddot(dd(u), dd(v)) + nu * trace(dd(u)) * trace(dd(v))
+
+    @BilinearForm
+    def inertia(u, v, w):  # type: ignore[no-untyped-def]
+        del w
+        return u * v
+
+    unit = PLATE.wave_constant_m2_per_s / (2 * np.pi)
+    lowest = eigsh(bending.assemble(basis), n_modes, inertia.assemble(basis), sigma=-1.0, which="LM")[0]
+    return np.sort(unit * np.sqrt(np.maximum(lowest, 0)))
+
+
+def against_dense_product() -> None:
+    a = np.random.default_rng(0).normal(size=(1500, 1500))
+    times = interleaved({"ritz": lambda: frequencies_hz(50e3), "product": lambda: a @ a}, 3)
+    worst = error(frequencies_hz(50e3), reference_hz(50e3))
+    row(
+        "free modes 0-50 kHz: time over one 1500 product",
+        times["ritz"] / times["product"],
+        "<= 15",
+        f"{times['ritz']:.3g} s",
+    )
+    row("free modes 0-50 kHz: error", worst, "<= 1e-8")
+
+
+def to_100_khz() -> None:
+    start = time.perf_counter()
+    found = frequencies_hz(100e3)
+    spent = time.perf_counter() - start
+    row(f"{len(found)} free modes below 100 kHz: error", error(found, reference_hz(100e3)), "<= 1e-9", f"{spent:.3g} s")
+
+
+def against_scikit_fem() -> None:
+    reference = reference_hz(25e3)
+    inside = reference[reference <= 25e3]
+    start = time.perf_counter()
+    p_x, p_y = degrees(PLATE, 25e3)
+    loose = frequencies_hz(25e3, (p_x - 14, p_y - 13))
+    ours_s = min(_timed(lambda: frequencies_hz(25e3, (p_x - 14, p_y - 13))) for _ in range(3))
+    print(f"  ours, {p_x - 14} x {p_y - 13} degrees: error {error(loose, reference):.2g}, {ours_s:.3g} s")
+    for n_x, n_y in ELEMENTS:
+        start = time.perf_counter()
+        found = bogner_fox_schmit_hz(n_x, n_y, len(inside))
+        spent = time.perf_counter() - start
+        detail = f"theirs: error {error(found, reference):.2g}, {spent:.3g} s"
+        row(f"free modes below 25 kHz against {n_x} x {n_y} BFS elements", spent / ours_s, ">= 300 at 1e-3", detail)
+
+
+def _timed(call: object) -> float:
+    start = time.perf_counter()
+    call()  # type: ignore[operator]
+    return time.perf_counter() - start
+
+
+if __name__ == "__main__":
+    print(machine())
+    against_dense_product()
+    to_100_khz()
+    if "TACTOMETRY_BENCH_QUICK" not in os.environ:
+        against_scikit_fem()

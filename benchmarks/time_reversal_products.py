@@ -1,0 +1,111 @@
+"""Fields, impulse responses and designs as matrix products: against a loop over modes and the peak of BLAS.
+
+OMP_NUM_THREADS=1 python benchmarks/time_reversal_products.py
+"""
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+from time_reversal_rounds import interleaved, machine, row
+
+from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_reversal import ClosedReversal
+from tactometry.stimuli.time_reversal.modes import values
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.transducer import PointForce
+
+Array = NDArray[np.float64]
+PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
+F_MAX_HZ, RATE_HZ, T_S = 31.25e3, 200e3, 15e-3
+N_X, N_Y = 300, 210
+
+
+def peak_flops() -> float:
+    """Rate of one dense product of 1500."""
+    a = np.random.default_rng(0).normal(size=(1500, 1500))
+    return 2 * 1500**3 / interleaved({"product": lambda: a @ a}, 5)["product"]
+
+
+def field_frame(peak: float) -> None:
+    modes = PLATE.modes(F_MAX_HZ)
+    x, y = np.linspace(0, 0.297, N_X), np.linspace(0, 0.210, N_Y)
+    draw = modes.frame(x, y)
+    amplitude = np.random.default_rng(0).normal(size=len(modes.frequency_hz))
+    along, across = modes.on_x.value(x)[modes.m - 1], modes.on_y.value(y)[modes.n - 1]
+
+    def loop() -> Array:
+        total = np.zeros((N_X, N_Y))
+        for a, u, v in zip(amplitude, along, across, strict=True):
+            total += a * np.outer(u, v)
+        return total
+
+    assert np.allclose(draw(amplitude), loop(), atol=1e-9)
+    times = interleaved({"ours": lambda: draw(amplitude), "loop": loop}, 15)
+    flops = 2 * int(modes.m.max()) * int(modes.n.max()) * N_Y + 2 * N_X * int(modes.m.max()) * N_Y
+    row(
+        "field frame 300 x 210 against a loop over modes",
+        times["loop"] / times["ours"],
+        ">= 300",
+        f"{times['ours'] * 1e3:.3g} ms",
+    )
+    row("field frame: share of the peak of BLAS", flops / times["ours"] / peak, ">= 0.5")
+
+
+def responses(peak: float) -> None:
+    rng = np.random.default_rng(0)
+    places = [(float(a), float(b)) for a, b in rng.uniform((0.01, 0.01), (0.287, 0.2), (64, 2))]
+    screen = Screen(PLATE, tuple(PointForce(*p) for p in places[:32]), Attenuation(10e-3))
+    modes, oscillators = screen.modes(F_MAX_HZ), screen.oscillators(F_MAX_HZ)
+    n = round(T_S * RATE_HZ)
+    basis = oscillators.impulse(RATE_HZ, 0, n)
+    push, at = screen.modal_forces(F_MAX_HZ), values(modes, *np.array(places[32:]).T)
+
+    def ours() -> Array:
+        return impulse_responses(screen, places[32:], rate_hz=RATE_HZ, duration_s=T_S, f_max_hz=F_MAX_HZ).samples
+
+    def loop() -> Array:
+        out = np.empty((32, 32, n))
+        for p in range(32):
+            for q in range(32):
+                out[p, q] = ((at[:, p] * push[:, q])[:, None] * basis).sum(axis=0)
+        return out / (PLATE.mass_kg * RATE_HZ)
+
+    assert np.allclose(ours(), loop(), atol=1e-12 * np.abs(ours()).max())
+    times = interleaved({"ours": ours, "loop": loop}, 3)
+    flops = 2 * 32 * 32 * len(basis) * n
+    row(
+        "32 x 32 impulse responses: share of the peak of BLAS",
+        flops / times["ours"] / peak,
+        ">= 0.7",
+        f"{times['ours'] * 1e3:.4g} ms",
+    )
+    row("32 x 32 impulse responses against a loop over pairs", times["loop"] / times["ours"], ">= 30")
+
+
+def designs() -> None:
+    rng = np.random.default_rng(0)
+    start = time.perf_counter()
+    kernel = ClosedReversal.of(PLATE, Attenuation(10e-3), 25e3, T_S)
+    draw = kernel.modes.frame(np.linspace(0, 0.297, N_X), np.linspace(0, 0.210, N_Y))
+    best = -math.inf
+    for _ in range(10_000):
+        sources = rng.uniform((0.01, 0.01), (0.287, 0.2), (32, 2))
+        focus = rng.uniform((0.03, 0.03), (0.267, 0.18))
+        amplitude = kernel.modal_amplitudes(values(kernel.modes, *sources.T), values(kernel.modes, *focus)[:, 0])
+        best = max(best, float(draw(amplitude).max()))
+    row(
+        "10 000 designs (32 transducers, focus, field)", time.perf_counter() - start, "10 s (guide)", f"best {best:.3g}"
+    )
+
+
+if __name__ == "__main__":
+    print(machine())
+    rate = peak_flops()
+    print(f"peak: {rate / 1e9:.0f} GFLOP/s in one product of 1500")
+    field_frame(rate)
+    responses(rate)
+    designs()

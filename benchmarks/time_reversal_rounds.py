@@ -1,0 +1,37 @@
+"""What the time-reversal benchmarks share: one thread, contenders in turn, medians, and what the machine is."""
+
+import statistics
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import scipy
+import scipy.linalg  # so that its BLAS is limited and listed
+from threadpoolctl import threadpool_info, threadpool_limits
+
+threadpool_limits(1)
+
+
+def interleaved(contenders: Mapping[str, Callable[[], object]], n_rounds: int = 7) -> dict[str, float]:
+    """Median time (s) of each, after one warm-up, all in turn in every round."""
+    for call in contenders.values():
+        call()
+    times: dict[str, list[float]] = {name: [] for name in contenders}
+    for _ in range(n_rounds):
+        for name, call in contenders.items():
+            start = time.perf_counter()
+            call()
+            times[name].append(time.perf_counter() - start)
+    return {name: statistics.median(each) for name, each in times.items()}
+
+
+def machine() -> str:
+    """BLAS, its kernels and threads: they move every ratio against a peak."""
+    found = {(i["internal_api"], i.get("architecture", "?"), i["num_threads"]) for i in threadpool_info()}
+    blas = "; ".join(f"{api} {kernel}, {n} thread(s)" for api, kernel, n in sorted(found))
+    return f"numpy {np.__version__}, scipy {scipy.__version__}; {blas}"
+
+
+def row(what: str, ratio: float, goal: str, detail: str = "") -> None:
+    """One line of a table."""
+    print(f"{what:<58} {ratio:>10.4g}   {goal:<14} {detail}")
