@@ -86,10 +86,12 @@ def test_some_sines_of_the_study_lie_above_200_volt() -> None:
     assert threshold_db(sine(30.0), MODEL) > 20 * np.log10(200) > threshold_db(sine(60.0), MODEL)
 
 
-def test_threshold_falls_with_force_by_the_absolute_criterion() -> None:
+@pytest.mark.parametrize(("criterion", "expected_db"), [("absolute", -2.0069), ("fraction", 4.0137)])
+def test_threshold_against_force_by_either_criterion(criterion: str, expected_db: float) -> None:
     stimulus = AmplitudeModulated(frequency_hz=240.0)
-    shift_db = threshold_db(stimulus, MODEL, Contact(2.0, 0.05)) - threshold_db(stimulus, MODEL, Contact(0.5, 0.05))
-    assert shift_db == pytest.approx(-2.0069, abs=5e-4)
+    model = ElectrovibrationSensation(criterion=criterion)
+    high_db, low_db = (threshold_db(stimulus, model, Contact(force_n, 0.05)) for force_n in (2.0, 0.5))
+    assert high_db - low_db == pytest.approx(expected_db, abs=5e-4)
 
 
 def test_doubling_the_voltage_quadruples_the_force() -> None:

@@ -13,7 +13,7 @@ from tactometry.stimuli.electrovibration.contact_area import (
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
 from tactometry.stimuli.electrovibration.drive import charge_c, current_a
-from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding
+from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding, sliding_many
 from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
@@ -87,5 +87,6 @@ __all__ = [
     "peak_voltage_v",
     "power_law_of_prints",
     "sliding",
+    "sliding_many",
     "stick_slip",
 ]

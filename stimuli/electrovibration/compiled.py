@@ -99,3 +99,21 @@ def respond(
         if i + 1 < n_nodes:
             _advance(maps, drives, kinds[i], newton, path, i, z)
     return voltage, path
+
+
+@compiled  # type: ignore[untyped-decorator]
+def respond_many(
+    offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
+    piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
+    turns: Complex, responses: Complex, gains: Real, dc_gain: float, has_slope: bool,
+    kinds: NDArray[np.intp], maps: Real, drives: Real,
+) -> tuple[Real, Real]:  # fmt: skip
+    """`respond` for heights with a first axis (n_stimuli,)."""
+    n_stimuli, n_nodes = len(offsets), len(piece)
+    voltages, paths = np.empty((n_stimuli, n_nodes)), np.empty((n_stimuli, n_nodes, maps.shape[1]))
+    for s in range(n_stimuli):
+        voltages[s], paths[s] = respond(
+            offsets[s], slopes[s], amplitudes[s], newton, piece, since, decay, line, spans, end_decay, end_line,
+            turns, responses, gains, dc_gain, has_slope, kinds, maps, drives,
+        )  # fmt: skip
+    return voltages, paths

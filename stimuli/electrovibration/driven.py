@@ -4,6 +4,7 @@ A relaxation that has decayed (40 time constants after the start of a piece: 4e-
 out of the lift, which bounds every exponent.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -24,7 +25,7 @@ DECAYED = 40.0
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Voltage across the layer (n_times,), force (n_times,) in N, and driven states (n_times, n)."""
+    """Voltage across the layer (..., n_times), force (..., n_times) in N, and driven states (..., n_times, n)."""
 
     voltage_v: Real
     force_n: Real
@@ -43,6 +44,41 @@ def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: Real) -> 
     return Response(voltage, form.newton_per_v2 * voltage**2, states)
 
 
+def driven_many(stimuli: Sequence[Pieces], form: ForceForm, system: LinearSystem, t_s: Real) -> Response:
+    """`driven` for stimuli whose pieces start at the same times: arrays (n_stimuli, n_times), one plan for all.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no stimulus, or one has other starts, frequencies or an other end than the first.
+    """
+    from tactometry.stimuli.electrovibration.compiled import respond_many
+
+    offsets, slopes, amplitudes = _stacked(stimuli)
+    timing = Timing(stimuli[0], t_s, has_slope=bool(slopes.any()))
+    plan = _plan(timing, form.relaxations, system)
+    voltage, states = respond_many(offsets, slopes, amplitudes, form.newton_per_v2, *plan.arrays)
+    voltage, states = voltage[:, plan.wanted], states[:, plan.wanted]
+    return Response(voltage, form.newton_per_v2 * voltage**2, states)
+
+
+def _stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex128]]:
+    if not stimuli:
+        raise InvalidParameter("stimuli: found none, expected at least one")
+    key = Timing(stimuli[0], np.zeros(0), has_slope=True)
+    for place, pieces in enumerate(stimuli):
+        if Timing(pieces, key.t_s, has_slope=True) != key:
+            raise InvalidParameter(
+                f"stimuli[{place}]: found other starts, frequencies or an other end than the first stimulus has, "
+                "expected the same; solve it by itself"
+            )
+    return (
+        np.array([pieces.offsets_v for pieces in stimuli]),
+        np.array([pieces.slopes_v_per_s for pieces in stimuli]),
+        np.array([pieces.harmonics_v for pieces in stimuli]),
+    )
+
+
 def checked_times(t_s: ArrayLike, pieces: Pieces) -> Real:
     """Times as an array, if they ascend from at least 0 to at most the end of the pieces."""
     t = require.finite_array("t_s", t_s)
@@ -57,9 +93,9 @@ def checked_times(t_s: ArrayLike, pieces: Pieces) -> Real:
 class Timing:
     """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
 
-    def __init__(self, pieces: Pieces, t_s: Real) -> None:
+    def __init__(self, pieces: Pieces, t_s: Real, *, has_slope: bool | None = None) -> None:
         self.pieces, self.t_s = pieces, t_s
-        self.has_slope = bool(pieces.slopes_v_per_s.any())
+        self.has_slope = bool(pieces.slopes_v_per_s.any()) if has_slope is None else has_slope
         self._key = (
             self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(), t_s.tobytes()
         )  # fmt: skip
@@ -75,7 +111,7 @@ class Timing:
 class Plan:
     """The arguments of `respond` that do not depend on heights, and the nodes that were asked for."""
 
-    wanted: NDArray[np.intp]
+    wanted: NDArray[np.intp] | slice
     arrays: tuple[object, ...]
 
 
@@ -94,7 +130,9 @@ def _plan(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Pla
     drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
     rest = (np.array(relaxations.gains), relaxations.dc_gain, timing.has_slope)
     arrays = (*shared.arrays, *rest, kinds, maps, drives.reshape(len(flows), n, -1))
-    return Plan(np.searchsorted(nodes, timing.t_s), arrays)
+    wanted = np.searchsorted(nodes, timing.t_s)
+    in_a_row = bool((np.diff(wanted) == 1).all())
+    return Plan(slice(int(wanted[0]), int(wanted[-1]) + 1) if in_a_row else wanted, arrays)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -8,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.driven import Response, checked_times, driven
+from tactometry.stimuli.electrovibration.driven import Response, checked_times, driven, driven_many
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction
 from tactometry.stimuli.electrovibration.lift import LinearSystem
@@ -66,7 +67,7 @@ class Finger:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A finger over time, arrays (n_times,): lateral force on the skin (N), deflection (m), and its derivatives."""
+    """A finger over time, arrays (..., n_times): lateral force on the skin (N), deflection (m), and its derivatives."""
 
     t_s: NDArray[np.float64]
     electrostatic_n: NDArray[np.float64]
@@ -106,6 +107,30 @@ def sliding(
     return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
 
 
+def sliding_many(
+    t_s: ArrayLike,
+    stimuli: Sequence[Pieces],
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> Motion:
+    """`sliding` for many voltages whose pieces start at the same times: arrays (n_stimuli, n_times).
+
+    All share the exponentials of one plan: what differs is heights, slopes and phases.
+
+    Raises
+    ------
+    InvalidParameter
+        As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
+    """
+    t = checked_times(t_s, stimuli[0]) if stimuli else np.zeros(0)
+    mu = friction.coefficient_at(force_n)
+    response = driven_many(stimuli, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
+    return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
+
+
 def _motion(
     t: NDArray[np.float64],
     response: Response,
@@ -114,7 +139,7 @@ def _motion(
     finger: Finger,
     friction_n: float,
 ) -> Motion:
-    change, speed = response.states.T
+    change, speed = response.states[..., 0], response.states[..., 1]
     push = response.force_n - finger.damping_n_s_per_m * speed - finger.stiffness_n_per_m * change
     return Motion(
         t,

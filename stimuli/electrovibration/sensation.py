@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
+from typing import Literal
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
@@ -15,6 +16,7 @@ from tactometry.stimuli.electrovibration.skin import Skin
 from tactometry.stimuli.perception.detection import Components, components, sensation_level_db
 
 N_CACHED = 512
+Criterion = Literal["absolute", "fraction"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,10 @@ class ElectrovibrationSensation:
     reference_force_n : float
         Amplitude of the friction force at the detection threshold, at 250 Hz. Unverified default: it puts the
         threshold of a square-root carrier at 240 Hz (1.5 N, 50 mm/s) at 5 V peak.
+    criterion : {"absolute", "fraction"}
+        Whether `reference_force_n` holds at any normal force, or at 1 N and in proportion to it at others, so that a
+        fixed fraction of the friction is detected. With areas that grow as ``F^m`` the threshold then changes with
+        force as ``-10 m log10 F`` dB or as ``10 (1 - m) log10 F`` dB.
 
     Examples
     --------
@@ -51,9 +57,11 @@ class ElectrovibrationSensation:
     friction: CoulombFriction = field(default_factory=CoulombFriction)
     lag: FrictionLag | None = field(default_factory=FrictionLag)
     reference_force_n: float = 6.7e-6
+    criterion: Criterion = "absolute"
 
     def __post_init__(self) -> None:
         check_law(self.law)
+        require.one_of("ElectrovibrationSensation.criterion", self.criterion, ("absolute", "fraction"))
         require.positive("ElectrovibrationSensation", reference_force_n=self.reference_force_n)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
@@ -71,7 +79,8 @@ class ElectrovibrationSensation:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))
         parts = _force_components(_Keyed(signal), self.skin, area_m2, self.law)
-        return sensation_level_db(self._friction(parts, contact), self.reference_force_n)
+        relative = contact.force_n if self.criterion == "fraction" else 1.0
+        return sensation_level_db(self._friction(parts, contact), relative * self.reference_force_n)
 
     def _friction(self, parts: Components, contact: Contact) -> Components:
         modulation_n = self.friction.modulation_n(parts.amplitudes, contact.force_n)
