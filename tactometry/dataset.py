@@ -172,6 +172,7 @@ def prepare(root: Path, design: Design) -> None:
 class OpenSession:
     """A session that is being recorded: what `tactometry.run.run` writes to.
 
+    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns.
     With `resume` an interrupted session goes on; what the crash cut off is kept beside the journal, and said in
     `repaired`.
     """
@@ -213,7 +214,7 @@ class OpenSession:
         self.journal.append(request, answer)
         if isinstance(request, Record):
             line = csv_bytes([row(request.trial, self._session, self._design.columns)])
-            write_whole(self._file, line, self._trials, durable=True)
+            write_whole(self._file, line, self._trials, durable=False)
             self.n_trials += 1
 
     def finish(self) -> None:
@@ -222,6 +223,7 @@ class OpenSession:
     def close(self) -> None:
         self.journal.close()
         if self._file >= 0:
+            os.fsync(self._file)
             os.close(self._file)
             self._file = -1
 
