@@ -8,6 +8,7 @@ TACTOMETRY_BENCH_QUICK=1 to leave it out.
 """
 
 import os
+import statistics
 import time
 
 import numpy as np
@@ -19,6 +20,7 @@ from tactometry.stimuli.time_reversal.ritz import degrees, solve
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
 ELEMENTS = ((40, 28), (60, 42), (90, 63))
+WANTED = 1e-3
 
 
 def frequencies_hz(f_max_hz: float, degree: tuple[int, int] | None = None) -> NDArray[np.float64]:
@@ -85,11 +87,13 @@ def to_100_khz() -> None:
 def against_scikit_fem() -> None:
     reference = reference_hz(25e3)
     inside = reference[reference <= 25e3]
-    start = time.perf_counter()
     p_x, p_y = degrees(PLATE, 25e3)
-    loose = frequencies_hz(25e3, (p_x - 14, p_y - 13))
-    ours_s = min(_timed(lambda: frequencies_hz(25e3, (p_x - 14, p_y - 13))) for _ in range(3))
-    print(f"  ours, {p_x - 14} x {p_y - 13} degrees: error {error(loose, reference):.2g}, {ours_s:.3g} s")
+    fewer = max(k for k in range(25) if error(frequencies_hz(25e3, (p_x - k, p_y - k)), reference) <= WANTED)
+    ours = (p_x - fewer, p_y - fewer)
+    ours_s = statistics.median(_timed(lambda: frequencies_hz(25e3, ours)) for _ in range(5))
+    print(
+        f"  ours, {ours[0]} x {ours[1]} degrees: error {error(frequencies_hz(25e3, ours), reference):.2g}, {ours_s:.3g} s"
+    )
     for n_x, n_y in ELEMENTS:
         start = time.perf_counter()
         found = bogner_fox_schmit_hz(n_x, n_y, len(inside))

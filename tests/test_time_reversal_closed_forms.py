@@ -20,6 +20,7 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     half_wavelength_m,
     mistuned_amplitude_ratio,
     one_bit_amplitude_ratio,
+    repetition_amplitude_ratio,
     repetition_noise_ratio,
     resolution_m,
 )
@@ -33,7 +34,8 @@ from tactometry.stimuli.time_reversal.merit import (
     contrast_whole_of,
     width_m,
 )
-from tactometry.stimuli.time_reversal.quantiser import Analogue
+from tactometry.stimuli.time_reversal.pattern import Pattern, focus_samples, pattern_drive
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
@@ -163,6 +165,34 @@ def test_mistuning():
     assert mistuned_amplitude_ratio(0.0, Band(1e3, 25e3), 3e-3) == 1.0
     assert mistuned_amplitude_ratio(1e-2, Band(1e3, 25e3), 3e-3) == pytest.approx(0.478, abs=0.02)
     assert mistuned_amplitude_ratio(1e-6, Band(1e3, 25e3), 3e-3) == pytest.approx(1.0, abs=1e-6)
+
+
+REPETITION = {10e-3: 1.0, 5e-3: 0.93, 3.3e-3: 0.79, 2e-3: 0.66, 1e-3: 0.47}
+
+
+@pytest.mark.parametrize("repetition_s", REPETITION)
+def test_repetition_penalty_of_the_notes(repetition_s):
+    """T = 6 ms, tau = 3 ms, 1 bit: simulated values of another program."""
+    assert repetition_amplitude_ratio(6e-3, repetition_s, 3e-3) == pytest.approx(REPETITION[repetition_s], abs=0.04)
+
+
+@pytest.mark.parametrize("repetition_s", [4e-3, 2e-3])
+def test_repetition_penalty_meets_the_simulation(repetition_s):
+    """Mean over three foci: each carries the residue of its own train, of about 1 / contrast."""
+    h = impulse_responses(a4(32), FOCI, rate_hz=RATE_HZ, duration_s=T_S, f_max_hz=25e3)
+    train = Pattern(1 / repetition_s, 60e-3)
+    found = []
+    for i in range(len(FOCI)):
+        one = h.at_point(i)
+        u = emitted(pattern_drive(one, train, 1.0), one)[0][focus_samples(train, RATE_HZ, h.n_samples)]
+        found.append(np.mean(u[len(u) // 4 : -len(u) // 4]) / focus_amplitude(drive(one, 1.0), one))
+    assert np.mean(found) == pytest.approx(repetition_amplitude_ratio(T_S, repetition_s, TAU_S), rel=0.1)
+
+
+def test_one_bit_beats_the_same_peak_voltage_4_to_6_times():
+    h = impulse_responses(a4(32), FOCI[:1], rate_hz=200e3, duration_s=T_S, f_max_hz=60e3)
+    one_bit, analogue = (focus_amplitude(drive(h, 1.0, q), h) for q in (OneBit(), Analogue()))
+    assert 4 < one_bit / analogue < 6.5
 
 
 def test_repetition_noise():

@@ -117,6 +117,26 @@ def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 
 
+def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: float) -> float:
+    """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
+
+    At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
+    exp(-(s + j T_r) / tau), 0 <= s + j T_r <= T; Bussgang's gain of the sum gives the share of each:
+    the mean over s, weighted by exp(-s / tau), of (sum_j exp(-2 j T_r / tau))^(-1/2). Derived.
+
+    >>> repetition_amplitude_ratio(6e-3, 10e-3, 3e-3)
+    1.0
+    """
+    for name, value in (("reversal_s", reversal_s), ("repetition_s", repetition_s), ("tau_s", tau_s)):
+        positive(name, value)
+    s = (np.arange(2000) + 0.5) / 2000 * reversal_s
+    reach = math.ceil(reversal_s / repetition_s)
+    j = np.arange(-reach, reach + 1)[:, None] * repetition_s
+    present = (s + j >= 0) & (s + j <= reversal_s)
+    share = 1 / np.sqrt(np.sum(np.where(present, np.exp(-2 * j / tau_s), 0.0), axis=0))
+    return float(np.average(share, weights=np.exp(-s / tau_s)))
+
+
 def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
     """u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
 
