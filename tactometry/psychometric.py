@@ -8,6 +8,7 @@ another, so that both tails keep their digits wherever a float can hold the loga
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import isfinite, log
 from types import MappingProxyType
 from typing import Any
@@ -46,6 +47,7 @@ class Shape:
         """The distance between the 0.05 and the 0.95 points of S."""
         return self._quantile(RIGHT) - self._quantile(LEFT)
 
+    @cache  # noqa: B019 - the few shapes live as long as the program
     def _quantile(self, probability: float) -> float:
         return float(self.at(np.array(log(probability)), np.array(np.log1p(-probability))))
 

@@ -1,0 +1,115 @@
+"""Threshold fits against psignifit and scipy, in one run: `python benchmarks/analysis_fits.py`.
+
+Prints times and ratios; set OMP_NUM_THREADS=1 for comparable numbers.
+"""
+
+import platform
+import tracemalloc
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+from scipy.optimize import minimize
+
+from tactometry.analysis.counts import checked, normalised
+from tactometry.analysis.mode import find_mode, log_density
+from tactometry.analysis.prior import Prior
+from tactometry.analysis.threshold import fit, fit_many
+from tactometry.psychometric import SHAPES, PsychometricFunction
+
+LEVELS = np.linspace(-3, 3, 7)
+N_SETS, N_TRIALS, N_PEER = 10_000, 20, 5
+SHAPE = SHAPES["normal"]
+
+
+def seconds(work: Callable[[], object], repeats: int = 3) -> float:
+    """The best of some runs after a warm one."""
+    work()
+    times = []
+    for _ in range(repeats):
+        start = perf_counter()
+        work()
+        times.append(perf_counter() - start)
+    return min(times)
+
+
+def drawn(n_sets: int, guess: float, rng: np.random.Generator) -> np.ndarray:
+    chance = PsychometricFunction("normal", 0.0, 3.3, guess, 0.02).probability(LEVELS)
+    return rng.binomial(N_TRIALS, chance, (n_sets, len(LEVELS)))
+
+
+def modes(k: np.ndarray) -> float:
+    counts = normalised(*checked(LEVELS, k, N_TRIALS, positive=False))
+    zeros = np.zeros(len(k))
+    return seconds(lambda: find_mode(SHAPE, counts, Prior(counts.gap, None, 0.5, zeros, zeros)), 2)
+
+
+def scipy_one_at_a_time(k: np.ndarray) -> float:
+    """Nelder-Mead on the same log posterior; seconds per set."""
+    counts = normalised(*checked(LEVELS, k, N_TRIALS, positive=False))
+    start = perf_counter()
+    for i in range(len(k)):
+        one, prior = counts[i : i + 1], Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))
+
+        def loss(x: np.ndarray, one=one, prior=prior) -> float:
+            if not (abs(x[0]) < 1 and 0 <= x[2] <= 0.5):
+                return 1e9
+            with np.errstate(all="ignore"):
+                value = -log_density(SHAPE, one, prior, np.array([[x[0], x[1], x[2], 0.5]]))[0]
+            return float(value) if np.isfinite(value) else 1e9
+
+        minimize(loss, [0.0, -0.5, 0.02], method="Nelder-Mead")
+    return (perf_counter() - start) / len(k)
+
+
+def psignifit_seconds(k: np.ndarray, experiment: str) -> float:
+    """Seconds per set."""
+    import warnings
+
+    from psignifit import psignifit
+
+    start = perf_counter()
+    for row in k:
+        data = np.column_stack([LEVELS, row, np.full(len(LEVELS), N_TRIALS)])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            psignifit(data, sigmoid="norm", experiment_type=experiment)
+    return (perf_counter() - start) / len(k)
+
+
+def megabytes(work: Callable[[], object]) -> float:
+    tracemalloc.start()
+    work()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak / 1e6
+
+
+def main() -> None:
+    rng = np.random.default_rng()
+    forced, yes_no = drawn(N_SETS, 0.5, rng), drawn(N_PEER, 0.02, rng)
+    print(f"numpy {np.__version__}, Python {platform.python_version()}, {platform.machine()}")
+    peer_forced = psignifit_seconds(forced[:N_PEER], "2AFC")
+    peer_yes_no = psignifit_seconds(yes_no[:2], "yes/no")
+    all_modes = modes(forced)
+    print(f"modes of {N_SETS} sets: {all_modes:.2f} s, {N_SETS / all_modes:.0f} a second")
+    print(f"  against psignifit ({peer_forced:.2f} s a set): {peer_forced * N_SETS / all_modes:.0f} x")
+    print(f"  against Nelder-Mead, one at a time: {scipy_one_at_a_time(forced[:20]) * N_SETS / all_modes:.0f} x")
+
+    def one(k: np.ndarray, guess: float | None) -> object:
+        return fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=guess)
+
+    for name, k, guess, peer in (("2AFC", forced[0], 0.5, peer_forced), ("yes/no", yes_no[0], None, peer_yes_no)):
+        took = seconds(lambda k=k, guess=guess: one(k, guess), 10)
+        memory = megabytes(lambda k=k, guess=guess: one(k, guess))
+        print(f"posterior, one {name} set: {1e3 * took:.1f} ms, {memory:.0f} MB; psignifit {peer:.2f} s: {peer / took:.0f} x")
+    batch = seconds(lambda: fit_many(LEVELS, forced[:300], N_TRIALS, shape="normal", guess_rate=0.5), 1) / 300
+    print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set; against psignifit {peer_forced / batch:.0f} x")
+    took = seconds(
+        lambda: fit(LEVELS, forced[0], N_TRIALS, shape="normal", guess_rate=0.5, method="bootstrap", rng=rng), 3
+    )
+    print(f"1000 parametric bootstraps: {1e3 * took:.0f} ms")
+
+
+if __name__ == "__main__":
+    main()
