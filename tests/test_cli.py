@@ -78,7 +78,9 @@ def test_results_come_as_json(tmp_path, capsys, monkeypatch, arguments):
 def test_validate_replay_and_analyse_give_json(tmp_path, capsys):
     call(capsys, "simulate", "tutorial", "--participants", 2, "--seed", 1, "--out", tmp_path / "d")
     assert json.loads(call(capsys, "validate", tmp_path / "d", "--json"))["defects"] == []
-    assert [session["complete"] for session in json.loads(call(capsys, "replay", tmp_path / "d", "--json"))] == [True] * 2
+    assert [session["complete"] for session in json.loads(call(capsys, "replay", tmp_path / "d", "--json"))] == [
+        True
+    ] * 2
     assert json.loads(call(capsys, "analyse", tmp_path / "d", "--json"))
 
 
@@ -100,12 +102,15 @@ def test_a_cluster_changes_no_byte(tmp_path):
         "import distributed, subprocess, sys\n"
         "if __name__ == '__main__':\n"
         "    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:\n"
-        "        words = [sys.executable, '-m', 'tactometry', *sys.argv[1:], '--scheduler', cluster.scheduler_address]\n"
+        "        words = [sys.executable, '-m', 'tactometry', *sys.argv[1:]]\n"
+        "        words += ['--scheduler', cluster.scheduler_address]\n"
         "        sys.exit(subprocess.run(words).returncode)\n"
     )
     (tmp_path / "cluster.py").write_text(script)
     words = ["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(tmp_path / "cluster")]
-    done = subprocess.run([sys.executable, tmp_path / "cluster.py", *words], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "cluster.py", *words], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert files(simulate_here) == files(tmp_path / "cluster")
 
@@ -157,7 +162,9 @@ def test_the_main_job_end_to_end(tmp_path, capsys):
 def readme_commands():
     text = (ROOT / "README.md").read_text("utf-8")
     blocks = re.findall(r"```console\n(.*?)```", text, re.DOTALL)
-    return [line.removeprefix("$ ") for block in blocks for line in block.splitlines() if line.startswith("$ tactometry")]
+    return [
+        line.removeprefix("$ ") for block in blocks for line in block.splitlines() if line.startswith("$ tactometry")
+    ]
 
 
 def test_the_commands_of_the_readme_work_as_printed(tmp_path):

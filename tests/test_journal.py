@@ -18,7 +18,7 @@ from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import wire
 from tactometry.journal import Journal, encode_entry, read
-from tactometry.request import Chosen, Choose, Done, Record, Wait
+from tactometry.request import Choose, Chosen, Done, Record, Wait
 from tactometry.trial import Trial
 
 STUDY, TOML = load("tutorial")
@@ -170,6 +170,11 @@ def _live_on_small_disk(root, n_bytes):
     return 0
 
 
+def many_live(root):
+    for n in range(1, 20):
+        live(root, f"P{n:02d}")
+
+
 def test_a_real_full_disk(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
@@ -180,8 +185,7 @@ def test_a_real_full_disk(tmp_path):
         pytest.skip("mounting a small disk needs the rights of root")
     try:
         with pytest.raises(DeviceFailed, match="No space left on device.*all trials before are safe"):
-            for n in range(1, 20):
-                live(disk, f"P{n:02d}")
+            many_live(disk)
         journals = sorted((disk / "journals").glob("*.jsonl"))
         assert all(path.read_bytes().endswith(b"\n") for path in journals if path.stat().st_size)
     finally:
@@ -197,7 +201,9 @@ def test_a_number_that_is_not_finite_is_not_written(tmp_path):
 
 
 @given(
-    factors=st.dictionaries(st.from_regex(r"[a-z]{1,8}_hz", fullmatch=True), st.floats(allow_nan=False, allow_infinity=False)),
+    factors=st.dictionaries(
+        st.from_regex(r"[a-z]{1,8}_hz", fullmatch=True), st.floats(allow_nan=False, allow_infinity=False)
+    ),
     level=st.none() | st.floats(allow_nan=False, allow_infinity=False),
     response=st.none() | st.integers(0, 9) | st.text(max_size=20),
 )
@@ -234,7 +240,9 @@ def test_the_head_says_what_it_was_made_with(lived):
 
 
 def test_the_catalogue_names_every_built_in_study():
-    assert {path.stem for path in (Path(__file__).parents[1] / "experiments").glob("*.toml")} <= set(catalogue.PROTOCOLS)
+    assert {path.stem for path in (Path(__file__).parents[1] / "experiments").glob("*.toml")} <= set(
+        catalogue.PROTOCOLS
+    )
 
 
 def test_streams_differ_by_use():

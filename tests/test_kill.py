@@ -83,7 +83,7 @@ def assert_no_trial_is_torn(root, whole):
 
 
 def kill_until_done(begin, duration_s, n_moments, number, rng, check):
-    """Kill at `n_moments` random moments, resuming each time; a sitting that ends by itself starts anew in a new folder."""
+    """Kill at `n_moments` random moments, resuming each time; one that ends by itself is followed by a new one."""
     n_killed, folder, resume = 0, 0, False
     while n_killed < n_moments:
         process = begin(folder, resume)

@@ -138,7 +138,7 @@ def test_a_staircase_settles_where_levitt_says(n_down):
         rule = Staircase(
             start=0.0, steps=(0.1,), low=-12.0, high=12.0, n_down=n_down, n_reversals=10**6, n_trials=n_trials
         )
-        rule = end_of(rule, lambda level: norm.cdf(level), rng)
+        rule = end_of(rule, norm.cdf, rng)
         shares.append(np.mean(norm.cdf(rule.levels[60:])))
     target = 0.5 ** (1 / n_down)
     assert abs(np.mean(shares) - target) <= 3.89 * np.std(shares) / np.sqrt(n_runs) + 0.005
