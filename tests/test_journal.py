@@ -2,6 +2,7 @@
 
 import os
 import resource
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -38,10 +39,16 @@ def files(root):
     }
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    root = tmp_path_factory.mktemp("whole") / "d"
+    live(root)
+    return root
+
+
 @pytest.fixture
-def lived(tmp_path):
-    live(tmp_path)
-    return tmp_path
+def lived(whole, tmp_path):
+    return Path(shutil.copytree(whole, tmp_path / "d"))
 
 
 def journal_of(root):
@@ -76,10 +83,8 @@ def test_a_recorded_session_is_not_overwritten(lived):
 
 @given(cut=st.integers(0, 10**6))
 @settings(max_examples=40, deadline=None)
-def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(tmp_path_factory, cut):
-    whole, torn = tmp_path_factory.mktemp("whole"), tmp_path_factory.mktemp("torn")
-    live(whole)
-    live(torn)
+def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_path_factory, cut):
+    torn = Path(shutil.copytree(whole, tmp_path_factory.mktemp("torn") / "d"))
     journal = journal_of(torn)
     with journal.open("r+b") as file:
         file.truncate(cut % (journal.stat().st_size + 1))
@@ -98,9 +103,8 @@ def test_what_was_cut_off_is_kept_and_said(lived):
 
 @given(line=st.integers(0, 10**6), bit=st.integers(0, 7), place=st.integers(0, 10**6))
 @settings(max_examples=60, deadline=None)
-def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(tmp_path_factory, line, bit, place):
-    root = tmp_path_factory.mktemp("damaged")
-    live(root)
+def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_path_factory, line, bit, place):
+    root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("damaged") / "d"))
     journal = journal_of(root)
     lines = journal.read_bytes().split(b"\n")[:-1]
     n = line % len(lines)
@@ -146,9 +150,8 @@ def test_a_second_journal_in_this_process_is_refused(lived):
 
 
 @pytest.mark.parametrize("n_bytes", [0, 1, 2000, 5000, 9000])
-def test_a_full_disk_stops_clearly_and_loses_nothing(tmp_path, n_bytes):
-    whole, full = tmp_path / "whole", tmp_path / "full"
-    live(whole)
+def test_a_full_disk_stops_clearly_and_loses_nothing(whole, tmp_path, n_bytes):
+    full = tmp_path / "full"
     child = os.fork()
     if child == 0:
         os._exit(_live_on_small_disk(full, n_bytes))

@@ -25,6 +25,7 @@ COMMANDS = {
         "Is this a sound data set? Every defect, with file and row.",
     ),
     "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
+    "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 
 

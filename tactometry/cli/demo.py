@@ -27,4 +27,8 @@ def command(out: Path, seed: int, *, as_json: bool) -> None:
     found = analyse(out, report=out / "report.html")
     n_trials = sum(session.n_trials for session in sessions)
     where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
-    say(f"{summary_text(found)}\n{where}", {"data_set": str(out), "trials": n_trials, **found.summary()}, as_json=as_json)
+    say(
+        f"{summary_text(found)}\n{where}",
+        {"data_set": str(out), "trials": n_trials, **found.summary()},
+        as_json=as_json,
+    )
