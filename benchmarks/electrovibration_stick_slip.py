@@ -61,11 +61,12 @@ def regularised(static: float, width_m_per_s: float, tolerance: float) -> Real:
 
 
 def milliseconds(run: Callable[[], Any], n: int) -> float:
+    """Median of the processor time, which other work on the machine disturbs least."""
     times = []
     for _ in range(n):
-        start = time.perf_counter()
+        start = time.process_time()
         run()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return 1e3 * statistics.median(times)
 
 

@@ -84,10 +84,11 @@ def respond(
         while held < now:
             held += 1
             enter(held, i, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
-        level = offsets[now] + slopes[now] * since[i]
+        level, total = offsets[now] + slopes[now] * since[i], 0.0
         for m in range(n_relax):
-            z[m] = free[m] * decay[m, i] + slopes[now] * line[m, i] + answered(turns, i, responses, m, amplitudes, now)
-            voltage[i] += gains[m] * z[m]
+            y = free[m] * decay[m, i] + slopes[now] * line[m, i] + answered(turns, i, responses, m, amplitudes, now)
+            z[m] = y
+            total += gains[m] * y
         if has_line:
             z[n_relax] = level
         if has_slope:
@@ -95,7 +96,7 @@ def respond(
         for k in range(n_turns):
             turn = turns[i, k] * amplitudes[now, k]
             z[first + 2 * k], z[first + 2 * k + 1] = turn.real, turn.imag
-        voltage[i] += dc_gain * (level + turned(turns, i, amplitudes, now))
+        voltage[i] = total + dc_gain * (level + turned(turns, i, amplitudes, now))
         if i + 1 < n_nodes:
             _advance(maps, drives, kinds[i], newton, path, i, z)
     return voltage, path

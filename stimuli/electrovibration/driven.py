@@ -32,7 +32,7 @@ class Response:
     states: Real
 
 
-def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: Real) -> Response:
+def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Response:
     """A linear system from 0 under the force of a voltage, exactly, at ascending times (n_times,) from 0."""
     from tactometry.stimuli.electrovibration.compiled import respond
 
@@ -44,7 +44,7 @@ def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: Real) -> 
     return Response(voltage, form.newton_per_v2 * voltage**2, states)
 
 
-def driven_many(stimuli: Sequence[Pieces], form: ForceForm, system: LinearSystem, t_s: Real) -> Response:
+def driven_many(stimuli: Sequence[Pieces], form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Response:
     """`driven` for stimuli whose pieces start at the same times: arrays (n_stimuli, n_times), one plan for all.
 
     Raises
@@ -79,25 +79,25 @@ def _stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex1
     )
 
 
-def checked_times(t_s: ArrayLike, pieces: Pieces) -> Real:
-    """Times as an array, if they ascend from at least 0 to at most the end of the pieces."""
-    t = require.finite_array("t_s", t_s)
+def check_times(t: Real, pieces: Pieces) -> None:
+    """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
+    require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
     if not inside:
         raise InvalidParameter(
             f"t_s: found {t.size} times in shape {t.shape}, expected ascending times from 0 to {pieces.end_s} s"
         )
-    return t
 
 
 class Timing:
     """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
 
-    def __init__(self, pieces: Pieces, t_s: Real, *, has_slope: bool | None = None) -> None:
-        self.pieces, self.t_s = pieces, t_s
+    def __init__(self, pieces: Pieces, t_s: ArrayLike, *, has_slope: bool | None = None) -> None:
+        self.pieces, self.t_s = pieces, np.asarray(t_s, dtype=np.float64)
         self.has_slope = bool(pieces.slopes_v_per_s.any()) if has_slope is None else has_slope
         self._key = (
-            self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(), t_s.tobytes()
+            self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(),
+            self.t_s.shape, self.t_s.tobytes(),
         )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
@@ -117,6 +117,7 @@ class Plan:
 
 @lru_cache(maxsize=256)
 def _plan(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+    check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     shared = phases(timing.pieces, relaxations, nodes)
     rates = np.array(relaxations.rates_per_s)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.driven import Response, checked_times, driven, driven_many
+from tactometry.stimuli.electrovibration.driven import Response, driven, driven_many
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction
 from tactometry.stimuli.electrovibration.lift import LinearSystem
@@ -101,7 +101,7 @@ def sliding(
     InvalidParameter
         If the times are not as stated or the force is negative.
     """
-    t = checked_times(t_s, pieces)
+    t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
     response = driven(pieces, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
     return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
@@ -125,7 +125,7 @@ def sliding_many(
     InvalidParameter
         As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
     """
-    t = checked_times(t_s, stimuli[0]) if stimuli else np.zeros(0)
+    t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
     response = driven_many(stimuli, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
     return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.driven import checked_times, driven
+from tactometry.stimuli.electrovibration.driven import check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem
 from tactometry.stimuli.electrovibration.pieces import Pieces
@@ -85,8 +85,9 @@ def lagged_friction_n(
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
     """
-    t = checked_times(t_s, pieces)
+    t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
+    check_times(t, pieces)
     if speed_m_per_s == 0:
         return np.zeros_like(t)
     rate_per_s = 2 * np.pi * lag.cutoff_hz(speed_m_per_s)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.driven import DECAYED, Timing, checked_times, nodes_of, phases
+from tactometry.stimuli.electrovibration.driven import DECAYED, Timing, check_times, nodes_of, phases
 from tactometry.stimuli.electrovibration.finger import Finger
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.pieces import Pieces
@@ -116,7 +116,7 @@ def stick_slip(
     """
     from tactometry.stimuli.electrovibration import power_series
 
-    t = checked_times(t_s, pieces)
+    t = np.asarray(t_s, dtype=np.float64)
     require.non_negative("stick_slip", force_n=force_n)
     wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
     states, events, failure, time_s = power_series.flow(
@@ -143,6 +143,7 @@ def stick_slip(
 
 @lru_cache(maxsize=64)
 def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDArray[np.intp], tuple[object, ...]]:
+    check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     shared = phases(timing.pieces, relaxations, nodes)
     rates = np.array(relaxations.rates_per_s)
