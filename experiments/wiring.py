@@ -40,10 +40,16 @@ class StimulusKind:
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
 STIMULI = {
-    "amplitude_modulated": StimulusKind(
-        "tactometry.stimuli.electrovibration.amplitude_modulated:AmplitudeModulated", ELECTROVIBRATION
-    ),
-    "sine": StimulusKind("tactometry.stimuli.electrovibration.sine:Sine", ELECTROVIBRATION),
+    kind: StimulusKind(f"tactometry.stimuli.electrovibration.{kind}:{name}", ELECTROVIBRATION)
+    for kind, name in (
+        ("amplitude_modulated", "AmplitudeModulated"),
+        ("sine", "Sine"),
+        ("square", "Square"),
+        ("triangle", "Triangle"),
+        ("trapezoid", "Trapezoid"),
+        ("pulse_train", "PulseTrain"),
+        ("step", "Step"),
+    )
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 PROCEDURES: Mapping[str, type[Staircase] | type[ConstantStimuli]] = {

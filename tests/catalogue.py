@@ -20,13 +20,40 @@ from tactometry.rigs.console import Console
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    PulseTrain,
+    Sampled,
+    Sine,
+    Square,
+    Step,
+    Trapezoid,
+    Triangle,
+    WithOffset,
+)
+from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
 
 LIMITS = Limits(voltage_peak_v=200.0)
 
 STIMULI = {
     "sine": Sine(frequency_hz=60.0, duration_s=0.2),
     "amplitude_modulated": AmplitudeModulated(frequency_hz=240.0, duration_s=0.2),
+    "amplitude_modulated_full": AmplitudeModulated(frequency_hz=240.0, duration_s=0.2, modulation="full"),
+    "amplitude_modulated_suppressed": AmplitudeModulated(
+        frequency_hz=120.0, duration_s=0.2, modulation="suppressed_carrier"
+    ),
+    "square": Square(frequency_hz=60.0, duration_s=0.2),
+    "square_band_limited": Square(frequency_hz=60.0, duration_s=0.2, band_limited=True),
+    "triangle": Triangle(frequency_hz=60.0, duration_s=0.2),
+    "trapezoid": Trapezoid(rise_s=0.002, high_s=0.003, fall_s=0.004, low_s=0.001, duration_s=0.2, ramp_s=0.05),
+    "pulse_train": PulseTrain(frequency_hz=60.0, width_s=0.001, duration_s=0.2),
+    "step": Step(onset_s=0.01, rise_s=0.01, fall_s=0.01, duration_s=0.2),
+    "sampled": Sampled((0.0, 1.0, -2.0, 0.5, 0.0), rate_hz=100.0, ramp_s=0.0),
+    "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
+    "time_reversal": TimeReversalStimulus(
+        Responses(1e-9 * np.array([[[0.0, 3.0, -2.0, 1.0, 0.5]]]), 1e6), voltage_max_v=1e9, level_unit="dB re 1 um"
+    ),
 }
 
 PROCEDURES = {

@@ -100,7 +100,8 @@ STUDIES = {
     ),
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
-        "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine; did you mean 'sine'?",
+        "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
+        "pulse_train, step; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),

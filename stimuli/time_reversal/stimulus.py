@@ -9,13 +9,14 @@ import numpy as np
 
 from tactometry.errors import LimitExceeded
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, positive
+from tactometry.stimuli.time_reversal.checks import choice, positive, within
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.pattern import PATTERNS, Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 
 LEVEL_UNITS: Final = ("m", "dB re 1 um")
+HIGHEST_LEVEL_DB: Final = 400.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,4 +105,7 @@ class TimeReversalStimulus:
         return samples_in("reversal_s", self.reversal_s or 0.0, self.focus.rate_hz)
 
     def _amplitude_m(self, level: float) -> float:
-        return level if self.level_unit == "m" else 1e-6 * 10 ** (level / 20)
+        if self.level_unit == "m":
+            return level
+        within("level (dB re 1 um)", level, -HIGHEST_LEVEL_DB, HIGHEST_LEVEL_DB)
+        return 1e-6 * 10 ** (level / 20)
