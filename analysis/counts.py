@@ -126,7 +126,8 @@ def _fenced(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
     `x` is sorted where `n` > 0. Tukey, Exploratory Data Analysis (1977), section 2D.
     """
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
-    first, third = (np.take_along_axis(x, (share < part).sum(axis=1, keepdims=True), 1)[:, 0] for part in (0.25, 0.75))
+    places = ((share < part).sum(axis=1, keepdims=True) for part in (0.25, 0.75))
+    first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
     reach = 1.5 * (third - first)
     kept = (reach > 0) & (n.sum(axis=1) > 0)
     return np.where(kept, np.maximum(low, first - reach), low), np.where(kept, np.minimum(high, third + reach), high)

@@ -84,12 +84,18 @@ def _one_answer(shape: Shape, z: Array, theta: Array, answer: int) -> tuple[Arra
     density, up, down = (_ratio(part, chance) for part in (shape.log_pdf(z), log_cdf, log_sf))
     steep = (1 - guess - lapse) * density
     by_z, by_l, by_g = sign * steep, -sign * up, sign * down
-    by_zz = sign * steep * shape.score(z) - steep * steep
+    by_zz = sign * _bend(steep, shape.score(z)) - steep * steep
     if answer:
         by_zl, by_zg = -density * _ratio(np.log(guess), chance), -density * _ratio(np.log1p(-lapse), chance)
     else:
         by_zl, by_zg = density * _ratio(np.log1p(-guess), chance), density * _ratio(np.log(lapse), chance)
     return chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
+
+
+def _bend(steep: Array, score: Array) -> Array:
+    """steep * score, 0 where the density has vanished: it does so faster than its logarithm bends."""
+    with np.errstate(invalid="ignore"):
+        return np.where(steep > 0, steep * score, 0.0)
 
 
 def _ratio(log_part: Array, log_chance: Array) -> Array:

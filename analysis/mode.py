@@ -27,6 +27,7 @@ from tactometry.psychometric import Shape
 MAX_STEPS = 200
 SMALL_DECREMENT = 1e-13
 NARROWEST_START = 0.03
+SMALLEST_CURVATURE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -109,12 +110,9 @@ def _held(theta: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.
 
 def _step(here: Expansion, held: NDArray[np.bool_], damping: Array) -> tuple[Array, Array]:
     """The damped Newton step of the parameters that are not held, and the Newton decrement."""
-    diagonal = np.abs(np.diagonal(here.hessian, axis1=1, axis2=2)) + 1e-12
-    curvature = _convex(_without(-here.hessian, held))
-    index = np.arange(N_PARAMETERS)
-    curvature[:, index, index] += damping[:, None] * np.where(held, 0.0, diagonal)
     gradient = np.where(held, 0.0, here.gradient)
-    step = np.linalg.solve(curvature, gradient[..., None])[..., 0]
+    inverse = _convex_inverse(_without(-here.hessian, held), damping)
+    step = np.einsum("nij,nj->ni", inverse, gradient)
     return step, (step * gradient).sum(axis=1)
 
 
@@ -124,22 +122,22 @@ def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
     return np.where(either, np.eye(N_PARAMETERS), matrix)
 
 
-def _convex(matrix: Array) -> Array:
-    """A positive definite matrix: each eigenvalue of the scaled matrix by its absolute value, at least
-    1e-8."""
-    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + 1e-300)
+def _convex_inverse(matrix: Array, damping: Array) -> Array:
+    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced by its
+    absolute value, at least 1e-8, plus the damping."""
+    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
     outer = scale[:, :, None] * scale[:, None, :]
     values, vectors = np.linalg.eigh(matrix / outer)
-    values = np.maximum(np.abs(values), 1e-8)
-    return np.asarray(outer * np.einsum("nij,nj,nkj->nik", vectors, values, vectors))
+    values = np.maximum(np.abs(values), 1e-8) + damping[:, None]
+    return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
 
 
 def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
     here = _expand(shape, counts, prior, theta)
     low, high = prior.bounds()
     held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
-    curvature = _convex(_without(-here.hessian, held))
-    covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, np.linalg.inv(curvature))
+    inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
+    covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
 
 

@@ -175,7 +175,13 @@ def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k:
     Up to `SINGLE_TRIALS` answers single precision errs by less than 1e-3 in the sum.
     """
     precision = np.float32 if n.sum() <= SINGLE_TRIALS else np.float64
-    cdf, sf, guess, lapse, k, rest = (np.asarray(part, dtype=precision) for part in (cdf, sf, guess, lapse, k, n - k))
+    cdf, sf, guess, lapse = (
+        cdf.astype(precision),
+        sf.astype(precision),
+        guess.astype(precision),
+        lapse.astype(precision),
+    )
+    k, rest = k.astype(precision), (n - k).astype(precision)
     span = 1 - guess - lapse
     total = np.zeros((*cdf.shape[1:3], lapse.shape[0], guess.shape[0]), dtype=precision)
     for i in range(len(k)):

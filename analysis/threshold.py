@@ -341,10 +341,11 @@ class _Fitting:
         )
 
     def _level(self, i: int, u: float) -> float | None:
-        if not np.isfinite(u):
-            return None
         level = float(self.counts.centre[i] + self.counts.spread[i] * u)
-        return float(np.exp(level)) if self.curve.on_log_levels else level
+        if self.curve.on_log_levels:
+            with np.errstate(over="ignore"):
+                level = float(np.exp(level))
+        return level if np.isfinite(level) else None
 
     def _note(self, i: int, status: Status) -> str:
         if status == Status.TOO_FEW_LEVELS and self.counts.n_levels[i] == 1:

@@ -102,7 +102,8 @@ def main() -> None:
     for name, k, guess, peer in (("2AFC", forced[0], 0.5, peer_forced), ("yes/no", yes_no[0], None, peer_yes_no)):
         took = seconds(lambda k=k, guess=guess: one(k, guess), 10)
         memory = megabytes(lambda k=k, guess=guess: one(k, guess))
-        print(f"posterior, one {name} set: {1e3 * took:.1f} ms, {memory:.0f} MB; psignifit {peer:.2f} s: {peer / took:.0f} x")
+        print(f"posterior, one {name} set: {1e3 * took:.1f} ms, {memory:.0f} MB", end="")
+        print(f"; against psignifit ({peer:.2f} s): {peer / took:.0f} x")
     batch = seconds(lambda: fit_many(LEVELS, forced[:300], N_TRIALS, shape="normal", guess_rate=0.5), 1) / 300
     print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set; against psignifit {peer_forced / batch:.0f} x")
     took = seconds(
