@@ -33,9 +33,9 @@ TRAPEZOID = Trapezoid(rise_s=1e-3, high_s=7e-3, fall_s=2e-3, low_s=6e-3, duratio
 T_S = np.linspace(0, 0.1, 401)
 
 
-def run(pieces: Pieces = SINE, t_s: np.ndarray = T_S, **changes) -> StickSlip:
+def run(pieces: Pieces = SINE, t_s: np.ndarray = T_S, form: ForceForm = STRONG, **changes) -> StickSlip:
     arguments = {"finger": FINGER, "friction": FRICTION, "force_n": 0.5, "travel": Travel(0.05)}
-    return stick_slip(t_s, pieces, STRONG, **{**arguments, **changes})
+    return stick_slip(t_s, pieces, form, **{**arguments, **changes})
 
 
 def test_period_of_stick_and_slip_in_closed_form() -> None:
@@ -54,13 +54,13 @@ def test_period_of_stick_and_slip_in_closed_form() -> None:
     )
 
 
-def leg(pieces: Pieces, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
+def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
     """An adaptive solution in stick (way 0) or slip from (time, stretch, rate) to the next event or `stop`."""
     m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
-    solved, before_stop = Solution(pieces, STRONG.relaxations), np.nextafter(stop, 0)
+    solved, before_stop = Solution(pieces, form.relaxations), np.nextafter(stop, 0)
 
     def load_n(t: float) -> float:
-        return force_n + STRONG.newton_per_v2 * float(solved.at(min(t, before_stop))) ** 2
+        return force_n + form.newton_per_v2 * float(solved.at(min(t, before_stop))) ** 2
 
     def speed(t: float) -> float:
         return travel.speed_m_per_s + travel.acceleration_m_per_s2 * t
@@ -84,7 +84,9 @@ def leg(pieces: Pieces, travel: Travel, force_n: float, way: int, start: list[fl
     )  # fmt: skip
 
 
-def reference(pieces: Pieces, travel: Travel, force_n: float) -> tuple[np.ndarray, np.ndarray]:
+def reference(
+    pieces: Pieces, travel: Travel, force_n: float, form: ForceForm = STRONG
+) -> tuple[np.ndarray, np.ndarray]:
     """Stretch at `T_S` and event times, by an adaptive solver restarted at events and starts of pieces."""
     c, k = FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     time, s, rate, way = 0.0, 0.0, travel.speed_m_per_s, 0
@@ -93,7 +95,7 @@ def reference(pieces: Pieces, travel: Travel, force_n: float) -> tuple[np.ndarra
     while time < pieces.end_s:
         stop = stops[stops > time * (1 + 1e-14)].min()
         speed = travel.speed_m_per_s + travel.acceleration_m_per_s2 * time
-        r = leg(pieces, travel, force_n, way, [time, s, rate], stop)
+        r = leg(pieces, form, travel, force_n, way, [time, s, rate], stop)
         if r is not None:
             until = r.t_events[0][0] if r.t_events[0].size else stop
             inside = (time <= T_S) & (until >= T_S)
@@ -115,6 +117,20 @@ def reference(pieces: Pieces, travel: Travel, force_n: float) -> tuple[np.ndarra
 def test_events_and_motion_against_an_adaptive_solver(pieces: Pieces, travel: Travel) -> None:
     motion = run(pieces, travel=travel)
     expected_m, events_s = reference(pieces, travel, 0.5)
+    assert len(motion.events_s) >= 4
+    np.testing.assert_allclose(motion.events_s, events_s, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(motion.stretch_m, expected_m, rtol=0, atol=1e-9 * np.abs(expected_m).max())
+
+
+@pytest.mark.parametrize("tau_s", [1e-9, 1e-5, 1.0, 1e3])
+@pytest.mark.parametrize("body_ohm", [0.0, 1e4])
+def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, body_ohm: float) -> None:
+    skin = Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s, body_resistance_ohm=body_ohm)
+    layer = force_form("sc_layer", skin, 1e-4)
+    peak_v = np.abs(Solution(SINE, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
+    form = ForceForm(layer.relaxations, 0.3 / peak_v**2)
+    motion = run(SINE, form=form)
+    expected_m, events_s = reference(SINE, Travel(0.05), 0.5, form)
     assert len(motion.events_s) >= 4
     np.testing.assert_allclose(motion.events_s, events_s, rtol=0, atol=1e-9)
     np.testing.assert_allclose(motion.stretch_m, expected_m, rtol=0, atol=1e-9 * np.abs(expected_m).max())

@@ -46,15 +46,17 @@ def enter(
 
 
 @compiled  # type: ignore[untyped-decorator]
-def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: int, z: Real) -> None:
+def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: int, z: Real, squares: Real) -> None:
     """``x_(i+1) = map x_i + newton drive P(z)``, P the products of z in the order of the upper triangle."""
+    place = 0
+    for a in range(len(z)):
+        for b in range(a, len(z)):
+            squares[place] = newton * z[a] * z[b]
+            place += 1
     for row in range(path.shape[1]):
-        total, product = 0.0, 0
-        for a in range(len(z)):
-            for b in range(a, len(z)):
-                total += drives[kind, row, product] * z[a] * z[b]
-                product += 1
-        total *= newton
+        total = 0.0
+        for q in range(len(squares)):
+            total += drives[kind, row, q] * squares[q]
         for column in range(path.shape[1]):
             total += maps[kind, row, column] * path[i, column]
         path[i + 1, row] = total
@@ -77,7 +79,7 @@ def respond(
     has_line = dc_gain != 0
     slope_at = n_relax + (1 if has_line else 0)
     first = slope_at + (1 if has_slope else 0)
-    free, z = np.zeros(n_relax), np.zeros(first + 2 * n_turns)
+    free, z, squares = np.zeros(n_relax), np.zeros(first + 2 * n_turns), np.zeros(drives.shape[2])
     held = -1
     for i in range(n_nodes):
         now = piece[i]
@@ -98,7 +100,7 @@ def respond(
             z[first + 2 * k], z[first + 2 * k + 1] = turn.real, turn.imag
         voltage[i] = total + dc_gain * (level + turned(turns, i, amplitudes, now))
         if i + 1 < n_nodes:
-            _advance(maps, drives, kinds[i], newton, path, i, z)
+            _advance(maps, drives, kinds[i], newton, path, i, z, squares)
     return voltage, path
 
 
