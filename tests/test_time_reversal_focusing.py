@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -224,6 +224,29 @@ def test_audible_filter_costs_hardly_any_amplitude_and_drops_the_audible_part(le
     audible = f < 18e3
     before, after = (np.abs(np.fft.rfft(r.samples[0])) ** 2 for r in (h, quiet))
     assert after[:, audible].sum() < 1e-3 * before[:, audible].sum()
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.0, 20e3), st.floats(100.0, 5e3), st.floats(0.0, 2e3), st.floats(0.02, 0.27), st.floats(0.02, 0.19))
+def test_any_band_and_position_is_finite_reciprocal_and_focuses(f_min, width, flank, x, y):
+    band = Band(f_min, f_min + width, flank)
+    there, back = (
+        band_limited(
+            impulse_responses(
+                Screen(A4_SCREEN, (PointForce(*a),), Attenuation(3e-3)),
+                [b],
+                rate_hz=60e3,
+                duration_s=5e-3,
+                f_max_hz=25e3,
+            ),
+            band,
+        )
+        for a, b in (((x, y), FOCUS), (FOCUS, (x, y)))
+    )
+    size = np.abs(there.samples).max()
+    assert np.isfinite(there.samples).all()
+    assert there.samples == pytest.approx(back.samples, abs=1e-11 * size)
+    assert size == 0 or focus_amplitude(drive(there, 1.0), there) > 0
 
 
 def test_amplifier_responses():

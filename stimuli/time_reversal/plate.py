@@ -135,4 +135,6 @@ class Plate:
 def _modes(plate: Plate, f_max_hz: float, shear_factor: float | None) -> "Modes":
     from tactometry.stimuli.time_reversal.modes import modes_of
 
-    return modes_of(plate, f_max_hz, shear_factor=shear_factor)
+    modes = modes_of(plate, f_max_hz, shear_factor=shear_factor)
+    modes.angular_frequency_rad_per_s.setflags(write=False)
+    return modes

@@ -64,14 +64,16 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
     return figure
 
 
-def frequency_response(responses: Responses, f_max_hz: float) -> Figure:
-    """Spectrum of the response at the focus, the mean over transducers (thesis 3.14)."""
+def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = 30.0) -> Figure:
+    """Spectrum of the response at the focus, the mean over transducers, and the amplitude of the focus (thesis 3.14)."""
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)
     power = np.mean(np.abs(np.fft.rfft(responses.samples[0])) ** 2, axis=0)
     shown = (f > 0) & (f <= f_max_hz)
     axes.plot(f[shown] / 1e3, 10 * np.log10(power[shown] / power[shown].max()), color=BLUE, linewidth=0.8)
-    label(axes, "Frequency (kHz)", "Mean response (dB re largest)")
+    amplitude_m = focus_amplitude(drive(responses, voltage_v), responses)
+    title = f"Focus of {amplitude_m * 1e6:.2g} µm at {voltage_v:g} V, 1 bit"
+    label(axes, "Frequency (kHz)", "Mean response (dB re largest)", title)
     return figure
 
 
