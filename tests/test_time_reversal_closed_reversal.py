@@ -54,7 +54,7 @@ def test_amplitude_is_the_energy_of_the_responses():
 def test_field_of_the_closed_form_peaks_at_the_focus():
     kernel = ClosedReversal.of(A4_SCREEN, Attenuation(3e-3), 20e3, T_S)
     focus = (0.121, 0.093)
-    sources = values(kernel.modes, *np.random.default_rng().uniform((0.01, 0.01), (0.287, 0.2), (32, 2)).T)
+    sources = A4_PROTOTYPE.modal_forces(20e3)
     x, y = np.linspace(0, 0.297, 100), np.linspace(0, 0.21, 71)
     u = kernel.modes.field(kernel.modal_amplitudes(sources, values(kernel.modes, *focus)[:, 0]), x, y)
     i, j = np.unravel_index(np.argmax(u), u.shape)

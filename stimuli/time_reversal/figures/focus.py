@@ -65,7 +65,7 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
 
 
 def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = 30.0) -> Figure:
-    """Spectrum of the response at the focus, the mean over transducers, and the amplitude of the focus (thesis 3.14)."""
+    """Spectrum of the response at the focus, the mean over transducers, and the focus amplitude (thesis 3.14)."""
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)
     power = np.mean(np.abs(np.fft.rfft(responses.samples[0])) ** 2, axis=0)
