@@ -1,5 +1,6 @@
 """The command line as people call it: help with examples, JSON, the same bytes wherever it is computed, Ctrl-C."""
 
+import io
 import json
 import os
 import re
@@ -121,6 +122,16 @@ def test_a_scheduler_that_does_not_answer_is_a_failed_device(tmp_path, capsys):
         simulate(tmp_path / "d", "--scheduler", "nonsense://nowhere")
     assert ended.value.code == 3
     assert "no Dask scheduler answers at 'nonsense://nowhere'" in capsys.readouterr().err
+
+
+def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("perhaps\n" * 100))
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "tutorial", "--participant", "P01", "--rig", "console", "--out", str(tmp_path / "d")])
+    said = capsys.readouterr()
+    assert ended.value.code == 1
+    assert said.out.count("found 'perhaps', expected an answer to: [trial 1] Did you feel something?") == 20
+    assert "20 lines in trial 1 were no answers" in said.err
 
 
 def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):

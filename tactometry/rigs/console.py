@@ -29,11 +29,15 @@ from tactometry.rigs.texts import Texts
 from tactometry.signal import Signal, Stimulus
 
 
+N_TRIES = 20
+"""Lines that are no answer before a session is stopped: nobody types there."""
+
+
 class Console:
     """Prints each request to `output` and reads the answers, a line each, from `source`.
 
     Stimuli are rendered, held against the limits and named by their digest; nothing is emitted. A line that is no
-    answer is asked again; the end of the input stops the session.
+    answer is asked again, up to `N_TRIES` times; the end of the input stops the session.
     """
 
     def __init__(
@@ -77,7 +81,7 @@ class Console:
     def _ask(self, prompt: str, read: Callable[[str], object]) -> tuple[object, float, float]:
         """An answer, the onset of its question and its latency."""
         onset_s = self._now_s()
-        while True:
+        for _ in range(N_TRIES):
             print(prompt, end=" ", file=self._output, flush=True)
             line = self._source.readline()
             if not line:
@@ -89,6 +93,10 @@ class Console:
                 return read(line.strip()), onset_s, round(self._now_s() - onset_s, 6)
             except ValueError:
                 self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
+        raise Stopped(
+            f"{N_TRIES} lines in trial {self._n_trials + 1} were no answers: the {self._n_trials} trials before are safe; "
+            "go on with --resume"
+        )
 
     def _signal(self, stimulus: str, level: float | None) -> Signal | None:
         if level is None:
