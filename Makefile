@@ -24,11 +24,10 @@ debian() {
         [ "$$(dpkg-query -W -f '$${db:Status-Status}' $$package 2>/dev/null || true)" = installed ] || missing="$$missing $$package"
     done
     [ -n "$$missing" ] || return 0
-    local may=""
-    [ "$$(id -u)" = 0 ] || may="sudo -n"
-    if command -v apt-get >/dev/null && { [ -z "$$may" ] || sudo -n true 2>/dev/null; }; then
+    local may="env DEBIAN_FRONTEND=noninteractive"
+    [ "$$(id -u)" = 0 ] || may="sudo -n $$may"
+    if command -v apt-get >/dev/null && $$may true 2>/dev/null; then
         echo "Installing the system packages:$$missing"
-        export DEBIAN_FRONTEND=noninteractive
         $$may apt-get -qq update
         $$may apt-get -qq -o Dpkg::Use-Pty=0 install -y --no-install-recommends $$missing >/dev/null
     else
