@@ -16,8 +16,8 @@ from tactometry.stimuli.electrovibration import (
     Square,
     Step,
     WithOffset,
-    electrostatic_force_at,
     electrostatic_force_n,
+    electrostatic_force_n_at,
     sliding,
 )
 from tactometry.stimuli.electrovibration.closed_form import rise_peak_v, step_voltage_v
@@ -211,5 +211,5 @@ def test_the_exact_carrier_and_its_samples_give_the_same_slow_force() -> None:
     carrier = AmplitudeModulated(frequency_hz=240.0, carrier_hz=2000.0, rate_hz=400_000.0, duration_s=0.2)
     sampled_n = layer_force_n(carrier.at(40.0).samples[0], rate_hz=400_000.0)[:60_000]
     t_s = np.arange(60_000) / 400_000
-    exact_n = electrostatic_force_at(t_s, carrier.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer")
+    exact_n = electrostatic_force_n_at(t_s, carrier.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer")
     np.testing.assert_allclose(sampled_n, exact_n, atol=1e-3 * exact_n.max())

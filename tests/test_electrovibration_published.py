@@ -10,7 +10,7 @@ from tactometry.stimuli.electrovibration.closed_form import (
     square_edge_v,
     square_harmonic_force_n,
     square_mean_force_n,
-    step_impulse_ns,
+    step_impulse_n_s,
     step_voltage_v,
 )
 from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
@@ -52,7 +52,7 @@ def test_mean_force_of_a_sine() -> None:
 
 def test_step() -> None:
     assert 1e3 * B * step_voltage_v(0.0, V0, P0) ** 2 == pytest.approx(21.2523982, abs=5e-8)
-    assert 1e6 * step_impulse_ns(V0, P0, AREA_M2) == pytest.approx(3.34947450, abs=5e-9)
+    assert 1e6 * step_impulse_n_s(V0, P0, AREA_M2) == pytest.approx(3.34947450, abs=5e-9)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import Layer, Pieces, Skin, Solution, Stack, Step
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v, shares
-from tactometry.stimuli.electrovibration.drive import charge_at, charge_c, current_a, current_at
+from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
 from tactometry.stimuli.electrovibration.pieces import straight
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 
@@ -141,8 +141,8 @@ def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep() -> N
             for low, high in ((0, 2e-4), (2e-4, 6e-4), (6e-4, 1e-3))
         )
 
-    given_j = integral_j(lambda t: pieces.at(t) * current_at(t, pieces, skin, AREA_M2))
-    burnt_j = integral_j(lambda t: current_at(t, pieces, skin, AREA_M2) ** 2 * 2e4)
+    given_j = integral_j(lambda t: pieces.at(t) * current_a_at(t, pieces, skin, AREA_M2))
+    burnt_j = integral_j(lambda t: current_a_at(t, pieces, skin, AREA_M2) ** 2 * 2e4)
     leaked_j = integral_j(lambda t: solved[2].at(t) ** 2 / r_s)
     kept_j = sum(
         AREA_M2 / layer.elastance_m2_per_f * float(one.at(1e-3)) ** 2 / 2
@@ -165,9 +165,9 @@ def test_charge_of_a_step_and_its_mean_current() -> None:
 def test_the_current_is_the_slope_of_the_charge() -> None:
     skin, pieces = Skin(body_resistance_ohm=1e3), straight([0, 1e-3], [0, 100])
     t_s, h_s = 3e-4, 1e-8
-    charges = charge_at([t_s - h_s, t_s + h_s], pieces, skin, AREA_M2)
+    charges = charge_c_at([t_s - h_s, t_s + h_s], pieces, skin, AREA_M2)
     slope_a = np.diff(charges)[0] / (2 * h_s)
-    assert float(current_at(t_s, pieces, skin, AREA_M2)) == pytest.approx(slope_a, rel=1e-6)
+    assert float(current_a_at(t_s, pieces, skin, AREA_M2)) == pytest.approx(slope_a, rel=1e-6)
 
 
 def test_periodic_steady_state_of_constant_properties_equals_the_relaxations() -> None:

@@ -14,7 +14,7 @@ from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
 from tactometry.stimuli.electrovibration.drive import charge_c, current_a
 from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding, sliding_many
-from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, electrostatic_force_n
+from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n, electrostatic_force_n_at
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
 from tactometry.stimuli.electrovibration.offset import WithOffset
@@ -80,8 +80,8 @@ __all__ = [
     "area_of_prints",
     "charge_c",
     "current_a",
-    "electrostatic_force_at",
     "electrostatic_force_n",
+    "electrostatic_force_n_at",
     "ellipse_area_m2",
     "level_db_re_1v",
     "peak_voltage_v",

@@ -15,10 +15,10 @@ def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.f
     return np.asarray(skin.k * voltage_v * np.exp(-_elapsed(t_s, skin)))
 
 
-def step_impulse_ns(voltage_v: float, skin: Skin, area_m2: float) -> float:
+def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
     """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``.
 
-    >>> round(step_impulse_ns(100.0, Skin(), 1e-4) * 1e6, 8)
+    >>> round(step_impulse_n_s(100.0, Skin(), 1e-4) * 1e6, 8)
     3.3494745
     """
     return force_per_square_volt_n(skin, area_m2) * (skin.k * voltage_v) ** 2 * skin.tau_s / 2

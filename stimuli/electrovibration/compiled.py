@@ -11,7 +11,7 @@ Complex = NDArray[np.complex128]
 compiled: Any = njit(cache=True)
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def turned(turns: Complex, i: int, amplitudes: Complex, piece: int) -> float:
     """The sinusoids of a piece at node i."""
     total = 0.0
@@ -20,7 +20,7 @@ def turned(turns: Complex, i: int, amplitudes: Complex, piece: int) -> float:
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def answered(turns: Complex, i: int, responses: Complex, m: int, amplitudes: Complex, piece: int) -> float:
     """What relaxation m makes of the sinusoids of a piece at node i."""
     total = 0.0
@@ -29,7 +29,7 @@ def answered(turns: Complex, i: int, responses: Complex, m: int, amplitudes: Com
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def enter(
     new: int, i: int, offsets: Real, slopes: Real, amplitudes: Complex, turns: Complex,
     spans: Real, end_decay: Real, end_line: Real, responses: Complex, free: Real,
@@ -45,7 +45,7 @@ def enter(
         free[m] += jump - answered(turns, i, responses, m, amplitudes, new)
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: int, z: Real, squares: Real) -> None:
     """``x_(i+1) = map x_i + newton drive P(z)``, P the products of z in the order of the upper triangle."""
     place = 0
@@ -62,7 +62,7 @@ def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: 
         path[i + 1, row] = total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def respond(
     offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
     piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
@@ -104,7 +104,7 @@ def respond(
     return voltage, path
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def respond_many(
     offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
     piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,

@@ -29,12 +29,12 @@ def current_a(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: floa
     return np.diff(charge, prepend=0.0, axis=-1) * rate_hz
 
 
-def charge_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
+def charge_c_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Charge (C) at any time, exactly, for a voltage in pieces."""
     return _insulator_capacitance_f(skin, area_m2) * _insulator(pieces, skin, area_m2).at(t_s)
 
 
-def current_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
+def current_a_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Current (A) at any time inside of the pieces, exactly; a jump without body resistance is an
     impulse beside."""
     return _insulator_capacitance_f(skin, area_m2) * _insulator(pieces, skin, area_m2).slope_at(t_s)

@@ -9,7 +9,7 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
-from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_at, force_form
+from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n_at, force_form
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.sine import Sine
 from tactometry.stimuli.electrovibration.skin import Skin
@@ -176,7 +176,7 @@ def _force_after_step_n(law: Law, skin: Skin, area_m2: float, voltage_v: float) 
 
 def _draw_forces(ax: "Axes", t_s: np.ndarray, pieces: Pieces, areas_m2: Sequence[float], skin: Skin, law: Law) -> None:
     for area_m2, colour, dash in zip(areas_m2, COLOURS, DASHES, strict=False):
-        force_n = electrostatic_force_at(t_s, pieces, skin=skin, area_m2=area_m2, law=law)
+        force_n = electrostatic_force_n_at(t_s, pieces, skin=skin, area_m2=area_m2, law=law)
         ax.plot(1e3 * t_s, 1e3 * force_n, color=colour, linestyle=dash, label=f"{1e4 * area_m2:g} cm²")
     ax.set_ylim(0, None)
 

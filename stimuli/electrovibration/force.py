@@ -88,19 +88,19 @@ def electrostatic_force_n(
     return form.newton_per_v2 * form.relaxations.sampled(v, rate_hz) ** 2
 
 
-def electrostatic_force_at(
+def electrostatic_force_n_at(
     t_s: ArrayLike, pieces: Pieces, *, skin: Skin, area_m2: float, law: Law | None = None
 ) -> NDArray[float64]:
     """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
 
     >>> from tactometry.stimuli.electrovibration import Step
     >>> pieces = Step(duration_s=0.1).pieces(40.0)
-    >>> force_n = electrostatic_force_at([0.0, 1e-4], pieces, skin=Skin(), area_m2=1e-4, law="sc_layer")
+    >>> force_n = electrostatic_force_n_at([0.0, 1e-4], pieces, skin=Skin(), area_m2=1e-4, law="sc_layer")
     >>> (force_n * 1e3).round(4).tolist()
     [21.2524, 11.268]
     """
     form = force_form(law, skin, area_m2)
-    t = require.finite_array("electrostatic_force_at.t_s", t_s)
+    t = require.finite_array("electrostatic_force_n_at.t_s", t_s)
     return form.newton_per_v2 * Solution(pieces, form.relaxations).at(t) ** 2
 
 

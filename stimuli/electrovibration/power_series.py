@@ -20,7 +20,7 @@ N_AT_ONCE = 100
 TOO_MANY, CHATTER = 1, 2
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _value(c: Real, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, -1, -1):
@@ -28,7 +28,7 @@ def _value(c: Real, x: float) -> float:
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _slope(c: Real, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, 0, -1):
@@ -36,7 +36,7 @@ def _slope(c: Real, x: float) -> float:
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _falls(c: Real) -> float:
     """The first place in (0, 1] where the polynomial falls below 0, seen from `N_LOOKS` places; 2 if nowhere."""
     low = 0.0
@@ -54,7 +54,7 @@ def _falls(c: Real) -> float:
     return 2.0
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _force_series(
     y: Real, turns: Complex, level: float, slope: float, rates: Real, gains: Real, moves: NDArray[np.bool_],
     dc_gain: float, omegas: Real, responses: Complex, h: float, newton: float, states: Real, force: Real,
@@ -88,7 +88,7 @@ def _force_series(
         force[n] = newton * total
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _slip_series(s: float, rate: float, push: Real, h: float, m: float, c: float, k: float, out: Real) -> None:
     """``m s'' + c s' + k s = push`` from ``s, s' = rate`` in powers of time over `h`."""
     out[0], out[1] = s, rate * h
@@ -97,13 +97,13 @@ def _slip_series(s: float, rate: float, push: Real, h: float, m: float, c: float
         out[n + 2] = pull / (m * (n + 1) * (n + 2))
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _stick_series(s: float, speed: float, acceleration: float, h: float, out: Real) -> None:
     out[:] = 0.0
     out[0], out[1], out[2] = s, speed * h, acceleration * h * h / 2
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _held(stretch: Real, speed: float, acceleration: float, h: float, c: float, k: float) -> Real:
     """The friction that a stuck finger asks for, ``k s + c V``."""
     asked = k * stretch
@@ -112,7 +112,7 @@ def _held(stretch: Real, speed: float, acceleration: float, h: float, c: float, 
     return asked
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def _strongest(force: Real, force_n: float, static: float, kinetic: float, gated: bool) -> Real:
     """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
     loaded, bare = static * force, np.zeros(DEGREE + 1)
@@ -125,7 +125,7 @@ def _strongest(force: Real, force_n: float, static: float, kinetic: float, gated
     return bare if bare[0] >= slipping[0] else slipping
 
 
-@compiled  # type: ignore[untyped-decorator]
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def flow(  # noqa: PLR0912, PLR0915
     offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
     piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
