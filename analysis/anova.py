@@ -40,8 +40,8 @@ def repeated_measures(
     ------
     InvalidParameter
         For a column that is not there, a value that is not finite (naming the row), a missing cell (naming
-        participant and cell), fewer than three participants or two levels, and data without variance to compare: a
-        statistic of these would be a number without meaning.
+        participant and cell), fewer than three participants or two levels, and data without variance to
+        compare: a statistic of these would be a number without meaning.
 
     Notes
     -----

@@ -125,8 +125,8 @@ def n_alternatives(trials: Trials) -> int:
 
 
 def shape_of(unit: str) -> str:
-    """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels (Watson 1979,
-    Vision Res. 19, 515), where levels are in decibels; else the cumulative normal."""
+    """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels
+    (Watson 1979, Vision Res. 19, 515), where levels are in decibels; else the cumulative normal."""
     return DETECTION_SHAPE_IN_DB if unit.startswith("dB") else SHAPE
 
 

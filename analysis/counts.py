@@ -100,8 +100,8 @@ def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> 
 def normalised(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
     """Sort, pool equal levels, and bring every data set to its own range.
 
-    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The range is that
-    of all levels, or (`robust_range`) of those within Tukey's fences.
+    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The
+    range is that of all levels, or (`robust_range`) of those within Tukey's fences.
     """
     if x.shape[1] == 0:
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
@@ -121,7 +121,8 @@ def _ends(x: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 
 def _fenced(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """The range cut at Tukey's fences (quartiles over trials, 1.5 interquartile ranges out), where it is not emptied.
+    """The range cut at Tukey's fences (quartiles over trials, 1.5 interquartile ranges out), where it is not
+    emptied.
 
     `x` is sorted where `n` > 0. Tukey, Exploratory Data Analysis (1977), section 2D.
     """

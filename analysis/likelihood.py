@@ -120,3 +120,24 @@ def _chain(shape: Shape, z: Array, theta: Array, by_z: list[Array]) -> tuple[Arr
     ]
     hessian = np.stack([np.stack([part.sum(axis=-1) for part in row], axis=-1) for row in rows], axis=-2)
     return gradient, hessian
+
+
+def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
+    """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
+    z = _z(shape, u, theta)
+    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    cdf, sf, pdf = (np.exp(part(z)) for part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
+    span, nothing = 1 - guess - lapse, np.zeros_like(z)
+    to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
+    to_v = shape.z50 - z
+    steep, bend = span * pdf, span * _bend(pdf, shape.score(z))
+    mv, ml, vl = bend * to_m * to_v - steep * to_m, -pdf * to_m, -pdf * to_v
+    rows = [
+        [bend * to_m * to_m, mv, ml, ml],
+        [mv, bend * to_v * to_v - steep * to_v, vl, vl],
+        [ml, vl, nothing, nothing],
+        [ml, vl, nothing, nothing],
+    ]
+    hessian = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    gradient = np.stack([steep * to_m, steep * to_v, -cdf, sf], axis=-1)
+    return guess + span * cdf, lapse + span * sf, gradient, hessian

@@ -85,10 +85,21 @@ def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = 
 
 def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        whole = expansion(shape, counts, theta) + prior_expansion(prior, theta)
+        whole = _answers(shape, counts, prior, theta) + prior_expansion(prior, theta)
     fixed = [place for place in range(N_PARAMETERS) if place not in prior.free]
     whole.gradient[:, fixed] = 0.0
     return whole
+
+
+def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
+    """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
+    if prior.overdispersion is None or not (prior.overdispersion > 0).any():
+        return expansion(shape, counts, theta)
+    from tactometry.analysis.overdispersion import BINOMIAL_BELOW, overdispersed_expansion
+
+    eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
+    spread = overdispersed_expansion(shape, counts, theta, eta)
+    return _chosen(prior.overdispersion >= BINOMIAL_BELOW, spread, expansion(shape, counts, theta))
 
 
 def _part(whole: Expansion, which: NDArray[np.bool_]) -> Expansion:
@@ -123,8 +134,8 @@ def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
 
 
 def _convex_inverse(matrix: Array, damping: Array) -> Array:
-    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced by its
-    absolute value, at least 1e-8, plus the damping."""
+    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced
+    by its absolute value, at least 1e-8, plus the damping."""
     scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
     outer = scale[:, :, None] * scale[:, None, :]
     values, vectors = np.linalg.eigh(matrix / outer)

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from tactometry.analysis.counts import Array, Counts, Which
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, weighted
 from tactometry.analysis.mode import Mode
+from tactometry.analysis.overdispersion import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
 from tactometry.analysis.prior import Prior, log_prior_axes
 from tactometry.psychometric import Shape, log_mixture
 
@@ -26,6 +27,8 @@ INTERIOR_RATE_NODES = 12
 SEARCH_NODES = (13, 11, 5, 5)
 FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
 """The search keeps off rates of exactly 0, where a chance may vanish."""
+ETA_NODES = 10
+ETA_SEARCH = (0.0, 0.15, 0.35, 0.6)
 SINGLE_TRIALS = 3000
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
@@ -35,12 +38,14 @@ MAX_SEARCHES = 12
 class Marginals:
     """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and central intervals.
 
-    `threshold` and `width` have the shape (n_sets, 2); all on the scale of `Counts.u`.
+    `threshold` and `width` have the shape (n_sets, 2); all on the scale of `Counts.u`. `overdispersion`
+    (n_sets,) is the posterior mean of eta, 0 for the binomial.
     """
 
     mean: Array
     threshold: Array
     width: Array
+    overdispersion: Array
 
 
 @dataclass(frozen=True)
@@ -55,20 +60,38 @@ class _Box:
 def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
     """Means and central intervals of every data set, one data set's grid at a time in memory."""
     if not len(counts):
-        return Marginals(np.empty((0, N_PARAMETERS)), np.empty((0, 2)), np.empty((0, 2)))
+        return Marginals(np.empty((0, N_PARAMETERS)), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
     boxes = _found_box(shape, counts, prior, mode)
     each = [
-        _marginal_densities(shape, counts[i : i + 1], prior[slice(i, i + 1)], boxes[slice(i, i + 1)])
-        for i in range(len(counts))
+        _marginal_densities(
+            shape, counts[here], prior[here], boxes[here], _eta_nodes(shape, counts[here], prior[here], mode[here])
+        )
+        for here in (slice(i, i + 1) for i in range(len(counts)))
     ]
-    mean, threshold, log_width = (np.array(part) for part in zip(*each, strict=True))
+    mean, threshold, log_width, eta = (np.array(part) for part in zip(*each, strict=True))
     shares = np.array([(1 - interval) / 2, (1 + interval) / 2])
     low, high = boxes.low, boxes.high
     return Marginals(
         mean,
         _quantiles(threshold, low[:, THRESHOLD], high[:, THRESHOLD], shares),
         np.exp(_quantiles(log_width, low[:, LOG_WIDTH], high[:, LOG_WIDTH], shares)),
+        eta,
     )
+
+
+def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Array, Array]:
+    """Nodes of the overdispersion and their weights times its prior, for one data set: 0 alone for the
+    binomial."""
+    if prior.overdispersion is None:
+        return np.zeros(1), np.ones(1)
+    axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
+    tried = np.linspace(0.005, LARGEST, 100)
+    along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
+    kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
+    end = min(LARGEST, 1.3 * float(tried[kept].max(initial=0.005)))
+    points, weights = _gauss(ETA_NODES)
+    nodes = end * (points + 1) / 2
+    return nodes, weights * np.exp(log_prior_of(nodes))
 
 
 def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
@@ -95,7 +118,8 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
 
 
 def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Array]:
-    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets, n_nodes)."""
+    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
+    n_nodes)."""
     profiles: list[list[Array]] = [[] for _ in range(N_PARAMETERS)]
     for i in range(len(counts)):
         axes = [
@@ -104,7 +128,10 @@ def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Arr
             else box.low[i, place, None]
             for place, n in enumerate(SEARCH_NODES)
         ]
-        density = _log_density_grid(shape, counts[i : i + 1], prior[slice(i, i + 1)], axes)
+        here = slice(i, i + 1)
+        etas = (0.0,) if prior.overdispersion is None else (float(prior.overdispersion[i]), *ETA_SEARCH)
+        each = [_log_density_grid(shape, counts[here], prior[here], axes, eta) + log_prior_of(eta) for eta in etas]
+        density = np.maximum.reduce(each)
         for place in range(N_PARAMETERS):
             profiles[place].append(density.max(axis=tuple(j for j in range(N_PARAMETERS) if j != place)))
     return [np.array(profile) for profile in profiles]
@@ -153,20 +180,31 @@ def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Arr
     return nodes, weights
 
 
-def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Array]) -> Array:
-    """Log density on the product of four axes for one data set; shape of the four lengths."""
+def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Array], eta: float) -> Array:
+    """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
+    lengths."""
     used = counts.n_trials[0] > 0
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
     m, v, lapse, guess = axes
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
     log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
-    if guess.min() == 0 or lapse.min() == 0:
+    if eta >= BINOMIAL_BELOW:
+        total = _overdispersed(np.exp(log_cdf), np.exp(log_sf), guess, lapse[:, None], (k, n, eta))
+    elif guess.min() == 0 or lapse.min() == 0:
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))
         total = (weighted(k, yes) + weighted(rest, no)).sum(axis=0)
     else:
         total = _linear_log_likelihood(np.exp(log_cdf), np.exp(log_sf), guess, lapse[:, None], k, n)
     return np.asarray(total + _log_prior_grid(prior, axes))
+
+
+def _overdispersed(cdf: Array, sf: Array, guess: Array, lapse: Array, answers: tuple[Array, Array, float]) -> Array:
+    span, (k, n, eta) = 1 - guess - lapse, answers
+    parts = (
+        log_weight(guess + span * cdf[i], lapse + span * sf[i], float(k[i]), float(n[i]), eta) for i in range(len(k))
+    )
+    return np.asarray(sum(parts))
 
 
 def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k: Array, n: Array) -> Array:
@@ -198,24 +236,29 @@ def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
     return (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
 
 
-def _marginal_densities(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> tuple[Array, Array, Array]:
-    """Means, and the densities of threshold and log width on their nodes, of one data set."""
+def _marginal_densities(
+    shape: Shape, counts: Counts, prior: Prior, box: _Box, etas: tuple[Array, Array]
+) -> tuple[Array, Array, Array, float]:
+    """Means, the densities of threshold and log width on their nodes, and the mean of eta, of one data
+    set."""
     axes, weights = _nodes(prior, box.low[0], box.high[0])
-    density = _log_density_grid(shape, counts, prior, axes)
-    density += axes[LOG_WIDTH][:, None, None]
-    density -= density.max()
-    mass = np.exp(density, out=density)
-    mass *= weights[LAPSE][:, None] * weights[GUESS]
+    densities = np.stack([_log_density_grid(shape, counts, prior, axes, float(eta)) for eta in etas[0]])
+    densities += axes[LOG_WIDTH][:, None, None]
+    densities -= densities.max()
+    masses = np.exp(densities, out=densities)
+    masses *= weights[LAPSE][:, None] * weights[GUESS]
+    along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
+    mass = np.tensordot(etas[1], masses, axes=1)
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
     mean = np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)])
-    return mean, along[THRESHOLD], along[LOG_WIDTH]
+    return mean, along[THRESHOLD], along[LOG_WIDTH], float((along_eta * etas[0]).sum() / along_eta.sum())
 
 
 def _quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
-    """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`, by the
-    integral of their cubic splines."""
+    """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`,
+    by the integral of their cubic splines."""
     n_nodes = density.shape[1]
     fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
     integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)

@@ -38,6 +38,7 @@ class Prior:
     n_catch: Array
     on_curve: bool = True
     threshold: Array | None = None
+    overdispersion: Array | None = None
 
     def __getitem__(self, which: Which) -> "Prior":
         return replace(
@@ -46,6 +47,7 @@ class Prior:
             n_false_alarms=self.n_false_alarms[which],
             n_catch=self.n_catch[which],
             threshold=None if self.threshold is None else self.threshold[which],
+            overdispersion=None if self.overdispersion is None else self.overdispersion[which],
         )
 
     @property

@@ -17,6 +17,7 @@ from tactometry.analysis.likelihood import (
     saturated_log_likelihood,
 )
 from tactometry.analysis.mode import Mode, find_mode
+from tactometry.analysis.overdispersion import find_overdispersed_mode
 from tactometry.analysis.posterior import marginals
 from tactometry.analysis.prior import Prior
 from tactometry.analysis.status import NOTES, Status, proportion_interval, statuses
@@ -26,6 +27,7 @@ from tactometry.psychometric import PsychometricFunction, Shape, shape_named
 
 METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
 ON_LIKELIHOOD = ("ml", "profile")
+OVERDISPERSED = ("ml", "map", "posterior")
 
 WIDEST_SD = 2.0
 """In ranges of the levels: a likelihood this blunt has no threshold."""
@@ -46,6 +48,7 @@ class ThresholdFit:
     width: float | None
     lapse_rate: float | None
     guess_rate: float | None
+    overdispersion: float | None
     interval_low: float | None
     interval_high: float | None
     width_low: float | None
@@ -86,6 +89,7 @@ def fit(
     n_false_alarms: int = 0,
     n_catch: int = 0,
     robust_range: bool = False,
+    overdispersion: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> ThresholdFit:
@@ -111,8 +115,12 @@ def fit(
     n_false_alarms, n_catch : int
         "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
     robust_range : bool
-        Whether the priors of threshold and width rest on the range of the levels within Tukey's fences instead of all.
-        An adaptive procedure starts far from where it ends: its whole range says nothing about the function.
+        Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
+        instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
+        about the function.
+    overdispersion : bool
+        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10); for ``ml``,
+        ``map`` (their intervals at the eta found) and ``posterior``. The status is that of the binomial.
 
     Returns
     -------
@@ -152,6 +160,7 @@ def fit(
         n_false_alarms=[n_false_alarms],
         n_catch=[n_catch],
         robust_range=robust_range,
+        overdispersion=overdispersion,
         n_resamples=n_resamples,
         rng=rng,
     )[0]
@@ -170,6 +179,7 @@ def fit_many(
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
+    overdispersion: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> tuple[ThresholdFit, ...]:
@@ -183,6 +193,10 @@ def fit_many(
     """
     curve = shape_named(shape)
     _check_options(guess_rate, lapse_rate, method, interval, rng)
+    if overdispersion and method not in OVERDISPERSED:
+        raise InvalidParameter(
+            f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
+        )
     x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
     if curve.on_log_levels:
         x = np.log(np.where(n > 0, x, 1.0))
@@ -191,7 +205,7 @@ def fit_many(
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
     prior = Prior(counts.gap, lapse_rate, guess_rate, alarms, catch)
-    return _Fitting(shape, curve, counts, prior, method, interval).results(n_resamples, rng)
+    return _Fitting(shape, curve, counts, prior, method, interval, overdispersion).results(n_resamples, rng)
 
 
 def _check_options(
@@ -237,6 +251,7 @@ class _Estimates:
     threshold: Array
     width: Array
     deviance: Array
+    eta: Array | None
 
 
 @dataclass(frozen=True)
@@ -247,6 +262,7 @@ class _Fitting:
     prior: Prior
     method: str
     interval: float
+    overdispersed: bool
 
     def results(self, n_resamples: int, rng: np.random.Generator | None) -> tuple[ThresholdFit, ...]:
         mode = find_mode(self.curve, self.counts, self.prior)
@@ -254,19 +270,23 @@ class _Fitting:
         step = best_step(self.curve, self.counts, likeliest)
         status = np.array(statuses(self.curve, self.counts, self.prior, mode, step), dtype=object)
         own = likeliest if self.method in ON_LIKELIHOOD else mode
+        eta = None
+        if self.overdispersed:
+            free = replace(self.prior, on_curve=self.method not in ON_LIKELIHOOD)
+            own, eta = find_overdispersed_mode(self.curve, self.counts, free)
         regular = own.interior & (own.threshold_sd < WIDEST_SD)
         lost = (status == Status.OK) & ~regular
         status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
         regular &= np.isin(status, [Status.OK, Status.NON_MONOTONE, Status.TOO_FEW_LEVELS])
-        estimates = self._estimates(own)
+        estimates = self._estimates(own, eta)
         self._refine(estimates, own, regular, n_resamples, rng)
-        self._integrate(estimates, mode, regular)
+        self._integrate(estimates, own if self.method == "posterior" else mode, regular)
         if self.method in ON_LIKELIHOOD:
             stepped = status == Status.SEPARATED
             estimates.theta[stepped, THRESHOLD] = step.place[stepped]
         return tuple(self._result(i, Status(status[i]), estimates) for i in range(len(self.counts)))
 
-    def _estimates(self, own: Mode) -> _Estimates:
+    def _estimates(self, own: Mode, eta: Array | None) -> _Estimates:
         theta = own.theta.copy()
         theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])
         deviance = 2 * (saturated_log_likelihood(self.counts) - log_likelihood(self.curve, self.counts, own.theta))
@@ -275,7 +295,7 @@ class _Fitting:
         log_width_sd = np.sqrt(own.covariance[:, LOG_WIDTH, LOG_WIDTH])[:, None]
         with np.errstate(over="ignore"):
             width = np.exp(own.theta[:, [LOG_WIDTH]] + z * log_width_sd)
-        return _Estimates(theta, threshold, width, np.maximum(deviance, 0.0))
+        return _Estimates(theta, threshold, width, np.maximum(deviance, 0.0), eta)
 
     def _refine(
         self,
@@ -302,10 +322,14 @@ class _Fitting:
         wanted = np.ones(len(self.counts), dtype=bool) if self.method == "posterior" else ~regular
         chosen = np.flatnonzero(wanted & (self.counts.n_levels > 1))
         sets, prior = self.counts[chosen], self.prior[chosen]
+        if estimates.eta is not None and self.method == "posterior":
+            prior = replace(prior, overdispersion=estimates.eta[chosen])
         found = marginals(self.curve, sets, prior, mode[chosen], self.interval)
         estimates.threshold[chosen], estimates.width[chosen] = found.threshold, found.width
         if self.method == "posterior":
             estimates.theta[chosen] = found.mean
+            if estimates.eta is not None:
+                estimates.eta[chosen] = found.overdispersion
 
     def _result(self, i: int, status: Status, estimates: _Estimates) -> ThresholdFit:
         told = self._told(i, status, estimates)
@@ -318,6 +342,7 @@ class _Fitting:
             width=float(width * self.counts.spread[i]) if told and status != Status.SEPARATED else None,
             lapse_rate=float(lapse) if told else None,
             guess_rate=float(guess) if told else None,
+            overdispersion=float(estimates.eta[i]) if told and estimates.eta is not None else None,
             interval_low=low if has_ends and status != Status.BELOW else None,
             interval_high=high if has_ends and status != Status.ABOVE else None,
             width_low=narrow if told and status != Status.SEPARATED else None,
