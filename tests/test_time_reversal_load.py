@@ -30,7 +30,7 @@ from tactometry.stimuli.time_reversal.load import Load, Receptances, contour, lo
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.transducer import PointForce, border
 
 MASS_KG, N_MODES = 0.15, 80
@@ -100,6 +100,15 @@ def test_pinned_contacts_that_coincide_are_refused():
     twice = np.concatenate([at, at], axis=1)
     with pytest.raises(InvalidParameter, match="pinned contacts that coincide"):
         loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, twice, np.full((7, 2), math.inf, complex))
+
+
+def test_a_pin_in_the_time_domain_holds_its_point_and_coinciding_pins_are_refused():
+    pin = Load(0.2, 0.13, stiffness_n_per_m=math.inf)
+    both = loaded_responses(screen(), [(0.2, 0.13), FOCUS], [pin], **SAMPLING)
+    held, free = band_limited(both, Band(0.0, 10e3, 500.0)).samples[:, :, 20:-20]
+    assert np.abs(held).max() < 2e-3 * np.abs(free).max()
+    with pytest.raises(InvalidParameter, match="pinned contacts that coincide"):
+        loaded_responses(screen(), [FOCUS], [pin, pin], **SAMPLING)
 
 
 def test_one_load_is_the_textbook_formula():

@@ -26,6 +26,8 @@ ComplexArray = NDArray[np.complex128]
 WRAP_AROUND: Final = 1e-8
 """What is left of the response after one period of the discrete transform."""
 
+COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
+
 
 @dataclass(frozen=True)
 class Load:
@@ -104,14 +106,12 @@ class Receptances:
         a, b = _balanced(stiffness, size)
         system = among * a[:, None, :]
         np.einsum("fkk->fk", system)[...] += b
+        carried = self.between(to, at) * a[:, None, :]
         try:
-            return np.swapaxes(
-                np.linalg.solve(np.swapaxes(system, 1, 2), np.swapaxes(self.between(to, at) * a[:, None, :], 1, 2)),
-                1,
-                2,
-            )
+            turned = np.linalg.solve(system.transpose(0, 2, 1), carried.transpose(0, 2, 1))
         except np.linalg.LinAlgError as error:
-            raise InvalidParameter("loads: found pinned contacts that coincide, expected one per point") from error
+            raise InvalidParameter(COINCIDENT_PINS) from error
+        return np.asarray(turned.transpose(0, 2, 1))
 
 
 def loaded_receptance(
@@ -132,9 +132,10 @@ def loaded_responses(
 ) -> Responses:
     """Displacement responses with loads on the plate.
 
-    The unloaded part is the exact sum over modes; only the correction, which falls with the fourth power of
-    frequency, goes through a discrete transform, on the contour s = sigma + i w: regular without
-    attenuation, no wrap-around.
+    The unloaded part is the exact sum over modes; only the correction goes through a discrete transform, on the contour
+    s = sigma + i w: regular without attenuation, no wrap-around. The correction of a damper falls with the third power
+    of frequency, that of a pin with the second: what the Nyquist frequency cuts off is then up to 3 % and lies near
+    that frequency, so limit the band afterwards.
 
     Examples
     --------
@@ -148,6 +149,7 @@ def loaded_responses(
     free = impulse_responses(screen, points, rate_hz=rate_hz, duration_s=duration_s, f_max_hz=f_max_hz)
     if not loads or free.n_samples == 0:
         return free
+    _check_pins(loads)
     s, growth, n_fft = contour(free.n_samples, rate_hz)
     receptances = Receptances.of(screen.oscillators(f_max_hz), screen.plate.mass_kg, s)
     at = values_at(screen, [(load.x_m, load.y_m) for load in loads], f_max_hz)
@@ -168,6 +170,12 @@ def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, i
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
+
+
+def _check_pins(loads: Sequence[Load]) -> None:
+    pins = [(load.x_m, load.y_m) for load in loads if math.isinf(load.stiffness_n_per_m)]
+    if len(set(pins)) < len(pins):
+        raise InvalidParameter(COINCIDENT_PINS)
 
 
 def _balanced(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
