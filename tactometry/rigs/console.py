@@ -28,7 +28,6 @@ from tactometry.request import (
 from tactometry.rigs.texts import Texts
 from tactometry.signal import Signal, Stimulus
 
-
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
 
@@ -94,8 +93,8 @@ class Console:
             except ValueError:
                 self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
         raise Stopped(
-            f"{N_TRIES} lines in trial {self._n_trials + 1} were no answers: the {self._n_trials} trials before are safe; "
-            "go on with --resume"
+            f"{N_TRIES} lines in trial {self._n_trials + 1} were no answers: the {self._n_trials} trials before are "
+            "safe; go on with --resume"
         )
 
     def _signal(self, stimulus: str, level: float | None) -> Signal | None:
