@@ -138,11 +138,34 @@ def test_latency_shifts_what_is_felt() -> None:
 def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
     path, grating = straight_path_m(0.1, 1.0, RATE_HZ), Grating(1e-3, "sinusoidal")
     sensor = PositionSensor(rate_hz=120.0)
-    spectrum = np.abs(np.fft.rfft(PlayedTexture(grating, path, sensor=sensor).force_share))
-    assert np.argmax(spectrum[1:]) + 1 == 20
-    with pytest.raises(InvalidParameter, match="else the texture aliases"):
-        sensor.check(1e-3, 0.1)
+    aliased = PlayedTexture(grating, path, sensor=sensor, aliasing="allow").force_share
+    assert np.argmax(np.abs(np.fft.rfft(aliased))[1:]) + 1 == 20
+    with pytest.raises(InvalidParameter) as caught:
+        PlayedTexture(grating, path, sensor=sensor)
+    assert str(caught.value) == (
+        "PositionSensor.rate_hz: found 120.0 reports per second, expected at least 200 for a period of 0.001 m at 0.1 "
+        "m/s; else the texture aliases: widen it, slow down or report faster"
+    )
     PositionSensor(rate_hz=1000.0).check(1e-3, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("texture", "period_m"),
+    [
+        (Grating(1e-3), 1e-3),
+        (Velvet(tuft_period_m=2e-3), 2e-3),
+        (NOISE, 1e-3),
+        (Image(np.linspace(0, 1, 50), 1e-3), 2e-3),
+        (Bump(0.02, 3e-3), None),
+    ],
+)
+def test_the_finest_period_of_a_texture_sets_the_sensor_that_it_needs(texture: Texture, period_m: float) -> None:
+    path = straight_path_m(0.1, 0.1, RATE_HZ)
+    needed_hz = 0.0 if period_m is None else 0.2 / period_m
+    PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 1.001 + 1))
+    if period_m is not None:
+        with pytest.raises(InvalidParameter, match="else the texture aliases"):
+            PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 0.99))
 
 
 def test_a_resolution_coarser_than_half_a_period_is_refused() -> None:

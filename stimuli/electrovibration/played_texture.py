@@ -1,6 +1,7 @@
 """A texture under a moving finger: position sensor, latency, and the voltage that follows."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,7 +10,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.texture import Texture
+from tactometry.stimuli.electrovibration.texture import Grating, Image, Noise, Texture
 from tactometry.stimuli.electrovibration.timing import check_nyquist
 from tactometry.stimuli.electrovibration.velvet import Velvet
 
@@ -61,10 +62,11 @@ least 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it
         require.positive("PositionSensor.check", period_m=period_m)
         require.non_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
         needed_hz = 2 * speed_m_per_s / period_m
-        if self.rate_hz < needed_hz * (1 - 1e-12):
+        if self.rate_hz < needed_hz * (1 - 1e-9):
             raise InvalidParameter(
                 f"PositionSensor.rate_hz: found {self.rate_hz} reports per second, expected at least {needed_hz:.6g} "
-                f"for a period of {period_m} m at {speed_m_per_s} m/s; else the texture aliases: widen it, slow down "
+                f"for a period of {period_m} m at {speed_m_per_s:.6g} m/s; else the texture aliases: widen it, slow "
+                f"down "
                 "or report faster"
             )
         if self.resolution_m > period_m / 2:
@@ -88,6 +90,8 @@ class PlayedTexture:
         Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
     sensor : PositionSensor or None
         None: the position is known exactly and at once.
+    aliasing : {"refuse", "allow"}
+        Whether a sensor that is too slow or too coarse for the texture at the fastest part of the path is an error.
     level_unit
         As in `Sine`.
     """
@@ -97,6 +101,7 @@ class PlayedTexture:
     rate_hz: float = 20_000.0
     carrier_hz: float = 2_000.0
     sensor: PositionSensor | None = None
+    aliasing: Literal["refuse", "allow"] = "refuse"
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
@@ -106,6 +111,12 @@ class PlayedTexture:
         path = require.finite_array("PlayedTexture.path_m", self.path_m)
         if path.ndim != 1 or path.size == 0:
             raise InvalidParameter(f"PlayedTexture.path_m: found shape {path.shape}, expected positions (n_samples,)")
+
+        require.one_of("PlayedTexture.aliasing", self.aliasing, ("refuse", "allow"))
+        period_m = finest_period_m(self.texture)
+        if self.sensor is not None and period_m is not None and self.aliasing == "refuse":
+            steps_m = np.abs(np.diff(path)).max(initial=0.0)
+            self.sensor.check(period_m, float(steps_m * self.rate_hz))
 
     @property
     def voltage_frequency_hz(self) -> float:
@@ -125,6 +136,22 @@ class PlayedTexture:
         carrier = np.sin(2 * np.pi * self.carrier_hz * t_s)
         samples = peak_voltage_v(level, self.level_unit) * (np.sqrt(self.force_share) * carrier)
         return Signal(samples[None, :], self.rate_hz, "V")
+
+
+def finest_period_m(texture: Texture | Velvet) -> float | None:
+    """The shortest period (m) that a texture holds: of a grating, tufts, a band of noise, two pixels; else None.
+
+    >>> finest_period_m(Grating(2e-3))
+    0.002
+    """
+    match texture:
+        case Grating(period_m=period_m) | Velvet(tuft_period_m=period_m):
+            return period_m
+        case Noise(high_per_m=high_per_m):
+            return 1 / high_per_m
+        case Image(pixel_m=pixel_m):
+            return 2 * pixel_m
+    return None
 
 
 def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, start_m: float = 0.0) -> tuple[float, ...]:

@@ -112,7 +112,7 @@ def stick_slip(
     Raises
     ------
     InvalidParameter
-        If a value is outside of its domain, or there are more than `n_events_max` events.
+        If a value is outside of its domain, or there are `n_events_max` events or more.
     """
     from tactometry.stimuli.electrovibration import power_series
 
@@ -132,7 +132,7 @@ def stick_slip(
         n_events_max,
     )
     if failure:
-        at_once = "at one instant" if failure == power_series.CHATTER else f"above n_events_max ({n_events_max})"
+        at_once = "at one instant" if failure == power_series.CHATTER else f"(n_events_max, {n_events_max}, is reached)"
         raise InvalidParameter(
             f"stick_slip: found too many changes between stick and slip {at_once}, at {time_s:.6g} s; "
             "expected fewer: raise the damping or the static friction, or shorten the signal"
