@@ -270,5 +270,7 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
 
 
 def test_too_many_events_stop_with_their_time() -> None:
-    with pytest.raises(InvalidParameter, match=r"too many changes between stick and slip \(n_events_max, 3, is reached\)"):
+    with pytest.raises(
+        InvalidParameter, match=r"too many changes between stick and slip \(n_events_max, 3, is reached\)"
+    ):
         run(n_events_max=3)
