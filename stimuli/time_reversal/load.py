@@ -77,13 +77,13 @@ class Receptances:
         return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
-        """(n_frequencies, n_to, n_of) from weights (n_modes, n_to) and (n_modes, n_of)."""
+        """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
         pairs = (to[:, :, None] * of[:, None, :]).reshape(len(to), -1).T
         parts = pairs @ self.compliance.view(float)
-        return np.ascontiguousarray(parts.view(complex).T).reshape(-1, to.shape[1], of.shape[1])
+        return np.asarray(parts.view(complex).reshape(to.shape[1], of.shape[1], -1))
 
     def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
-        """What contacts take away from `between(to, of)`.
+        """(n_to, n_of, n_frequencies): what contacts take away from `between(to, of)`.
 
         Parameters
         ----------
@@ -97,27 +97,26 @@ class Receptances:
         InvalidParameter
             If pinned contacts coincide.
         """
-        return self._toward(to, at, stiffness) @ self.between(at, of)
+        return np.asarray(np.einsum("rkf,ksf->rsf", self._toward(to, at, stiffness), self.between(at, of)))
 
     def _toward(self, to: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
-        """(n_frequencies, n_to, k): H_rc a (b + H_cc a)^-1."""
-        among = self.between(at, at)
-        size = np.abs(np.einsum("fkk->fk", among))
-        a, b = _balanced(stiffness, size)
+        """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1."""
+        among = np.moveaxis(self.between(at, at), 2, 0)
+        a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
         system = among * a[:, None, :]
         np.einsum("fkk->fk", system)[...] += b
-        carried = self.between(to, at) * a[:, None, :]
+        carried = self.between(to, at) * a.T
         try:
-            turned = np.linalg.solve(system.transpose(0, 2, 1), carried.transpose(0, 2, 1))
+            turned = np.linalg.solve(system.transpose(0, 2, 1), carried.transpose(2, 1, 0))
         except np.linalg.LinAlgError as error:
             raise InvalidParameter(COINCIDENT_PINS) from error
-        return np.asarray(turned.transpose(0, 2, 1))
+        return np.ascontiguousarray(turned.transpose(2, 1, 0))
 
 
 def loaded_receptance(
     receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray
 ) -> ComplexArray:
-    """(n_frequencies, n_to, n_of): receptances of the plate that bears contacts; see `Receptances`."""
+    """(n_to, n_of, n_frequencies): receptances of the plate that bears contacts; see `Receptances`."""
     return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)
 
 
@@ -156,7 +155,7 @@ def loaded_responses(
     stiffness = np.stack([load.dynamic_stiffness_n_per_m(s) for load in loads], axis=1)
     to, of = values_at(screen, points, f_max_hz), screen.modal_forces(f_max_hz)
     taken = receptances.correction(to, of, at, stiffness)
-    correction = np.fft.irfft(np.moveaxis(taken, 0, -1), n_fft)[..., : free.n_samples] * growth
+    correction = np.fft.irfft(taken, n_fft)[..., : free.n_samples] * growth
     return replace(free, samples=free.samples - correction)
 
 
