@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.cli.design import command
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 from tactometry.stimuli.time_reversal.closed_forms import resolution_m
 from tactometry.stimuli.time_reversal.design import (
     Design,
@@ -108,6 +108,15 @@ def test_command_ends_with_1_and_says_why():
     result = CliRunner().invoke(command, ["--contrast", "400"])
     assert result.exit_code == 1
     assert "not reached: contrast: 400 is above sqrt(N)" in result.output
+
+
+def test_command_refuses_a_figure_it_cannot_write(tmp_path):
+    unknown = CliRunner().invoke(command, ["--figure", str(tmp_path / "design.doc")])
+    assert isinstance(unknown.exception, InvalidParameter)
+    assert "expected a name that ends in .png, .pdf, .svg" in str(unknown.exception)
+    (tmp_path / "file").write_text("")
+    below = CliRunner().invoke(command, ["--figure", str(tmp_path / "file" / "design.png")])
+    assert isinstance(below.exception, DeviceFailed)
 
 
 def test_command_reads_a_plate_and_draws_the_trade_offs(tmp_path):

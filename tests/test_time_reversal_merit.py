@@ -181,6 +181,14 @@ def test_filtering_lowers_the_a_weighted_level_and_one_bit_keeps_some():
         (lambda: width_m(X, np.ones(401)), "profile: found no point below 0.5"),
         (lambda: contrast_whole_of(1.0, np.zeros(4)), "field: found zero everywhere"),
         (lambda: uniformity(np.zeros(3)), "amplitudes_m: found 3 values"),
+        (
+            lambda: noise(
+                Screen(A4_SCREEN, (PointForce(0.1, 0.1),), Attenuation(math.inf)),
+                Signal(np.ones((1, 9)), 1e4, "V"),
+                2e3,
+            ),
+            "Screen.attenuation.tau_s: found inf",
+        ),
         (lambda: switched_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
     ],
 )

@@ -119,6 +119,7 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     """
     from scipy.fft import next_fast_len
 
+    positive("Screen.attenuation.tau_s", screen.attenuation.tau_s)
     oscillators = screen.oscillators(f_max_hz)
     n_fft = int(next_fast_len(2 * signal.samples.shape[1] + round(6 * screen.attenuation.tau_s * signal.rate_hz)))
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)

@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.design import Guide
 
 
+FIGURE_FORMATS = (".png", ".pdf", ".svg")
+
+
 @click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
 @click.option(
     "--plate", "plate_file", type=click.Path(path_type=Path), help="TOML file of a plate; default A4, 1.1 mm."
@@ -47,11 +50,16 @@ def command(
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
+    from tactometry.errors import DeviceFailed, InvalidParameter
     from tactometry.stimuli.time_reversal.design import Target, Transducers, recommend
     from tactometry.stimuli.time_reversal.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate_file import read_plate
     from tactometry.stimuli.time_reversal.spectrum import Band
 
+    if figure is not None and figure.suffix not in FIGURE_FORMATS:
+        raise InvalidParameter(
+            f"--figure: found {str(figure)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
+        )
     guide = recommend(
         A4_SCREEN if plate_file is None else read_plate(plate_file),
         Transducers(transducers, patch_m, voltage_v=voltage_v),
@@ -63,7 +71,10 @@ def command(
         from tactometry.stimuli.time_reversal.figures.design import trade_offs
         from tactometry.stimuli.time_reversal.figures.style import save
 
-        save(trade_offs(guide), figure)
+        try:
+            save(trade_offs(guide), figure)
+        except OSError as error:
+            raise DeviceFailed(f"{figure}: cannot write ({error.strerror}), expected a place to write to") from None
     say(_text(guide), _record(guide), as_json=as_json)
     ctx.exit(1 if guide.unreachable else 0)
 
