@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
-from tactometry.analysis.table import Trials, used_rows
+from tactometry.analysis.table import Trials, parsed, used_rows
 from tactometry.analysis.threshold import ThresholdFit, fit_many
 from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
@@ -81,7 +81,7 @@ def cells(trials: Trials) -> list[Cell]:
 def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was
     right."""
-    answer = pd.to_numeric(rows["response"], errors="coerce")
+    answer = parsed(rows["response"])
     correct = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" in rows.columns:
         right = (answer == rows["target"]).astype(float).where(rows["target"].notna())
@@ -119,7 +119,7 @@ def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
 def n_alternatives(trials: Trials) -> int:
     """Alternatives of the forced choice: the largest interval ever chosen or used as target, at least 2."""
     rows = trials.rows[trials.rows["task"] == "forced_choice"]
-    answers = pd.to_numeric(rows["response"], errors="coerce")
+    answers = parsed(rows["response"])
     largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
     return max(2, int(largest)) if np.isfinite(largest) else 2
 

@@ -24,6 +24,8 @@ from tactometry.psychometric import Shape
 RISE_CRITERION = 1.0
 """Likelihood ratio (2 x difference of logarithms) of a rise against a constant rate: a standard error of
 slope."""
+RISE_FROM_AN_ASYMPTOTE = 6.635
+"""The same where the answers together are no more than guesses, or at the ceiling: chi-square with 1 df at 1 %."""
 TREND_CRITERION = -2.576
 """z of a falling trend, one-sided at 0.5 %."""
 NARROW = 0.5
@@ -62,10 +64,13 @@ def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step)
     step, threshold outside the levels, two levels."""
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls = _falls(counts)
-    rises = 2 * (log_likelihood(shape, counts, mode.theta) - constant_log_likelihood(k, n)) >= RISE_CRITERION
+    constant = [_constant_status(k[i], n[i], _guess(prior, mode, i)) for i in range(len(counts))]
+    is_between = np.array([status == Status.FLAT for status in constant], dtype=bool)
+    rise = 2 * (log_likelihood(shape, counts, mode.theta) - constant_log_likelihood(k, n))
+    rises = rise >= np.where(is_between, RISE_CRITERION, RISE_FROM_AN_ASYMPTOTE)
     low, high = _range(counts)
     inside = (mode.theta[:, THRESHOLD] >= low) & (mode.theta[:, THRESHOLD] <= high)
-    told = rises | (inside & (2 * 1.96 * mode.threshold_sd < NARROW))
+    told = rises | (is_between & inside & (2 * 1.96 * mode.threshold_sd < NARROW))
     found = []
     for i in range(len(counts)):
         m = mode.theta[i, THRESHOLD]
@@ -74,7 +79,7 @@ def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step)
             (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
             (falls[i], Status.NON_MONOTONE),
             (k[i] == n[i], Status.BELOW),
-            (not told[i], _constant_status(k[i], n[i], _guess(prior, mode, i))),
+            (not told[i], constant[i]),
             (m < low[i], Status.BELOW),
             (m > high[i], Status.ABOVE),
             (step.is_between[i], Status.SEPARATED),

@@ -268,13 +268,27 @@ def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str)
 
 
 def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
-    empty = table[name] == ""
-    values = pd.to_numeric(table[name].where(~empty, "nan"), errors="coerce").astype(np.float64)
-    bad = np.asarray(~np.isfinite(values) & ~empty)
+    values = parsed(table[name])
+    bad = ~np.isfinite(values.to_numpy())
+    if bad.any():
+        bad &= (table[name] != "").to_numpy()
     if bad.any():
         comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
         _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
     return values
+
+
+def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
+    """Numbers of text cells, NaN for what is none; each different text is read once."""
+    codes, different = pd.factorize(text)
+    words = [word or "nan" for word in different.tolist()]
+    try:
+        numbers = np.array(words, dtype=np.float64) if not any("_" in word for word in words) else None
+    except ValueError:
+        numbers = None
+    if numbers is None:
+        numbers = np.asarray(pd.to_numeric(pd.Series(words), errors="coerce"), dtype=np.float64)
+    return pd.Series(numbers[codes], index=text.index)
 
 
 def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
@@ -323,8 +337,11 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
         raise InvalidFile(
             f"{first['source']}, row {first['row']}, column {name!r}: found nothing, expected the factor's value"
         )
-    numbers = pd.to_numeric(text.where(text != "", "nan"), errors="coerce")
-    return numbers if np.isfinite(numbers[text != ""]).all() else text
+    numbers = parsed(text)
+    if not np.isfinite(numbers[text != ""]).all():
+        return text
+    is_whole = bool((numbers == np.floor(numbers)).all() and (numbers.abs() < 2**53).all())
+    return numbers.astype(np.int64) if is_whole else numbers
 
 
 def used_rows(trials: Trials) -> pd.DataFrame:

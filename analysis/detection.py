@@ -1,0 +1,98 @@
+"""Signal detection: sensitivity and criterion from hits and false alarms, and the chances of a forced choice.
+
+Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 for the log-linear rule.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import log_ndtr, ndtri
+
+from tactometry.errors import InvalidParameter
+
+QUADRATURE_NODES = 80
+LARGEST_D_PRIME = 12.0
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """d' and criterion c of a yes/no task, in standard deviations of the noise."""
+
+    d_prime: float
+    criterion: float
+
+
+def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noises: int) -> Sensitivity:
+    """d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2 with the log-linear rule: rates (k + 0.5) / (n + 1).
+
+    Raises
+    ------
+    InvalidParameter
+        If a count is negative or above its number of trials, or there are no trials.
+
+    >>> found = yes_no_sensitivity(20, 20, 0, 20)
+    >>> round(found.d_prime, 4), round(found.criterion, 12)
+    (3.9615, 0.0)
+    """
+    z_hit = _z_rate("n_hits", n_hits, "n_signals", n_signals)
+    z_false_alarm = _z_rate("n_false_alarms", n_false_alarms, "n_noises", n_noises)
+    return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)
+
+
+def _z_rate(name: str, k: int, of: str, n: int) -> float:
+    if n < 1:
+        raise InvalidParameter(f"{of}: found {n}, expected at least 1")
+    if not 0 <= k <= n:
+        raise InvalidParameter(f"{name}: found {k}, expected a count from 0 to {of}, {n}")
+    return float(ndtri((k + 0.5) / (n + 1)))
+
+
+@cache
+def _hermite() -> tuple[np.ndarray, np.ndarray]:
+    return np.polynomial.hermite_e.hermegauss(QUADRATURE_NODES)
+
+
+def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
+    """Chance of a correct, unbiased choice among m: the integral of phi(x - d') Phi(x)^(m - 1).
+
+    Raises
+    ------
+    InvalidParameter
+        If there are fewer than two alternatives or d' is not finite.
+
+    >>> [round(forced_choice_chance(1.0, m), 5) for m in (2, 3, 4)]
+    [0.76025, 0.6337, 0.55203]
+    """
+    if n_alternatives < 2 or n_alternatives != int(n_alternatives):
+        raise InvalidParameter(f"n_alternatives: found {n_alternatives}, expected a whole number from 2")
+    if not np.isfinite(d_prime):
+        raise InvalidParameter(f"d_prime: found {d_prime}, expected a finite number")
+    x, weights = _hermite()
+    chances = np.exp((n_alternatives - 1) * log_ndtr(x + d_prime))
+    return float(weights @ chances / weights.sum())
+
+
+def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float:
+    """The d' at which an unbiased observer is correct at this rate: the inverse of `forced_choice_chance`.
+
+    Raises
+    ------
+    InvalidParameter
+        If the rate is not between that of guessing the wrong way and 1 (a d' within 12 either side).
+
+    >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
+    [0.9539, 1.4338, 1.6822]
+    """
+    low, high = (forced_choice_chance(end, n_alternatives) for end in (-LARGEST_D_PRIME, LARGEST_D_PRIME))
+    if not low < rate_correct < high:
+        raise InvalidParameter(f"rate_correct: found {rate_correct}, expected a rate between {low:.3g} and 1")
+    return float(
+        brentq(
+            lambda d: forced_choice_chance(d, n_alternatives) - rate_correct,
+            -LARGEST_D_PRIME,
+            LARGEST_D_PRIME,
+            xtol=1e-13,
+        )
+    )
