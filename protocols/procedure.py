@@ -2,6 +2,8 @@
 
 from typing import Literal, Protocol, Self
 
+import numpy as np
+
 from tactometry.errors import InvalidParameter
 
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
@@ -38,7 +40,7 @@ def checked_response(response: object, procedure: str) -> bool:
     InvalidParameter
         If it is anything but 0, 1, False or True: an unanswered trial must be asked again, not counted as wrong.
     """
-    if isinstance(response, int | float) and response in (0, 1):
+    if isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
         return bool(response)
     raise InvalidParameter(
         f"{procedure}.after: found the response {response!r}, expected 1 (correct, felt) or 0; ask the trial again if "

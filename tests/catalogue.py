@@ -14,7 +14,19 @@ from tactometry.experiments.wiring import wire
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.protocols import Block, Condition, ConstantStimuli, ForcedChoice, Pressing, Sliding, Staircase, YesNo
+from tactometry.protocols import (
+    Block,
+    Condition,
+    ConstantStimuli,
+    ForcedChoice,
+    ParameterGrid,
+    Pressing,
+    QuestPlus,
+    Sliding,
+    Staircase,
+    WeightedStaircase,
+    YesNo,
+)
 from tactometry.protocols.block import run_block, session
 from tactometry.rigs.console import Console
 from tactometry.rigs.simulated import SimulatedRig
@@ -57,6 +69,19 @@ STIMULI = {
 }
 
 PROCEDURES = {
+    "weighted_staircase": WeightedStaircase(
+        start=30.0, steps_up=(6.0, 3.0), steps_down=(2.0, 1.0), low=0.0, high=40.0, n_trials=40
+    ),
+    "quest_plus": QuestPlus(
+        tuple(float(x) for x in range(0, 41, 2)), ParameterGrid(tuple(range(0, 41, 2)), (4.0, 8.0)), n_trials=20
+    ),
+    "quest_plus_threshold": QuestPlus(
+        tuple(float(x) for x in range(0, 41, 2)),
+        ParameterGrid(tuple(range(0, 41, 2)), (4.0, 8.0), lapse_rates=(0.0, 0.04)),
+        n_trials=20,
+        sd_stop=3.0,
+        aim="threshold",
+    ),
     "constant_stimuli": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4),
     "constant_stimuli_shuffled": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4).shuffled(
         np.random.default_rng(0)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ConstantStimuli, Staircase
+from tactometry.protocols import ConstantStimuli, Staircase, WeightedStaircase
 
 
 def follow(procedure, answers):
@@ -129,8 +130,6 @@ def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
 
 @pytest.mark.parametrize("n_down", [1, 2, 3])
 def test_a_staircase_settles_where_levitt_says(n_down):
-    from scipy.stats import norm
-
     rng = np.random.default_rng()
     n_runs, n_trials = 200, 200
     shares = []
@@ -148,6 +147,47 @@ def end_of(rule, probability, rng):
     while not rule.finished:
         rule = rule.after(bool(rng.random() < probability(rule.level)))
     return rule
+
+
+@pytest.mark.parametrize(
+    ("up", "down", "n_down", "target"),
+    [
+        (3.0, 1.0, 1, 0.75),
+        (1.0, 0.2845, 1, 0.7785),
+        (1.0, 0.5488, 2, 0.8035),
+        (1.0, 0.7393, 3, 0.8315),
+        (1.0, 0.8415, 4, 0.8584),
+        (1.0, 1.0, 2, 0.7071),
+    ],
+)
+def test_the_targets_of_weighted_staircases(up, down, n_down, target):
+    """Kaernbach (1991); Garcia-Perez (1998), with the ratios of his table."""
+    rule = WeightedStaircase(0.0, (up,), (down,), low=-20.0, high=20.0, n_down=n_down)
+    assert rule.target == pytest.approx(target, abs=6e-5)
+
+
+def test_a_weighted_staircase_with_equal_steps_is_a_staircase():
+    answers = np.random.default_rng().random(60) < 0.7
+    options = {"start": 10.0, "low": 0.0, "high": 40.0, "n_down": 2, "n_reversals": 9}
+    weighted = WeightedStaircase(steps_up=(4.0, 2.0), steps_down=(4.0, 2.0), **options)
+    ours, _ = follow(weighted, answers)
+    plain, _ = follow(Staircase(steps=(4.0, 2.0), initial_rule=False, **options), answers)
+    assert ours == plain
+
+
+def test_a_weighted_staircase_settles_at_its_target():
+    rng = np.random.default_rng()
+    shares = []
+    for _ in range(200):
+        rule = WeightedStaircase(0.0, (0.3,), (0.1,), low=-12.0, high=12.0, n_reversals=10**6, n_trials=200)
+        rule = end_of(rule, norm.cdf, rng)
+        shares.append(np.mean(norm.cdf(rule.state.levels[60:])))
+    assert abs(np.mean(shares) - 0.75) <= 3.89 * np.std(shares) / np.sqrt(200) + 0.005
+
+
+def test_steps_that_are_no_pairs_are_refused():
+    with pytest.raises(InvalidParameter, match="WeightedStaircase.steps_up: found 2 steps and 1 steps_down"):
+        WeightedStaircase(0.0, (3.0, 1.0), (1.0,), low=-12.0, high=12.0)
 
 
 def test_constant_stimuli_presents_each_level_as_often_as_asked():
