@@ -20,6 +20,7 @@ from tactometry.protocols.procedure import Procedure
 from tactometry.protocols.staircase import Staircase
 from tactometry.protocols.task import Task
 from tactometry.protocols.touch import Pressing, Sliding, Touch
+from tactometry.protocols.weighted_staircase import WeightedStaircase
 from tactometry.protocols.yes_no import YesNo
 from tactometry.quantity import unit_suffix, units
 from tactometry.rigs.simulated import Sensation, SimulatedRig
@@ -52,11 +53,22 @@ STIMULI = {
     )
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
-PROCEDURES: Mapping[str, type[Staircase] | type[ConstantStimuli]] = {
-    "staircase": Staircase,
-    "constant_stimuli": ConstantStimuli,
+Rule = Staircase | WeightedStaircase | ConstantStimuli
+
+
+@dataclass(frozen=True)
+class ProcedureKind:
+    """A procedure, and the fields that hold its state, which no study file sets."""
+
+    rule: type[Rule]
+    state: tuple[str, ...]
+
+
+PROCEDURES = {
+    "staircase": ProcedureKind(Staircase, ("levels", "responses", "reversals")),
+    "weighted_staircase": ProcedureKind(WeightedStaircase, ("state",)),
+    "constant_stimuli": ProcedureKind(ConstantStimuli, ("order", "n_done")),
 }
-PROCEDURE_STATE = ("levels", "responses", "reversals", "order", "n_done")
 
 
 def _kind(table: Mapping[str, Any], path: str, known: Mapping[str, Any]) -> Any:
@@ -81,7 +93,7 @@ class Experiment:
     conditions: tuple[Condition, ...]
     bank: Mapping[str, Stimulus]
     task: Task
-    procedure: Staircase | ConstantStimuli
+    procedure: Rule
 
     def blocks(self, number: int, rng: np.random.Generator) -> tuple[Block, ...]:
         """The blocks of the participant with this number, in order."""
@@ -138,7 +150,7 @@ def _factor_column(name: str) -> Column:
     return Column(name, "Factor of the study", "" if suffix is None else units(suffix)[0])
 
 
-def _shuffled(procedure: Staircase | ConstantStimuli, rng: np.random.Generator) -> Procedure:
+def _shuffled(procedure: Rule, rng: np.random.Generator) -> Procedure:
     return procedure.shuffled(rng) if isinstance(procedure, ConstantStimuli) else procedure
 
 
@@ -146,13 +158,9 @@ def _task(study: Study) -> Task:
     return YesNo() if study.task.kind == "yes_no" else ForcedChoice(study.task.n_intervals)
 
 
-def _procedure(study: Study) -> Staircase | ConstantStimuli:
+def _procedure(study: Study) -> Rule:
     kind = _kind(study.procedure, "procedure", PROCEDURES)
-    state = {key: () for key in PROCEDURE_STATE if key in kind.__dataclass_fields__}
-    given = {key: value for key, value in state.items() if key != "levels" or kind is Staircase}
-    if "n_done" in given:
-        given["n_done"] = 0  # type: ignore[assignment]
-    procedure: Staircase | ConstantStimuli = build(kind, _without(study.procedure, "kind"), "procedure", **given)
+    procedure: Rule = build(kind.rule, _without(study.procedure, "kind"), "procedure", hidden=kind.state)
     return procedure
 
 
@@ -218,7 +226,7 @@ def wire(study: Study, where: str) -> Experiment:
 
 def _check_levels(experiment: Experiment) -> None:
     procedure = experiment.procedure
-    highest = procedure.high if isinstance(procedure, Staircase) else max(procedure.levels)
+    highest = max(procedure.levels) if isinstance(procedure, ConstantStimuli) else procedure.high
     for stimulus in experiment.bank.values():
         try:
             experiment.study.limits.check(stimulus.at(highest))

@@ -4,7 +4,7 @@ import dataclasses
 import re
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, TypeVar
 
 import msgspec
@@ -15,8 +15,8 @@ T = TypeVar("T")
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
-def build(kind: type[T], table: object, path: str, **given: object) -> T:
-    """A `kind` from a table of a file; `given` are fields that the file must not hold.
+def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (), **given: object) -> T:
+    """A `kind` from a table of a file, which must hold neither the `given` fields nor the `hidden` ones.
 
     Raises
     ------
@@ -28,7 +28,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
         raise InvalidParameter(f"{path}: found {table!r}, expected a table")
     hints = typing.get_type_hints(kind)
     fields = {f.name: f for f in dataclasses.fields(kind) if f.init and not f.name.startswith("_")}  # type: ignore[arg-type]
-    names = [name for name in fields if name not in given]
+    names = [name for name in fields if name not in given and name not in hidden]
     for key in table:
         if key not in names:
             raise InvalidParameter(

@@ -316,6 +316,17 @@ def test_a_bad_command_line_is_refused_in_one_sentence(tmp_path, capsys, monkeyp
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_study_with_a_weighted_staircase_runs(tmp_path, capsys):
+    study = THRESHOLD.replace('"staircase"', '"weighted_staircase"').replace("n_up = 1\n", "")
+    study = study.replace("steps = [8.0, 4.0, 2.0]", "steps_up = [9.0, 3.0]\nsteps_down = [3.0, 1.0]")
+    (tmp_path / "s.toml").write_text(study.replace("[30, 60, 120, 180, 240, 320, 480]", "[240]"), "utf-8")
+    status, said, _ = call(
+        capsys, "simulate", tmp_path / "s.toml", "--participants", 1, "--seed", 1, "--out", tmp_path / "d"
+    )
+    assert (status, said) == (0, "")
+    assert b",weighted_staircase," in trials_of(tmp_path / "d").read_bytes()
+
+
 def test_a_file_is_not_overwritten(tmp_path, capsys):
     mine = tmp_path / "mine.toml"
     mine.write_text("precious")
