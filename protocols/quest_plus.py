@@ -39,7 +39,7 @@ class QuestPlus:
     ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
     ... )
     >>> rule.level, rule.after(1).level, rule.after(1).after(1).ended
-    (-19, -23, 'trials')
+    (-17, -21, 'trials')
     """
 
     levels: tuple[float, ...]
