@@ -24,7 +24,7 @@ from tactometry.analysis.likelihood import (
 from tactometry.analysis.prior import Prior, log_prior, prior_expansion
 from tactometry.psychometric import Shape
 
-MAX_STEPS = 200
+MAX_STEPS = 80
 SMALL_DECREMENT = 1e-13
 NARROWEST_START = 0.03
 SMALLEST_CURVATURE = 1e-12
