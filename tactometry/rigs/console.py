@@ -44,14 +44,14 @@ class Console:
         bank: Mapping[str, Stimulus],
         limits: Limits,
         texts: Texts,
-        source: TextIO = sys.stdin,
-        output: TextIO = sys.stdout,
+        source: TextIO | None = None,
+        output: TextIO | None = None,
     ) -> None:
         self._bank = bank
         self._limits = limits
         self._texts = texts
-        self._source = source
-        self._output = output
+        self._source = sys.stdin if source is None else source
+        self._output = sys.stdout if output is None else output
         self._zero_s = time.perf_counter()
         self._n_trials = 0
 
