@@ -15,19 +15,8 @@ import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.rows import TASKS
 
-TASKS = (
-    "yes_no",
-    "forced_choice",
-    "comparison",
-    "same_different",
-    "magnitude",
-    "adjustment",
-    "rating",
-    "localisation",
-    "preference",
-    "measurement",
-)
 REQUIRED = ("participant", "level", "task", "response")
 NUMBERS = (
     "level",
