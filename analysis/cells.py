@@ -154,6 +154,7 @@ def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval
         *counts,
         shape=shape_of(unit),
         robust_range=True,
+        scale_free_width=True,
         guess_rate=None if is_detection else 1 / n_choices,
         interval=interval,
         n_false_alarms=[cell.n_false_alarms if is_detection else 0 for cell in chosen],

@@ -28,7 +28,7 @@ class Prior:
 
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
     width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
-    there.
+    there. With `scale_free_width` the width's flat part is flat in its logarithm instead.
     """
 
     gap: Array
@@ -37,6 +37,7 @@ class Prior:
     n_false_alarms: Array
     n_catch: Array
     on_curve: bool = True
+    scale_free_width: bool = False
     threshold: Array | None = None
     overdispersion: Array | None = None
 
@@ -84,7 +85,7 @@ def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> 
         gap = prior.gap.reshape(-1, *([1] * (theta.ndim - 2)))
         parts |= {
             THRESHOLD: _threshold(theta[..., THRESHOLD]),
-            LOG_WIDTH: _width(theta[..., LOG_WIDTH], gap),
+            LOG_WIDTH: _width(theta[..., LOG_WIDTH], gap, scale_free=prior.scale_free_width),
         }
     value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
     if not derivatives:
@@ -134,14 +135,16 @@ def _threshold(m: Array) -> tuple[Array, Array, Array]:
     return value, first, np.where(outside > 0, second, 0.0)
 
 
-def _width(v: Array, gap: Array) -> tuple[Array, Array, Array]:
-    """Flat in the width w = exp(v); the derivatives are along v. The fall at the wide end has precedence."""
+def _width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
+    """Flat in the width w = exp(v), or in its logarithm; the derivatives are along v. The fall at the wide end has
+    precedence."""
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
     at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
     value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
-    return value, by_w * w, by_ww * w * w + by_w * w
+    slope = 1.0 if scale_free else 0.0
+    return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
 
 
 def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
@@ -150,7 +153,7 @@ def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
     along = [np.zeros(len(axis)) for axis in axes]
     if prior.on_curve:
         along[THRESHOLD] = _threshold(axes[THRESHOLD])[0]
-        along[LOG_WIDTH] = _width(axes[LOG_WIDTH], prior.gap)[0]
+        along[LOG_WIDTH] = _width(axes[LOG_WIDTH], prior.gap, scale_free=prior.scale_free_width)[0]
     if prior.lapse_rate is None:
         along[LAPSE] = _beta(axes[LAPSE], np.zeros(1), np.zeros(1))[0]
     if prior.guess_rate is None:

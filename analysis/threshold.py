@@ -89,6 +89,7 @@ def fit(
     n_false_alarms: int = 0,
     n_catch: int = 0,
     robust_range: bool = False,
+    scale_free_width: bool = False,
     overdispersion: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
@@ -114,6 +115,9 @@ def fit(
         Coverage of the interval, between 0 and 1.
     n_false_alarms, n_catch : int
         "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
+    scale_free_width : bool
+        Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) between psignifit's ends, instead of
+        flat in the width: with few trials a flat prior lets wide functions pull the posterior mean of the threshold.
     robust_range : bool
         Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
         instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
@@ -160,6 +164,7 @@ def fit(
         n_false_alarms=[n_false_alarms],
         n_catch=[n_catch],
         robust_range=robust_range,
+        scale_free_width=scale_free_width,
         overdispersion=overdispersion,
         n_resamples=n_resamples,
         rng=rng,
@@ -179,6 +184,7 @@ def fit_many(
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
+    scale_free_width: bool = False,
     overdispersion: bool = False,
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
@@ -204,7 +210,7 @@ def fit_many(
     alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
-    prior = Prior(counts.gap, lapse_rate, guess_rate, alarms, catch)
+    prior = Prior(counts.gap, lapse_rate, guess_rate, alarms, catch, scale_free_width=scale_free_width)
     return _Fitting(shape, curve, counts, prior, method, interval, overdispersion).results(n_resamples, rng)
 
 

@@ -149,7 +149,7 @@ def methods(table: pd.DataFrame, n_choices: int) -> str:
         parts.append(
             "Detection thresholds are posterior means with central 95 % intervals of the marginal posterior under "
             "psignifit 4's priors (threshold and width from the spacing of the levels and their range within Tukey's "
-            "fences, lapse rate Beta(1, 10))."
+            "fences, the width's flat in its logarithm, lapse rate Beta(1, 10))."
         )
     if "yes_no" in tasks:
         parts.append("The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.")

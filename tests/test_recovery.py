@@ -26,7 +26,9 @@ ONE_CELL = (
     .encode()
 )
 HEAD, _, TAIL = ONE_CELL.partition(b"[procedure]")
-CONSTANT = b'[procedure]\nkind = "constant_stimuli"\nlevels = [6, 9, 12, 15, 18, 21, 24]\nrepeats = 7\n\n[limits]'
+CONSTANT = (
+    b'[procedure]\nkind = "constant_stimuli"\nlevels = [6, 8, 10, 12, 14, 16, 18, 20, 22]\nrepeats = 6\n\n[limits]'
+)
 PROCEDURES = {"staircase": ONE_CELL, "constant stimuli": HEAD + CONSTANT + TAIL.partition(b"[limits]")[2]}
 
 
