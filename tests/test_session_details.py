@@ -1,0 +1,318 @@
+"""Details that a session rests on: what is synced, kept, refused, felt, asked again and closed."""
+
+import json
+import os
+import resource
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import catalogue
+import numpy as np
+import pytest
+from memory import Memory
+
+from tactometry.dataset import cell
+from tactometry.errors import DeviceFailed, Diverged, InvalidFile, LimitExceeded
+from tactometry.experiments.recording import Who, record, simulated
+from tactometry.experiments.study import load
+from tactometry.experiments.wiring import wire
+from tactometry.journal import Journal, encode, read, write_atomically
+from tactometry.limits import Limits
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.protocols import ConstantStimuli
+from tactometry.protocols.block import catch_schedule, run_block
+from tactometry.request import Done, Record, Slide, Touched, Wait
+from tactometry.rigs.replay import Replay
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.run import replay, run
+
+STUDY, TOML = load("tutorial")
+EXPERIMENT = wire(STUDY, "tutorial")
+WHO = Who("P01", seed=1)
+
+
+def live(root, *, resume=False):
+    return record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO), resume=resume)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    root = tmp_path_factory.mktemp("whole") / "d"
+    live(root)
+    return root
+
+
+@pytest.fixture
+def lived(whole, tmp_path):
+    return Path(shutil.copytree(whole, tmp_path / "d"))
+
+
+@pytest.fixture
+def synced(monkeypatch):
+    """The paths that are synced to the disk, in order; the disk is synced all the same."""
+    paths, fsync = [], os.fsync
+
+    def noted(file):
+        paths.append(Path(f"/proc/self/fd/{file}").readlink())
+        fsync(file)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    return paths
+
+
+def journal_of(root):
+    return next((root / "journals").glob("*tutorial.jsonl"))
+
+
+def contents(root):
+    return {path: path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
+
+
+def a_trial(memory_of=1):
+    memory = Memory()
+    run(run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, np.random.default_rng(1)), rig(), memory)
+    return memory.trials[:memory_of]
+
+
+def rig(**changes):
+    parts = {"limits": catalogue.LIMITS, "sensation": catalogue.Loudness(), "finger": SimulatedFinger()} | changes
+    return SimulatedRig(
+        catalogue.AnyStimulus(),
+        parts["limits"],
+        parts["sensation"],
+        catalogue.OBSERVERS["default"],
+        parts["finger"],
+        lambda n_trials: np.random.default_rng([7, n_trials]),
+    )
+
+
+SLIDE = Slide("tone", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
+
+
+def test_a_trial_is_synced_before_append_returns_and_other_requests_are_not(tmp_path, synced):
+    journal = Journal(tmp_path / "j.jsonl", resume=False)
+    journal.append(Wait(1.0), Done(1.0))
+    assert synced == []
+    journal.append(Record(a_trial()[0]), Done(1.0))
+    journal.close()
+    assert synced == [tmp_path / "j.jsonl"]
+
+
+def test_a_replaced_file_and_its_folder_are_synced(tmp_path, synced):
+    write_atomically(tmp_path / "f", b"content")
+    assert len(synced) == 2
+    assert synced[-1] == tmp_path
+
+
+def test_resuming_a_complete_session_changes_nothing(lived):
+    before = contents(lived)
+    recorded = live(lived, resume=True)
+    assert contents(lived) == before
+    assert recorded.n_trials == recorded.n_resumed == len(read(journal_of(lived)).trials)
+
+
+def test_the_trials_of_a_sitting_are_counted(tmp_path):
+    recorded = live(tmp_path)
+    assert recorded.n_trials == recorded.trials.read_bytes().count(b"\n") - 1
+    assert recorded.n_resumed == 0
+
+
+def test_a_line_behind_the_end_is_refused(lived):
+    with journal_of(lived).open("ab") as file:
+        file.write(encode({"request": "Wait", "asked": {"duration_s": 1.0}, "answer": {"at_s": 1.0}}))
+    with pytest.raises(InvalidFile, match="found a line behind the end of the session"):
+        read(journal_of(lived))
+
+
+def test_a_line_without_a_checksum_is_refused(lived):
+    lines = journal_of(lived).read_bytes().split(b"\n")
+    lines[2] = lines[2].partition(b',"crc32"')[0] + b"}"
+    journal_of(lived).write_bytes(b"\n".join(lines))
+    with pytest.raises(InvalidFile, match="line 3: the line is damaged"):
+        read(journal_of(lived))
+
+
+def test_a_second_interruption_is_kept_beside_the_first(lived):
+    for _ in range(2):
+        journal_of(lived).write_bytes(journal_of(lived).read_bytes()[:-700])
+        live(lived, resume=True)
+    kept = next((lived / "journals").glob("*_interruptions.jsonl")).read_text().splitlines()
+    assert [sorted(json.loads(line)) for line in kept] == [["after_trials", "cut"]] * 2
+
+
+def test_every_column_is_described_beside_the_trials(lived):
+    trials = next((lived / "data").glob("*.csv"))
+    described = json.loads(trials.with_suffix(".json").read_text())
+    assert list(described) == trials.read_text().splitlines()[0].split(",")
+    assert all(column["Description"] for column in described.values())
+
+
+def test_a_journal_that_could_not_be_read_is_not_left_locked(lived):
+    content = journal_of(lived).read_bytes()
+    journal_of(lived).write_bytes(b"x" + content)
+    with pytest.raises(InvalidFile, match="line 1"):
+        live(lived, resume=True)
+    journal_of(lived).write_bytes(content)
+    live(lived, resume=True)
+
+
+def test_after_a_full_disk_the_journal_goes_on_where_it_was(tmp_path):
+    journal = Journal(tmp_path / "j.jsonl", resume=False)
+    journal.append(Wait(1.0), Done(1.0))
+    size, (soft, hard) = (tmp_path / "j.jsonl").stat().st_size, resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, hard))
+    try:
+        with pytest.raises(DeviceFailed, match="expected room on the disk"):
+            journal.append(Wait(2.0), Done(2.0))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    journal.append(Wait(3.0), Done(3.0))
+    journal.close()
+    lines = (tmp_path / "j.jsonl").read_bytes().splitlines()
+    assert [json.loads(line)["asked"]["duration_s"] for line in lines] == [1.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1e20, "1e+20"), (2.0**53, "9007199254740992.0"), (-0.0, "0"), (1e15, "1000000000000000.0"), (False, "0")],
+)
+def test_a_number_reads_back_from_its_cell(value, text):
+    assert cell(value) == text
+    assert float(cell(value)) == value
+
+
+class Falling:
+    """A rig that fails when it is asked to slide, and knows whether it was closed."""
+
+    def __init__(self):
+        self.n_closed = 0
+
+    def close(self):
+        self.n_closed += 1
+
+    def __getattr__(self, name):
+        raise DeviceFailed(f"{name}: the device fell")
+
+
+def test_a_rig_is_closed_when_it_fails():
+    falling = Falling()
+    with pytest.raises(DeviceFailed, match="slide: the device fell"):
+        run(run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, np.random.default_rng()), falling, Memory())
+    assert falling.n_closed == 1
+
+
+def one_block(rng):
+    return run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, rng)
+
+
+def test_a_journal_that_holds_more_than_the_protocol_asks_is_refused():
+    lived = Memory()
+    run(one_block(np.random.default_rng(1)), rig(), lived)
+    with pytest.raises(Diverged, match="the recording goes on with"):
+        run(one_block(np.random.default_rng(1)), rig(), Memory([*lived.entries, lived.entries[-1]]))
+
+
+def test_a_recorded_trial_that_was_changed_is_found():
+    lived = Memory()
+    run(one_block(np.random.default_rng(1)), rig(), lived)
+    at = next(n for n, (request, _) in enumerate(lived.entries) if isinstance(request, Record))
+    request, answer = lived.entries[at]
+    changed = Record(replace(request.trial, latency_s=9.0))
+    entries = [*lived.entries[:at], (changed, answer), *lived.entries[at + 1 :]]
+    with pytest.raises(Diverged, match=rf"line {at + 1}: Record.trial.latency_s: the recording holds 9.0"):
+        replay(one_block(np.random.default_rng(1)), Replay(entries))
+
+
+def test_the_simulated_rig_holds_signals_against_the_limits():
+    with pytest.raises(LimitExceeded, match="found a peak of"):
+        rig(limits=Limits(voltage_peak_v=1.0)).slide(SLIDE)
+
+
+class Noting(catalogue.Loudness):
+    def __init__(self):
+        self.contacts = []
+
+    def sensation_db(self, signal, contact):
+        self.contacts.append(contact)
+        return super().sensation_db(signal, contact)
+
+
+def test_what_is_felt_depends_on_the_force_and_speed_that_were_held():
+    noting = Noting()
+    touched = rig(sensation=noting).slide(SLIDE)
+    (contact,) = noting.contacts
+    assert contact.force_n == pytest.approx(touched.force_mean_n, abs=1e-6)
+    assert contact.speed_m_per_s == pytest.approx(touched.speed_mean_m_per_s, abs=1e-6)
+    assert contact.force_n != SLIDE.target_n
+    assert contact.speed_m_per_s != SLIDE.speed_m_per_s
+
+
+def test_holding_the_force_and_playing_take_their_time():
+    simulated_rig = rig()
+    first, second = simulated_rig.slide(SLIDE), simulated_rig.slide(SLIDE)
+    assert first.onset_s == SLIDE.hold_s
+    assert second.onset_s - first.onset_s == pytest.approx(SLIDE.hold_s + SLIDE.duration_s)
+
+
+def test_a_force_that_wavers_out_of_the_band_makes_the_touch_invalid():
+    assert not rig(finger=SimulatedFinger(waver_cv=0.9)).slide(SLIDE).valid
+
+
+class Clipping:
+    """A rig that delivers 3 dB less than it is asked for, and loses the first `n_lost` touches."""
+
+    def __init__(self, n_lost=0):
+        self._rig, self.n_lost = rig(), n_lost
+
+    def slide(self, request):
+        touched = self._rig.slide(request)
+        self.n_lost -= 1
+        level = None if touched.level_delivered is None else touched.level_delivered - 3.0
+        return replace(touched, level_delivered=level, valid=self.n_lost < 0)
+
+    def __getattr__(self, name):
+        return getattr(self._rig, name)
+
+
+def test_a_procedure_learns_the_level_that_was_delivered():
+    memory = Memory()
+    course = run_block(catalogue.block("yes_no", "staircase_1_up_1_down"), 1, 1, np.random.default_rng(1))
+    track, _ = run(course, Clipping(), memory)
+    delivered = [trial.level_delivered for trial in memory.trials if not trial.catch]
+    assert list(track.procedure.levels) == delivered
+    assert all(trial.level_delivered == trial.level - 3.0 for trial in memory.trials if not trial.catch)
+
+
+def test_an_invalid_touch_is_recorded_and_asked_again():
+    memory = Memory()
+    track, _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=2), memory)
+    first = [(trial.trial, trial.attempt, trial.valid, trial.response is None) for trial in memory.trials[:3]]
+    assert first == [(1, 1, False, True), (1, 2, False, True), (1, 3, True, False)]
+    assert len({trial.level for trial in memory.trials[:3]}) == 1
+    assert track.ended == "trials"
+
+
+def test_a_block_of_which_no_touch_is_valid_is_aborted():
+    memory = Memory()
+    track, _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=10**6), memory)
+    assert track.ended == "aborted"
+    assert [trial.attempt for trial in memory.trials] == [1, 2, 3, 4, 5]
+
+
+def test_catch_trials_come_at_any_place_of_their_group():
+    schedule = catch_schedule(0.25, np.random.default_rng())
+    groups = [[next(schedule) for _ in range(4)] for _ in range(200)]
+    assert all(sum(group) == 1 for group in groups)
+    assert {group.index(True) for group in groups} == {0, 1, 2, 3}
+
+
+def test_repeats_of_constant_stimuli_have_orders_of_their_own():
+    order = ConstantStimuli((1.0, 2.0, 3.0, 4.0), repeats=50).shuffled(np.random.default_rng()).order
+    assert len({order[n : n + 4] for n in range(0, 200, 4)}) > 1
+
+
+def test_a_catch_trial_delivers_nothing():
+    touched = rig().slide(replace(SLIDE, level=None))
+    assert isinstance(touched, Touched)
+    assert (touched.level_delivered, touched.digest) == (None, None)
