@@ -13,19 +13,21 @@ import pytest
 from memory import Memory
 
 from tactometry.dataset import cell
-from tactometry.errors import DeviceFailed, Diverged, InvalidFile, LimitExceeded
+from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import wire
 from tactometry.journal import Journal, encode, read, write_atomically
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.protocols import ConstantStimuli
+from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.block import catch_schedule, run_block
+from tactometry.quantity import si
 from tactometry.request import Done, Record, Slide, Touched, Wait
 from tactometry.rigs.replay import Replay
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.run import replay, run
+from tactometry.signal import Signal
 
 STUDY, TOML = load("tutorial")
 EXPERIMENT = wire(STUDY, "tutorial")
@@ -316,3 +318,109 @@ def test_a_catch_trial_delivers_nothing():
     touched = rig().slide(replace(SLIDE, level=None))
     assert isinstance(touched, Touched)
     assert (touched.level_delivered, touched.digest) == (None, None)
+
+
+def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_the_first_interval():
+    memory = Memory()
+    course = run_block(catalogue.block("two_interval", "constant_stimuli"), 1, 1, np.random.default_rng(1))
+    run(course, rig(finger=SimulatedFinger(waver_cv=0.0)), memory)
+    answers = [(request, answer) for request, answer in memory.entries if isinstance(request, Slide | Record)]
+    for n in range(0, len(answers), 3):
+        touches, trial = [answer for _, answer in answers[n : n + 2]], answers[n + 2][0].trial
+        assert trial.force_mean_n == touches[trial.target - 1].force_mean_n
+        assert trial.onset_s == touches[0].onset_s
+    assert {trial.target for trial in memory.trials} == {1, 2}
+
+
+def test_an_interval_that_is_not_valid_ends_its_trial_unasked():
+    memory = Memory()
+    course = run_block(catalogue.block("two_interval", "constant_stimuli"), 1, 1, np.random.default_rng(1))
+    run(course, Clipping(n_lost=1), memory)
+    assert [type(request).__name__ for request, _ in memory.entries[:4]] == ["Slide", "Record", "Slide", "Slide"]
+
+
+class Refusing(Clipping):
+    """A rig whose first answer the experimenter declares invalid."""
+
+    def __init__(self):
+        super().__init__()
+        self.n_answers = 0
+
+    def choose(self, request):
+        self.n_answers += 1
+        return replace(self._rig.choose(request), valid=self.n_answers > 1)
+
+
+@pytest.mark.parametrize("task", ["yes_no", "two_interval"])
+def test_an_answer_that_was_declared_invalid_is_not_scored_and_asked_again(task):
+    memory = Memory()
+    run(run_block(catalogue.block(task, "constant_stimuli"), 1, 1, np.random.default_rng(1)), Refusing(), memory)
+    first, second = memory.trials[:2]
+    assert (first.valid, first.correct, first.attempt) == (False, None, 1)
+    assert (second.valid, second.attempt, second.level) == (True, 2, first.level)
+
+
+def test_a_censored_run_with_reversals_has_no_threshold():
+    rule = Staircase(start=10.0, steps=(4.0,), low=0.0, high=40.0, n_down=1, n_reversals=20, n_at_bound=3)
+    for answer in (1, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 1):
+        rule = rule if rule.finished else rule.after(answer)
+    assert len(rule.reversals) >= 4
+    assert (rule.ended, rule.threshold()) == ("censored_below", None)
+
+
+def test_responses_at_a_bound_count_in_a_row_only():
+    rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
+    for answer in (0, 0, 1, 0, 0, 0):
+        assert rule.ended is None
+        rule = rule.after(answer)
+    assert rule.ended is None
+    assert rule.after(0).ended == "censored_above"
+
+
+def test_a_signal_in_another_unit_than_volt_is_not_played():
+    with pytest.raises(LimitExceeded, match="found a signal in 'A', expected volt"):
+        catalogue.LIMITS.check(Signal(np.zeros((1, 4)), 1e3, "A"))
+
+
+def test_the_limit_holds_to_rounding():
+    catalogue.LIMITS.check(Signal(np.full((1, 4), 200.0 * (1 + 1e-15)), 1e3, "V"))
+    with pytest.raises(LimitExceeded, match="found a peak of"):
+        catalogue.LIMITS.check(Signal(np.full((1, 4), 200.0 * (1 + 1e-9)), 1e3, "V"))
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix", "value"),
+    [
+        ("2 min", "s", 120.0),
+        ("1.5 MHz", "hz", 1.5e6),
+        ("20 kHz", "hz", 20e3),
+        ("250 mN", "n", 0.25),
+        ("1.1 mm", "m", 1.1e-3),
+        ("5 um", "m", 5e-6),
+        ("50 mm/s", "m_per_s", 0.05),
+        ("1 cm2", "m2", 1e-4),
+        ("3", "v", None),
+        ("2 kV", "v", 2000.0),
+    ],
+)
+def test_quantities_with_units(text, suffix, value):
+    if value is None:
+        with pytest.raises(InvalidParameter, match="expected a number in V or a string such as '1 V'"):
+            si(text, suffix, "x")
+    else:
+        assert si(text, suffix, "x") == pytest.approx(value, rel=1e-15)
+
+
+def test_a_session_goes_on_under_its_own_number(lived):
+    who = Who("P01", number=5, seed=1)
+    with pytest.raises(InvalidParameter, match="--number: found 5, but this session began with 1"):
+        record(EXPERIMENT, TOML, lived, who, simulated(EXPERIMENT, who), resume=True)
+
+
+def test_each_session_of_a_participant_has_an_order_of_its_own():
+    orders = []
+    for n_session in (1, 2):
+        memory = Memory()
+        run(EXPERIMENT.course("P01", n_session, 1, 1), EXPERIMENT.simulated_rig("P01", n_session, 1), memory)
+        orders.append([(trial.level, trial.catch) for trial in memory.trials])
+    assert orders[0] != orders[1]
