@@ -85,7 +85,7 @@ def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as
     text."""
     if len(factors) < 2:
-        return group[[*factors, "text"]]
+        return group[[*factors, "text"]].rename(columns={"text": "threshold"})
     down = max(factors, key=lambda name: group[name].nunique())
     across = [name for name in factors if name != down]
     table = group.pivot(index=down, columns=across, values="text")
