@@ -162,7 +162,7 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
 )
 def test_a_mean_is_never_taken_over_what_is_no_threshold(rows, text) -> None:
     group = group_table(estimates(*rows), ["condition"])
-    assert cross_table(group, ["condition"])["text"].tolist() == [text]
+    assert cross_table(group, ["condition"])["threshold"].tolist() == [text]
 
 
 # Real data: Dallmann, Ernst and Moscatelli 2015, tactile speed with masking vibration
