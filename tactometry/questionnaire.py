@@ -1,0 +1,302 @@
+"""Questionnaires: their items, poles and scoring, read from one data file each.
+
+A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. An item is presented with
+its left word and its right word; the raw answer grows from left to right. A *reversed* item has its positive pole on
+the left, so that a high raw answer is a low score.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
+from tactometry.strict import build
+
+SUFFIX = ".toml"
+
+
+@dataclass(frozen=True)
+class Item:
+    """One question.
+
+    Parameters
+    ----------
+    id, dimension : str
+        What the tables call it, and the dimension whose score it belongs to.
+    reversed : bool
+        Whether the positive pole is presented on the left.
+    order : int
+        Place in the published order, from 1.
+    poles : mapping of str to (negative, positive)
+        The two words, by language; empty where the questionnaire has the same two `ends` for every item.
+    statement : mapping of str to str
+        What is rated, by language; empty for a semantic differential, whose poles say all.
+    """
+
+    id: str
+    dimension: str
+    order: int
+    reversed: bool = False
+    poles: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    statement: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered."""
+
+    min_answered: int
+    title: dict[str, str] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Questionnaire:
+    """Items on one scale, in the published order.
+
+    Parameters
+    ----------
+    low, high : float
+        The raw answers at the left and at the right end.
+    steps : int or None
+        How many raw answers there are, evenly spaced; None for a continuous line.
+    score_low, score_high : float
+        The score of the worst and of the best answer; an item that is not reversed has `score_low` at `low`.
+    ends : mapping of str to (left, right)
+        The words at the ends of every item, as presented, by language; empty where each item has its own poles.
+    reference : str
+        Where it was published; translations and choices that nobody verified are named there.
+
+    Raises
+    ------
+    InvalidParameter
+        If an item has no pole, an id or an order stands twice, or a scale or a dimension is impossible.
+
+    >>> attrakdiff = load("attrakdiff")
+    >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
+    ('PQ1', ('', 'Human', 'Technical'), 3.0)
+    """
+
+    name: str
+    title: str
+    low: float
+    high: float
+    steps: int | None
+    score_low: float
+    score_high: float
+    items: tuple[Item, ...]
+    dimensions: dict[str, Dimension]
+    reference: str
+    ends: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _check_scale(self)
+        for index, item in enumerate(self.items):
+            _check_item(self, item, f"items[{index}]")
+        _check_order(self)
+        for name, dimension in self.dimensions.items():
+            _check_dimension(self, name, dimension)
+        object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """The languages in which every item can be presented."""
+        sides = [set(item.poles or self.ends) for item in self.items]
+        statements = [set(item.statement) for item in self.items if item.statement]
+        return tuple(sorted(set.intersection(*sides, *statements)))
+
+    def item(self, name: str) -> Item:
+        """The item of this id.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is none.
+        """
+        known = {item.id: item for item in self.items}
+        if name not in known:
+            raise InvalidParameter(
+                f"{self.name}: found the item {name!r}, expected one of {', '.join(known)}{nearest(name, known)}"
+            )
+        return known[name]
+
+    def words(self, name: str, language: str) -> tuple[str, str, str]:
+        """The statement (empty if there is none), the left word and the right word of an item, as presented.
+
+        Raises
+        ------
+        InvalidParameter
+            If the item or the language is not there.
+        """
+        item = self.item(name)
+        if language not in self.languages:
+            raise InvalidParameter(
+                f"{self.name}: found the language {language!r}, expected one of {', '.join(self.languages)}"
+                f"{nearest(language, self.languages)}"
+            )
+        left, right = self.ends[language] if not item.poles else item.poles[language][:: -1 if item.reversed else 1]
+        return item.statement.get(language, ""), left, right
+
+    def items_of(self, dimension: str) -> tuple[str, ...]:
+        """The ids of the items whose mean is the score of a dimension."""
+        names = (dimension, *self.dimensions[dimension].parts)
+        return tuple(item.id for item in self.items if item.dimension in names)
+
+    def takes(self, raw: float) -> bool:
+        """Whether a number is a raw answer of the scale."""
+        if not self.low <= raw <= self.high:
+            return False
+        place = (raw - self.low) / (self.high - self.low) * ((self.steps or 2) - 1)
+        return self.steps is None or math.isclose(place, round(place), abs_tol=1e-9)
+
+    def score(self, name: str, raw: float) -> float:
+        """The score of a raw answer to an item.
+
+        Raises
+        ------
+        InvalidParameter
+            If the item is unknown, or `raw` is no answer that the scale takes.
+        """
+        item = self.item(name)
+        if not self.takes(raw):
+            steps = "" if self.steps is None else f" in {self.steps} steps"
+            raise InvalidParameter(
+                f"{self.name}, item {name}: found the answer {raw:g}, expected {self.low:g} to {self.high:g}{steps}"
+            )
+        part = self.high - raw if item.reversed else raw - self.low
+        return self.score_low + (self.score_high - self.score_low) * part / (self.high - self.low)
+
+    def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
+        """The score of each dimension from raw answers by item; None where too few of its items are answered.
+
+        Items that are missing, or None, are not answered.
+
+        Raises
+        ------
+        InvalidParameter
+            If an item is unknown or an answer is not on the scale.
+
+        >>> scores = load("attrakdiff").scores({item.id: 7.0 for item in load("attrakdiff").items})
+        >>> {name: round(7 * score) for name, score in scores.items()}
+        {'PQ': -3, 'HQI': 3, 'HQS': -3, 'ATT': -3, 'HQ': 0}
+        """
+        scored = {name: self.score(name, raw) for name, raw in answers.items() if raw is not None}
+        return {name: self._mean(name, scored) for name in self.dimensions}
+
+    def _mean(self, dimension: str, scored: Mapping[str, float]) -> float | None:
+        answered = [scored[name] for name in self.items_of(dimension) if name in scored]
+        enough = len(answered) >= self.dimensions[dimension].min_answered
+        return math.fsum(answered) / len(answered) if enough else None
+
+
+def _check_scale(form: Questionnaire) -> None:
+    if not (math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high):
+        raise InvalidParameter(f"low: found {form.low:g}, expected a number below high ({form.high:g})")
+    if form.steps is not None and form.steps < 2:
+        raise InvalidParameter(f"steps: found {form.steps}, expected at least 2; leave it out for a continuous line")
+    if not form.items:
+        raise InvalidParameter("items: found none, expected at least one")
+    for language, ends in form.ends.items():
+        _check_pair(ends, f"ends.{language}", "the left and the right end")
+
+
+def _check_item(form: Questionnaire, item: Item, path: str) -> None:
+    if item.dimension not in form.dimensions:
+        raise InvalidParameter(
+            f"{path}.dimension: found {item.dimension!r}, expected one of {', '.join(form.dimensions)}"
+            f"{nearest(item.dimension, form.dimensions)}"
+        )
+    for language, poles in item.poles.items():
+        _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
+    if not (item.poles or form.ends):
+        raise InvalidParameter(f"{path}.poles: found none for {item.id!r}, expected two poles, or ends for all items")
+
+
+def _check_pair(words: Sequence[str], path: str, what: str) -> None:
+    if len(words) != 2 or not all(word.strip() for word in words):
+        raise InvalidParameter(f"{path}: found {list(words)}, expected two words, {what}")
+
+
+def _check_order(form: Questionnaire) -> None:
+    for key, values in (
+        ("id", [item.id for item in form.items]),
+        ("order", [item.order for item in form.items]),
+    ):
+        for index, value in enumerate(values):
+            if value in values[:index]:
+                raise InvalidParameter(f"items[{index}].{key}: found {value!r} twice, expected each {key} once")
+
+
+def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> None:
+    for part in dimension.parts:
+        if part not in form.dimensions or part == name:
+            raise InvalidParameter(f"dimensions.{name}.parts: found {part!r}, expected the name of another dimension")
+    n_items = len(form.items_of(name))
+    if not 1 <= dimension.min_answered <= n_items:
+        raise InvalidParameter(
+            f"dimensions.{name}.min_answered: found {dimension.min_answered}, expected from 1 to the number of its "
+            f"items ({n_items})"
+        )
+
+
+def built(table: Mapping[str, Any], path: str) -> Questionnaire:
+    """A questionnaire from the table of a file; `path` opens each key path.
+
+    Raises
+    ------
+    InvalidParameter
+        If a key is unknown, missing or of another type, or the questionnaire is impossible.
+    """
+    listed = table.get("items", ())
+    if not isinstance(listed, list):
+        raise InvalidParameter(f"{path}items: found {listed!r}, expected a list of tables")
+    items = tuple(build(Item, item, f"{path}items[{index}]") for index, item in enumerate(listed))
+    rest = {"steps": None, **{key: value for key, value in table.items() if key != "items"}}
+    return build(Questionnaire, rest, path.removesuffix("."), items=items)
+
+
+def parse(content: bytes, where: str) -> Questionnaire:
+    """A questionnaire from the bytes of its file; `where` opens every sentence.
+
+    Raises
+    ------
+    InvalidFile
+        If the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
+    """
+    try:
+        return built(tomllib.loads(content.decode("utf-8")), "")
+    except TactometryError as error:
+        raise InvalidFile(f"{where}, {str(error).removeprefix(': ')}") from None
+    except (ValueError, RecursionError) as error:
+        raise InvalidFile(f"{where}: found no valid TOML in UTF-8 ({error}), expected a questionnaire") from None
+
+
+@cache
+def shipped() -> tuple[str, ...]:
+    """The names of the questionnaires that are shipped.
+
+    >>> "attrakdiff" in shipped()
+    True
+    """
+    names = (entry.name for entry in files("tactometry.questionnaires").iterdir())
+    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
+
+
+@cache
+def load(name: str) -> Questionnaire:
+    """A questionnaire that is shipped.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is none of that name.
+    """
+    if name not in shipped():
+        raise InvalidParameter(
+            f"questionnaire: found {name!r}, expected one of {', '.join(shipped())}{nearest(name, shipped())}"
+        )
+    return parse((files("tactometry.questionnaires") / f"{name}{SUFFIX}").read_bytes(), f"questionnaire {name}")
