@@ -21,13 +21,14 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Pieces, Sine, Skin, Solution, Step, Trapezoid
-from tactometry.stimuli.electrovibration.driven import _plan
+from tactometry.stimuli.electrovibration.driven import plan_of
 from tactometry.stimuli.electrovibration.finger import sliding
 from tactometry.stimuli.electrovibration.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.lift import flow
 
 Real = NDArray[np.float64]
 FINGER, MU, END_S = Finger(), 0.5, 0.05
+FRICTION = CoulombFriction(MU)
 T_S = np.linspace(0, END_S, 289)[1:]
 INPUTS = {
     "step": Step(duration_s=END_S).pieces(40.0),
@@ -120,7 +121,7 @@ def stepped(n_per_second: float) -> Callable[[Pieces, ForceForm], Real]:
 
 
 def exact(pieces: Pieces, form: ForceForm) -> Real:
-    motion = sliding(T_S, pieces, form, finger=FINGER, friction=CoulombFriction(MU), force_n=1e-30)
+    motion = sliding(T_S, pieces, form, finger=FINGER, friction=FRICTION, force_n=1e-30)
     return motion.deflection_m
 
 
@@ -181,7 +182,7 @@ def main() -> None:
             form = form_of(tau_s)
             truth = reference(pieces, form)
             flow.cache_clear()
-            _plan.cache_clear()
+            plan_of.cache_clear()
             cold = milliseconds(lambda: exact(pieces, form), 1)  # noqa: B023
             warm = milliseconds(lambda: exact(pieces, form), 51)  # noqa: B023
             error = np.abs(exact(pieces, form) - truth).max() / np.abs(truth).max()

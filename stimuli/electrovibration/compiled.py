@@ -46,77 +46,127 @@ def enter(
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _advance(maps: Real, drives: Real, kind: int, newton: float, path: Real, i: int, z: Real, squares: Real) -> None:
-    """``x_(i+1) = map x_i + newton drive P(z)``, P the products of z in the order of the upper triangle."""
-    place = 0
-    for a in range(len(z)):
-        for b in range(a, len(z)):
-            squares[place] = newton * z[a] * z[b]
-            place += 1
-    for row in range(path.shape[1]):
-        total = 0.0
-        for q in range(len(squares)):
-            total += drives[kind, row, q] * squares[q]
-        for column in range(path.shape[1]):
-            total += maps[kind, row, column] * path[i, column]
-        path[i + 1, row] = total
+def relax(
+    low: int, high: int, free: Real, slope: float, decay: Real, line: Real, responses: Complex, at: int, z: Real
+) -> None:
+    """Relaxations at the nodes of a piece: free decay, line and sinusoids (rows of z from `at` on)."""
+    for m in range(len(free)):
+        start = free[m]
+        for i in range(low, high):
+            z[m, i] = start * decay[m, i] + slope * line[m, i]
+        for k in range(responses.shape[1]):
+            h = responses[m, k]
+            for i in range(low, high):
+                z[m, i] += h.real * z[at + 2 * k, i] - h.imag * z[at + 2 * k + 1, i]
+
+
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+def states(
+    offsets: Real, slopes: Real, amplitudes: Complex, first: NDArray[np.intp], since: Real, decay: Real, line: Real,
+    spans: Real, end_decay: Real, end_line: Real, turns: Complex, responses: Complex, has_line: bool, has_slope: bool,
+) -> Real:  # fmt: skip
+    """States (n_states, n_nodes) of a circuit, in the order of `Circuit`.
+
+    Arguments are those of `driven.plan_of`: per piece its first node; per node the time since its piece started, decay
+    and line factor of each relaxation; per piece the same at its end; the turn of each sinusoid at each node and its
+    response. Each inner loop runs over the nodes of a piece.
+    """
+    n_relax, n_turns = len(decay), turns.shape[1]
+    slope_at = n_relax + (1 if has_line else 0)
+    at = slope_at + (1 if has_slope else 0)
+    z, free = np.empty((at + 2 * n_turns, len(since))), np.zeros(n_relax)
+    for p in range(len(first) - 1):
+        low, high, slope = first[p], first[p + 1], slopes[p]
+        for k in range(n_turns):
+            for i in range(low, high):
+                turn = turns[i, k] * amplitudes[p, k]
+                z[at + 2 * k, i], z[at + 2 * k + 1, i] = turn.real, turn.imag
+        enter(p, low, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
+        relax(low, high, free, slope, decay, line, responses, at, z)
+        if has_line:
+            for i in range(low, high):
+                z[n_relax, i] = offsets[p] + slope * since[i]
+        if has_slope:
+            z[slope_at, low:high] = slope
+    return z
+
+
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+def march(z: Real, newton: float, kinds: NDArray[np.intp], maps: Real, drives: Real) -> Real:
+    """``x_(i+1) = map x_i + newton drive P(z_i)`` from 0, (n, n_nodes): P the products of z, upper triangle."""
+    n, n_nodes = maps.shape[1], z.shape[1]
+    path = np.zeros((n, n_nodes))
+    for row in range(n):
+        place = 0
+        for a in range(len(z)):
+            for b in range(a, len(z)):
+                for i in range(n_nodes - 1):
+                    path[row, i + 1] += newton * drives[kinds[i], row, place] * z[a, i] * z[b, i]
+                place += 1
+    for i in range(n_nodes - 1):
+        for row in range(n):
+            total = path[row, i + 1]
+            for column in range(n):
+                total += maps[kinds[i], row, column] * path[column, i]
+            path[row, i + 1] = total
+    return path
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
 def respond(
-    offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
-    piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, gains: Real, dc_gain: float, has_slope: bool,
+    newton: float, offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
+    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
+    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
     kinds: NDArray[np.intp], maps: Real, drives: Real,
-) -> tuple[Real, Real]:  # fmt: skip
-    """Voltage (n_nodes,) and driven states (n_nodes, n) at the nodes of a plan.
-
-    Arguments are those of `driven._plan`: per node the piece that holds, the time since its start, decay and line
-    factor of each relaxation; per piece the same at its end; the turn of each sinusoid at each node and its response.
-    """
-    n_nodes, n_relax, n_turns = len(piece), len(gains), amplitudes.shape[1]
-    voltage, path = np.zeros(n_nodes), np.zeros((n_nodes, maps.shape[1]))
-    has_line = dc_gain != 0
-    slope_at = n_relax + (1 if has_line else 0)
-    first = slope_at + (1 if has_slope else 0)
-    free, z, squares = np.zeros(n_relax), np.zeros(first + 2 * n_turns), np.zeros(drives.shape[2])
-    held = -1
-    for i in range(n_nodes):
-        now = piece[i]
-        while held < now:
-            held += 1
-            enter(held, i, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
-        level, total = offsets[now] + slopes[now] * since[i], 0.0
-        for m in range(n_relax):
-            y = free[m] * decay[m, i] + slopes[now] * line[m, i] + answered(turns, i, responses, m, amplitudes, now)
-            z[m] = y
-            total += gains[m] * y
-        if has_line:
-            z[n_relax] = level
-        if has_slope:
-            z[slope_at] = slopes[now]
-        for k in range(n_turns):
-            turn = turns[i, k] * amplitudes[now, k]
-            z[first + 2 * k], z[first + 2 * k + 1] = turn.real, turn.imag
-        voltage[i] = total + dc_gain * (level + turned(turns, i, amplitudes, now))
-        if i + 1 < n_nodes:
-            _advance(maps, drives, kinds[i], newton, path, i, z, squares)
-    return voltage, path
+) -> Real:  # fmt: skip
+    """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear `form` of the circuit's states."""
+    z = states(
+        offsets, slopes, amplitudes, first, since, decay, line, spans, end_decay, end_line, turns, responses,
+        has_line, has_slope,
+    )  # fmt: skip
+    path: Real = march(z, newton, kinds, maps, drives)
+    return path[:, wanted]
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def respond_many(
-    offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
-    piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, gains: Real, dc_gain: float, has_slope: bool,
+def slide(
+    newton: float, mu: float, force_n: float, mass_kg: float, damping_n_s_per_m: float, stiffness_n_per_m: float,
+    offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
+    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
+    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
     kinds: NDArray[np.intp], maps: Real, drives: Real,
-) -> tuple[Real, Real]:  # fmt: skip
-    """`respond` for heights with a first axis (n_stimuli,)."""
-    n_stimuli, n_nodes = len(offsets), len(piece)
-    voltages, paths = np.empty((n_stimuli, n_nodes)), np.empty((n_stimuli, n_nodes, maps.shape[1]))
-    for s in range(n_stimuli):
-        voltages[s], paths[s] = respond(
-            offsets[s], slopes[s], amplitudes[s], newton, piece, since, decay, line, spans, end_decay, end_line,
-            turns, responses, gains, dc_gain, has_slope, kinds, maps, drives,
+) -> Real:  # fmt: skip
+    """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
+    z = states(
+        offsets, slopes, amplitudes, first, since, decay, line, spans, end_decay, end_line, turns, responses,
+        has_line, has_slope,
+    )  # fmt: skip
+    path, rows = march(z, mu * newton, kinds, maps, drives), np.empty((5, len(wanted)))
+    for j in range(len(wanted)):
+        i, output = wanted[j], 0.0
+        for q in range(len(form)):
+            output += form[q] * z[q, i]
+        attraction, x, speed = newton * output * output, path[0, i], path[1, i]
+        rows[0, j], rows[1, j] = attraction, mu * force_n + mu * attraction
+        rows[2, j], rows[3, j] = mu * force_n / stiffness_n_per_m + x, speed
+        rows[4, j] = (mu * attraction - damping_n_s_per_m * speed - stiffness_n_per_m * x) / mass_kg
+    return rows
+
+
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+def slide_many(
+    newton: float, mu: float, force_n: float, mass_kg: float, damping_n_s_per_m: float, stiffness_n_per_m: float,
+    offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
+    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
+    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
+    kinds: NDArray[np.intp], maps: Real, drives: Real,
+) -> Real:  # fmt: skip
+    """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
+    rows = np.empty((5, len(offsets), len(wanted)))
+    for s in range(len(offsets)):
+        rows[:, s] = slide(
+            newton, mu, force_n, mass_kg, damping_n_s_per_m, stiffness_n_per_m, offsets[s], slopes[s], amplitudes[s],
+            wanted, first, since, decay, line, spans, end_decay, end_line, turns, responses, has_line, has_slope, form,
+            kinds, maps, drives,
         )  # fmt: skip
-    return voltages, paths
+    return rows

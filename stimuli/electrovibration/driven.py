@@ -5,7 +5,7 @@ out of the lift, which bounds every exponent.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -20,49 +20,28 @@ from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.relaxation import Relaxations, phi1
 
 Real = NDArray[np.float64]
+Kind = tuple[float, tuple[bool, ...]]
+"""Length of an interval and which relaxations move in it."""
 DECAYED = 40.0
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Voltage across the layer (..., n_times), force (..., n_times) in N, and driven states (..., n_times, n)."""
-
-    voltage_v: Real
-    force_n: Real
-    states: Real
-
-
-def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Response:
-    """A linear system from 0 under the force of a voltage, exactly, at ascending times (n_times,) from 0."""
+def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Real:
+    """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
     from tactometry.stimuli.electrovibration.compiled import respond
 
-    plan = _plan(Timing(pieces, t_s), form.relaxations, system)
-    voltage, states = respond(
-        pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v, form.newton_per_v2, *plan.arrays
-    )
-    voltage, states = voltage[plan.wanted], states[plan.wanted]
-    return Response(voltage, form.newton_per_v2 * voltage**2, states)
+    plan = plan_of(Timing(pieces, t_s), form.relaxations, system)
+    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
+    return np.asarray(respond(form.newton_per_v2, *heights, *plan), dtype=np.float64)
 
 
-def driven_many(stimuli: Sequence[Pieces], form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Response:
-    """`driven` for stimuli whose pieces start at the same times: arrays (n_stimuli, n_times), one plan for all.
+def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex128]]:
+    """Offsets, slopes and amplitudes with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
 
     Raises
     ------
     InvalidParameter
         If there is no stimulus, or one has other starts, frequencies or an other end than the first.
     """
-    from tactometry.stimuli.electrovibration.compiled import respond_many
-
-    offsets, slopes, amplitudes = _stacked(stimuli)
-    timing = Timing(stimuli[0], t_s, has_slope=bool(slopes.any()))
-    plan = _plan(timing, form.relaxations, system)
-    voltage, states = respond_many(offsets, slopes, amplitudes, form.newton_per_v2, *plan.arrays)
-    voltage, states = voltage[:, plan.wanted], states[:, plan.wanted]
-    return Response(voltage, form.newton_per_v2 * voltage**2, states)
-
-
-def _stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex128]]:
     if not stimuli:
         raise InvalidParameter("stimuli: found none, expected at least one")
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)
@@ -107,33 +86,33 @@ class Timing:
         return hash(self._key)
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """The arguments of `respond` that do not depend on heights, and the nodes that were asked for."""
-
-    wanted: NDArray[np.intp] | slice
-    arrays: tuple[object, ...]
+Plan = tuple[object, ...]
+"""The arguments of `respond` that do not depend on heights, from the nodes that were asked for on."""
 
 
 @lru_cache(maxsize=256)
-def _plan(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+    """The plan of a timing, made once: nodes, decays, turns and exponentials."""
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     shared = phases(timing.pieces, relaxations, nodes)
     rates = np.array(relaxations.rates_per_s)
     moves = (shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9))[:-1]
     groups, kinds = _kinds(np.diff(nodes), moves)
-    frequencies_hz = tuple(timing.pieces.frequencies_hz.tolist())
-    circuits = [Circuit(relaxations, frequencies_hz, timing.has_slope, moving) for _, moving in groups]
+    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))
+    whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, (True,) * rates.size)
+    rest = (whole.has_line, whole.has_slope, whole.output(), kinds, *_maps(whole, system, groups))
+    return (np.searchsorted(nodes, timing.t_s), first, shared.since, *shared.factors, *rest)
+
+
+def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[Real, Real]:
+    """(n_kinds, n, n) maps of the states and (n_kinds, n, n_products) of the products over each kind of interval."""
+    circuits = [replace(whole, active=moving) for _, moving in groups]
     flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
     n = len(system.input)
     maps = np.array([step.states for step in flows]).reshape(-1, n, n)
     drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
-    rest = (np.array(relaxations.gains), relaxations.dc_gain, timing.has_slope)
-    arrays = (*shared.arrays, *rest, kinds, maps, drives.reshape(len(flows), n, -1))
-    wanted = np.searchsorted(nodes, timing.t_s)
-    in_a_row = bool((np.diff(wanted) == 1).all())
-    return Plan(slice(int(wanted[0]), int(wanted[-1]) + 1) if in_a_row else wanted, arrays)
+    return maps, drives.reshape(len(flows), n, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +155,7 @@ def _nodes(pieces: Pieces, relaxations: Relaxations) -> Real:
     return np.concatenate([pieces.starts_s, decayed[decayed < ends]])
 
 
-def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[tuple[float, tuple[bool, ...]]], NDArray[np.intp]]:
+def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray[np.intp]]:
     """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
     scale = 10.0 ** np.floor(np.log10(lengths))
     keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])

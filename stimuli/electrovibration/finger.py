@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.driven import Response, driven, driven_many
+from tactometry.stimuli.electrovibration.driven import Timing, plan_of, stacked
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction
 from tactometry.stimuli.electrovibration.lift import LinearSystem
@@ -58,6 +58,11 @@ class Finger:
     def natural_frequency_hz(self) -> float:
         return float(np.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
 
+    @property
+    def constants(self) -> tuple[float, float, float]:
+        """Mass (kg), damping (N s/m) and stiffness (N/m)."""
+        return self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m
+
     @cached_property
     def system(self) -> LinearSystem:
         """States (x, x') under a force in newton."""
@@ -101,10 +106,13 @@ def sliding(
     InvalidParameter
         If the times are not as stated or the force is negative.
     """
+    from tactometry.stimuli.electrovibration.compiled import slide
+
     t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
-    response = driven(pieces, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
-    return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
+    plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
+    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
+    return Motion(t, *slide(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
 
 
 def sliding_many(
@@ -125,27 +133,10 @@ def sliding_many(
     InvalidParameter
         As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
     """
+    from tactometry.stimuli.electrovibration.compiled import slide_many
+
     t = np.asarray(t_s, dtype=np.float64)
-    mu = friction.coefficient_at(force_n)
-    response = driven_many(stimuli, ForceForm(form.relaxations, mu * form.newton_per_v2), finger.system, t)
-    return _motion(t, response, form.newton_per_v2 * response.voltage_v**2, finger=finger, friction_n=mu * force_n)
-
-
-def _motion(
-    t: NDArray[np.float64],
-    response: Response,
-    electrostatic_n: NDArray[np.float64],
-    *,
-    finger: Finger,
-    friction_n: float,
-) -> Motion:
-    change, speed = response.states[..., 0], response.states[..., 1]
-    push = response.force_n - finger.damping_n_s_per_m * speed - finger.stiffness_n_per_m * change
-    return Motion(
-        t,
-        electrostatic_n,
-        friction_n + response.force_n,
-        friction_n / finger.stiffness_n_per_m + change,
-        speed,
-        push / finger.mass_kg,
-    )
+    mu, heights = friction.coefficient_at(force_n), stacked(stimuli)
+    timing = Timing(stimuli[0], t, has_slope=bool(heights[1].any()))
+    plan = plan_of(timing, form.relaxations, finger.system)
+    return Motion(t, *slide_many(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))

@@ -92,4 +92,5 @@ def lagged_friction_n(
         return np.zeros_like(t)
     rate_per_s = 2 * np.pi * lag.cutoff_hz(speed_m_per_s)
     low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
-    return mu * force_n + driven(pieces, form, low_pass, t).states[:, 0]
+    (lagging_n,) = driven(pieces, form, low_pass, t)
+    return np.asarray(mu * force_n + lagging_n)

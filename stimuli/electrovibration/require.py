@@ -1,6 +1,7 @@
 """Checks of arguments; each failure is one sentence: where, what was found, what was expected."""
 
 from collections.abc import Iterable
+from math import isfinite
 from numbers import Real
 from typing import Any
 
@@ -61,4 +62,13 @@ def _each(owner: str, values: dict[str, float], expected: str, holds: Any) -> No
 
 
 def _is_number(value: object) -> bool:
-    return not isinstance(value, bool) and isinstance(value, Real) and bool(np.isfinite(float(value)))
+    if type(value) is float:
+        return isfinite(value)
+    return not isinstance(value, bool) and isinstance(value, Real) and _fits(value)
+
+
+def _fits(value: Real) -> bool:
+    try:
+        return isfinite(float(value))
+    except OverflowError:
+        return False
