@@ -1,23 +1,24 @@
-"""Repeated-measures analysis of variance through pingouin, with its traps closed."""
+"""Repeated-measures analysis of variance through pingouin, with its traps closed; a third factor by exact contrasts."""
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.analysis.contrasts import MOST_EXACT, Effect, Sphericity, effects, participant_scores
+from tactometry.analysis.contrasts import permutation_p as _permutation_p
+from tactometry.analysis.design import Array, Design, DesignStatus, spread, within_design
+from tactometry.analysis.effect_size import INTERVAL, eta_squared
 
-MAX_FACTORS = 2
-MIN_PARTICIPANTS = 3
-RELATIVE_ZERO = 1e-10
-"""A spread below this part of the values' size is rounding."""
+MAX_FACTORS = 3
+PINGOUIN_FACTORS = 2
 
 
 def repeated_measures(
-    table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str
+    table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, interval: float = INTERVAL
 ) -> pd.DataFrame:
-    """One- or two-way repeated-measures analysis of variance.
+    """One- to three-way repeated-measures analysis of variance.
 
     Parameters
     ----------
@@ -27,126 +28,188 @@ def repeated_measures(
     dependent, subject : str
         Columns of the values and of the participants.
     within : str or sequence of str
-        One or two columns of conditions, each with two levels at least.
+        One to three columns of conditions, each with two levels at least.
+    interval : float
+        Coverage of the intervals of the effect sizes.
 
     Returns
     -------
     DataFrame
         Pingouin's columns: per effect sums and degrees of freedom, F, uncorrected and Greenhouse-Geisser p,
-        generalised eta squared (`ng2`), epsilon and, where it exists, Mauchly's test. `attrs["notes"]` says
-        what a reader must know; `attrs["n"]` is the number of participants.
+        generalised eta squared (`ng2`), epsilon (`eps`) and, where it exists, Mauchly's test. Added are Huynh and
+        Feldt's epsilon and p (`eps_HF`, `p_HF_corr`), partial eta squared (`np2`), and the ends of the intervals
+        (`np2_low`, `np2_high`, `ng2_low`, `ng2_high`; of the corrected test). `attrs["notes"]` says what a reader
+        must know; `attrs["n"]` is the number of participants, `attrs["status"]` the `DesignStatus`.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, a value that is not finite (naming the row), a missing cell (naming
-        participant and cell), fewer than three participants or two levels, and data without variance to
-        compare: a statistic of these would be a number without meaning.
+        For a column that is not there. As `UndefinedStatistic`, with its `status`: for a value that is not finite
+        (naming the row), a missing cell (naming participant and cell), fewer than three participants or two levels,
+        and data without variance to compare: a statistic of these would be a number without meaning.
 
     Notes
     -----
-    With fewer participants than contrasts of an effect, its error matrix is singular: Mauchly's test does not
-    exist, and the Greenhouse-Geisser correction holds.
+    With fewer participants than an effect has contrasts, its error matrix is singular: Mauchly's test does not exist,
+    and the Greenhouse-Geisser correction holds. `permutation_test` needs neither.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = repeated_measures(table, dependent="y", within="force_n", subject="who")
+    >>> found[["F", "p_unc", "np2"]].iloc[0].round(4).tolist()
+    [27.75, 0.0009, 0.9024]
     """
+    design = _design(table, dependent, within, subject)
+    scaled, scale = _scaled(design, dependent)
+    found = effects(scaled)
+    result = _by_contrasts(found) if len(design.factors) > PINGOUIN_FACTORS else _by_pingouin(scaled)
+    added = pd.DataFrame([_added(effect, scaled, found, interval) for effect in found])
+    ng2 = added.pop("ng2")
+    if len(design.factors) > PINGOUIN_FACTORS:
+        result["ng2"] = ng2
+    result = pd.concat([result, added], axis=1)
+    for name in ("SS", "MS"):
+        result[name] *= scale**2
+    return _told(_without_singular(result, found), design, found)
+
+
+def permutation_test(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    within: Sequence[str] | str,
+    subject: str,
+    rng: np.random.Generator | None = None,
+    n_resamples: int = 9_999,
+) -> pd.DataFrame:
+    """For each effect the chance of an F as large if every participant's contrasts might have had the other sign.
+
+    It asks for symmetric errors only, not for sphericity, nor for more participants than contrasts. Up to 14
+    participants it is exact and draws nothing; beyond, `rng` draws `n_resamples` changes of signs.
+
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`; and if `rng` is needed and not given.
+
+    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [0.5, 1] * 4, "y": [1.0, 2, 2, 4, 3, 6, 2, 6]})
+    >>> permutation_test(table, dependent="y", within="force_n", subject="who")["p_permutation"].tolist()
+    [0.125]
+    """
+    design = _design(table, dependent, within, subject)
+    found = effects(_scaled(design, dependent)[0])
+    return pd.DataFrame(
+        [
+            {
+                "Source": effect.name,
+                "F": effect.f,
+                "p_permutation": _permutation_p(effect, rng=rng, n_resamples=n_resamples),
+                "n_permutations": n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1),
+            }
+            for effect in found
+        ]
+    )
+
+
+def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, subject: str) -> Design:
+    factors = [within] if isinstance(within, str) else list(within)
+    return within_design(table, dependent=dependent, within=factors, subject=subject, where="repeated_measures")
+
+
+def _scaled(design: Design, dependent: str) -> tuple[Design, float]:
+    """About zero and of unit spread, so that neither offset nor unit costs digits."""
+    scale = spread(design.cells, dependent)
+    values: Array = (design.values - design.values.mean()) / scale
+    return Design(values, design.factors, design.levels, design.participants, design.notes), scale
+
+
+def _by_pingouin(design: Design) -> pd.DataFrame:
     import pingouin
 
-    factors = [within] if isinstance(within, str) else list(within)
-    data, notes = _cell_means(_checked(table, dependent, factors, subject), dependent, factors, subject)
-    scale = _scale(data, dependent, subject)
-    data[dependent] = (data[dependent] - float(data[dependent].mean())) / scale
-    with warnings.catch_warnings():
+    places = np.indices(design.values.shape).reshape(len(design.factors) + 1, -1)
+    names = ["participant, by number", *design.factors]
+    data = pd.DataFrame(dict(zip(names, places, strict=True))).assign(**{"value, scaled": design.values.ravel()})
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        found = pingouin.rm_anova(
+        found: pd.DataFrame = pingouin.rm_anova(
             data,
-            dv=dependent,
-            within=factors if len(factors) > 1 else factors[0],
-            subject=subject,
+            dv="value, scaled",
+            within=list(design.factors) if len(design.factors) > 1 else design.factors[0],
+            subject=names[0],
             correction=True,
             detailed=True,
             effsize="ng2",
         )
-    sums = [name for name in ("SS", "MS") if name in found.columns]
-    found[sums] = found[sums] * scale**2
-    n = data[subject].nunique()
-    found.attrs |= {"notes": [*notes, *_singular(found, n)], "n": n}
-    result: pd.DataFrame = found
+    return found
+
+
+def _by_contrasts(found: Sequence[Effect]) -> pd.DataFrame:
+    return pd.DataFrame([_row(effect, effect.sphericity) for effect in found])
+
+
+def _row(effect: Effect, shape: Sphericity) -> dict[str, object]:
+    first, second = effect.df
+    return {
+        "Source": effect.name,
+        "SS": effect.ss,
+        "ddof1": first,
+        "ddof2": second,
+        "MS": effect.ss / first,
+        "F": effect.f,
+        "p_unc": effect.p(),
+        "p_GG_corr": effect.p(shape.greenhouse_geisser),
+        "ng2": np.nan,
+        "eps": shape.greenhouse_geisser,
+        "sphericity": shape.p is None or shape.p > 0.05,
+        "W_spher": shape.w,
+        "p_spher": shape.p,
+    }
+
+
+def _added(effect: Effect, design: Design, found: Sequence[Effect], interval: float) -> dict[str, float]:
+    shape = effect.sphericity
+    between = participant_scores(design)
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
+    df = (effect.df[0] * shape.greenhouse_geisser, effect.df[1] * shape.greenhouse_geisser)
+    size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
+    return {
+        "eps_HF": shape.huynh_feldt,
+        "p_HF_corr": effect.p(shape.huynh_feldt),
+        "np2": size.partial,
+        "np2_low": size.partial_low,
+        "np2_high": size.partial_high,
+        "ng2": size.generalised,
+        "ng2_low": size.generalised_low,
+        "ng2_high": size.generalised_high,
+    }
+
+
+def _without_singular(result: pd.DataFrame, found: Sequence[Effect]) -> pd.DataFrame:
+    """No test of sphericity where there is none: pingouin writes W = 0 and p = 0."""
+    singular = [place for place, effect in enumerate(found) if effect.sphericity.singular]
+    for name in ("W_spher", "p_spher", "sphericity"):
+        if name in result.columns and singular:
+            result[name] = result[name].astype(object if name == "sphericity" else np.float64)
+            result.loc[singular, name] = None
     return result
 
 
-def _checked(table: pd.DataFrame, dependent: str, factors: Sequence[str], subject: str) -> pd.DataFrame:
-    columns = [dependent, subject, *factors]
-    for name in columns:
-        if name not in table.columns:
-            raise InvalidParameter(
-                f"repeated_measures: found no column {name!r}{nearest(name, [str(c) for c in table.columns])}"
-            )
-    if not 1 <= len(factors) <= MAX_FACTORS or len(set(columns)) < len(columns):
-        raise InvalidParameter(f"within: found {', '.join(factors)}, expected one or two different factors")
-    if table.empty:
-        raise InvalidParameter("table: found no row, expected values to compare")
-    data = table[columns].reset_index(drop=True).copy()
-    values = pd.to_numeric(data[dependent], errors="coerce")
-    bad = ~np.isfinite(values.to_numpy(dtype=float))
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        where = ", ".join(f"{name} = {data[name][row]}" for name in (subject, *factors))
-        raise InvalidParameter(
-            f"{dependent}, row {row}: found {data[dependent][row]} ({where}), expected a finite number; leave the "
-            "participant or the condition out"
-        )
-    return data.assign(**{dependent: values.astype(float)})
+def _told(result: pd.DataFrame, design: Design, found: Sequence[Effect]) -> pd.DataFrame:
+    notes = [*design.notes, *(_singular_note(effect) for effect in found if effect.sphericity.singular)]
+    status = DesignStatus.SINGULAR if len(notes) > len(design.notes) else DesignStatus.OK
+    result.attrs |= {"notes": notes, "n": design.n, "status": status}
+    return result
 
 
-def _cell_means(data: pd.DataFrame, dependent: str, factors: list[str], subject: str) -> tuple[pd.DataFrame, list[str]]:
-    """One value per participant and cell; every cell must be there."""
-    n = data[subject].nunique()
-    if n < MIN_PARTICIPANTS:
-        raise InvalidParameter(
-            f"{subject}: found {n} participant{'s' if n != 1 else ''}, expected at least {MIN_PARTICIPANTS} to compare"
-        )
-    for name in factors:
-        if data[name].nunique() < 2:
-            raise InvalidParameter(f"{name}: found {data[name].nunique()} value, expected at least 2 to compare")
-    means = data.groupby([subject, *factors], observed=True)[dependent].agg(["mean", "size"])
-    levels = [sorted(data[name].unique()) for name in (subject, *factors)]
-    whole = pd.MultiIndex.from_product(levels, names=[subject, *factors])
-    missing = [cell for cell in whole if cell not in means.index]
-    if missing:
-        first = dict(zip(whole.names, missing[0], strict=True))
-        raise InvalidParameter(
-            f"{dependent}: found no value for {', '.join(f'{k} = {v}' for k, v in first.items())} "
-            f"({len(missing)} cells missing), expected one in every cell; leave the participant or the condition "
-            "out, or fit a mixed model"
-        )
-    notes = ["several values of one participant in one cell were averaged"] if (means["size"] > 1).any() else []
-    return means["mean"].rename(dependent).reset_index(), notes
-
-
-def _scale(data: pd.DataFrame, dependent: str, subject: str) -> float:
-    """The standard deviation; a refusal where there is nothing to compare."""
-    values = data[dependent].to_numpy()
-    size = float(np.abs(values).max())
-    spread = float(values.std())
-    if spread <= RELATIVE_ZERO * size:
-        raise InvalidParameter(f"{dependent}: found the same value everywhere, expected values that differ")
-    grid = values.reshape(data[subject].nunique(), -1)
-    within = grid - grid.mean(axis=1, keepdims=True)
-    if np.abs(within).max() <= RELATIVE_ZERO * size:
-        raise InvalidParameter(
-            f"{dependent}: found no difference between the conditions of any participant, expected some: F is undefined"
-        )
-    if np.abs(within - within.mean(axis=0)).max() <= RELATIVE_ZERO * size:
-        raise InvalidParameter(
-            f"{dependent}: found the same differences in all participants, expected some to differ: the error is 0 and "
-            "F is undefined"
-        )
-    return spread
-
-
-def _singular(found: pd.DataFrame, n_participants: int) -> list[str]:
-    effects: Iterable[str] = found["Source"][found["ddof1"] > n_participants - 1] if "ddof1" in found.columns else []
-    return [
-        f"{effect}: fewer participants ({n_participants}) than its contrasts need, so Mauchly's test does not exist "
-        "and the Greenhouse-Geisser correction is used"
-        for effect in effects
-    ]
+def _singular_note(effect: Effect) -> str:
+    n, p = effect.scores.shape
+    cause = (
+        f"{p} contrasts need more than {n} participants"
+        if p > n - 1
+        else f"its {p} contrasts are exactly dependent in these {n} participants"
+    )
+    return (
+        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test does not exist and no multivariate "
+        "test either; the Greenhouse-Geisser correction is used, and a permutation test or a mixed model would not "
+        "need it"
+    )

@@ -100,8 +100,9 @@ def test_fewer_participants_than_contrasts_are_explained(published) -> None:
     few = published[published["subject"].isin(["P1", "P2", "P3", "P4"])]
     notes = repeated_measures(few, dependent="y", within=WITHIN, subject="subject").attrs["notes"]
     assert notes == [
-        "force * freq: fewer participants (4) than its contrasts need, so Mauchly's test does not exist and the "
-        "Greenhouse-Geisser correction is used"
+        "force * freq: the error matrix is singular (6 contrasts need more than 4 participants), so Mauchly's test "
+        "does not exist and no multivariate test either; the Greenhouse-Geisser correction is used, and a permutation "
+        "test or a mixed model would not need it"
     ]
 
 
@@ -136,7 +137,7 @@ CONDITIONS = np.arange(12.0)
         ),
         (
             lambda t: t.drop(index=17),
-            "y: found no value for subject = P2, force = 1.0, freq = 120 (1 cells missing), "
+            "y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), "
             "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
         ),
         (lambda t: t[t["subject"] == "P1"], "subject: found 1 participant, expected at least 3 to compare"),
@@ -168,10 +169,10 @@ def test_refuses_what_has_no_answer(published, make, message: str) -> None:
         analysed(make(published))
 
 
-def test_refuses_three_factors(published) -> None:
-    table = published.assign(third=published["freq"] > 100)
-    with pytest.raises(InvalidParameter, match="expected one or two different factors"):
-        analysed(table, [*WITHIN, "third"])
+def test_refuses_four_factors(published) -> None:
+    table = published.assign(third=1, fourth=2)
+    with pytest.raises(InvalidParameter, match="expected one to three different factors"):
+        analysed(table, [*WITHIN, "third", "fourth"])
 
 
 def test_the_largest_complete_part_of_a_whole_design_is_the_whole(published) -> None:

@@ -1,0 +1,177 @@
+"""Within-participant designs: one value in every cell, checked so that a statistic of them has a meaning."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter, nearest
+
+Array = NDArray[np.float64]
+MIN_PARTICIPANTS = 3
+AVERAGED = "several values of one participant in one cell were averaged"
+RELATIVE_ZERO = 1e-10
+"""A spread below this part of the values' size is rounding."""
+
+
+class DesignStatus(StrEnum):
+    """Why a design has no statistic; `OK` and `SINGULAR` have one."""
+
+    OK = "ok"
+    SINGULAR = "singular_error_matrix"
+    NO_DATA = "no_data"
+    NOT_FINITE = "not_finite"
+    MISSING_CELL = "missing_cell"
+    TOO_FEW_PARTICIPANTS = "too_few_participants"
+    ONE_LEVEL = "one_level"
+    CONSTANT = "constant"
+    NO_VARIANCE_WITHIN = "no_variance_within"
+    ZERO_ERROR = "zero_error"
+
+
+class UndefinedStatistic(InvalidParameter):
+    """Values to which a test has no answer; `status` says why in one word."""
+
+    def __init__(self, message: str, status: DesignStatus) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+@dataclass(frozen=True)
+class Design:
+    """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
+
+    `notes` say what a reader must know of how they came about.
+    """
+
+    values: Array
+    factors: tuple[str, ...]
+    levels: tuple[tuple[object, ...], ...]
+    participants: tuple[object, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def n(self) -> int:
+        return len(self.participants)
+
+    @property
+    def cells(self) -> Array:
+        """Values of shape (participant, cell), the last factor fastest."""
+        return self.values.reshape(self.n, -1)
+
+
+def within_design(
+    table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, where: str, most: int = 3
+) -> Design:
+    """The design of a table in long form: a row per value; several values of one cell are averaged, which a note says.
+
+    Raises
+    ------
+    InvalidParameter
+        For a column that is not there, or other than 1 to `most` different factors; `where` opens the sentence.
+    UndefinedStatistic
+        For values that are not finite, missing cells, too few participants or levels.
+
+    >>> table = pd.DataFrame({"who": list("aabbcc"), "where": [1, 2] * 3, "y": [1.0, 2, 2, 4, 3, 4]})
+    >>> within_design(table, dependent="y", within=["where"], subject="who", where="doctest").values
+    array([[1., 2.],
+           [2., 4.],
+           [3., 4.]])
+    """
+    data = finite_rows(table, [dependent, subject, *within], dependent, where)
+    if not 1 <= len(within) <= most or len({dependent, subject, *within}) < len(within) + 2:
+        counts = ("one", "one or two", "one to three")[most - 1]
+        raise InvalidParameter(f"within: found {', '.join(within)}, expected {counts} different factors")
+    coded = [pd.factorize(data[name], sort=True) for name in (subject, *within)]
+    levels = tuple(tuple(different) for _, different in coded)
+    _refuse_few(levels, subject, within)
+    shape = tuple(len(part) for part in levels)
+    place = np.ravel_multi_index([codes for codes, _ in coded], shape)
+    n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
+    if not n_values.all():
+        _refuse_holes(n_values, levels, (subject, *within), dependent)
+    values = np.bincount(place, data[dependent].to_numpy(), minlength=n_values.size).reshape(shape) / n_values
+    notes = (AVERAGED,) if (n_values > 1).any() else ()
+    return Design(values, tuple(within), levels[1:], levels[0], notes)
+
+
+def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:
+    """The named columns, with finite numbers in `dependent`; a refusal names the first row that has none."""
+    known = [str(column) for column in table.columns]
+    for name in columns:
+        if name not in known:
+            raise InvalidParameter(f"{where}: found no column {name!r}{nearest(name, known)}")
+    if table.empty:
+        raise UndefinedStatistic("table: found no row, expected values to compare", DesignStatus.NO_DATA)
+    data = table[list(dict.fromkeys(columns))].reset_index(drop=True)
+    values = pd.to_numeric(data[dependent], errors="coerce").to_numpy(dtype=np.float64)
+    bad = ~np.isfinite(values)
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
+        raise UndefinedStatistic(
+            f"{dependent}, row {row}: found {data[dependent][row]} ({place}), expected a finite number; leave the "
+            "participant or the condition out",
+            DesignStatus.NOT_FINITE,
+        )
+    return data.assign(**{dependent: values})
+
+
+def _refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
+    n = len(levels[0])
+    if n < MIN_PARTICIPANTS:
+        raise UndefinedStatistic(
+            f"{subject}: found {n} participant{'s' if n != 1 else ''}, expected at least {MIN_PARTICIPANTS} to compare",
+            DesignStatus.TOO_FEW_PARTICIPANTS,
+        )
+    for name, part in zip(within, levels[1:], strict=True):
+        if len(part) < 2:
+            raise UndefinedStatistic(
+                f"{name}: found {len(part)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
+            )
+
+
+def _refuse_holes(
+    n_values: NDArray[np.int64], levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str
+) -> None:
+    holes = np.argwhere(n_values == 0)
+    first = ", ".join(f"{name} = {part[i]}" for name, part, i in zip(names, levels, holes[0], strict=True))
+    whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))
+    raise UndefinedStatistic(
+        f"{dependent}: found no value for {first} ({len(holes)} missing cell{'s' if len(holes) > 1 else ''}, of "
+        f"{whose}), expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+        DesignStatus.MISSING_CELL,
+    )
+
+
+def spread(values: Array, dependent: str) -> float:
+    """The standard deviation of all values, shape (participant, cell).
+
+    Raises
+    ------
+    UndefinedStatistic
+        If there is nothing to compare: no difference at all, none within participants, or the same in all of them.
+    """
+    size = float(np.abs(values).max())
+    sd = float(values.std())
+    if sd <= RELATIVE_ZERO * size:
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
+    within = values - values.mean(axis=1, keepdims=True)
+    if np.abs(within).max() <= RELATIVE_ZERO * size:
+        raise UndefinedStatistic(
+            f"{dependent}: found no difference between the conditions of any participant, "
+            "expected some: F is undefined",
+            DesignStatus.NO_VARIANCE_WITHIN,
+        )
+    if np.abs(within - within.mean(axis=0)).max() <= RELATIVE_ZERO * size:
+        raise UndefinedStatistic(
+            f"{dependent}: found the same differences in all participants, expected some to differ: the error is 0 and "
+            "F is undefined",
+            DesignStatus.ZERO_ERROR,
+        )
+    return sd

@@ -1,0 +1,265 @@
+"""The exact contrasts under the analysis of variance: peers side by side, sphericity, permutations, hard cases."""
+
+import os
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import ncf
+
+from tactometry.analysis.anova import permutation_test, repeated_measures
+from tactometry.analysis.contrasts import Effect, effects, permutation_p
+from tactometry.analysis.design import Design, DesignStatus, UndefinedStatistic
+from tactometry.analysis.effect_size import eta_squared, noncentrality
+from tactometry.errors import InvalidParameter
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+NAMES = ("force", "freq", "speed")
+
+
+def drawn(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+    """Values of participants (first axis) whose conditions are correlated and of unequal variance."""
+    n_cells = int(np.prod(shape[1:]))
+    mixing = rng.normal(size=(n_cells, n_cells))
+    return (rng.normal(size=(shape[0], n_cells)) @ mixing + rng.normal(size=(shape[0], 1))).reshape(shape)
+
+
+def design_of(values: np.ndarray) -> Design:
+    levels = tuple(tuple(range(k)) for k in values.shape[1:])
+    return Design(values, NAMES[: values.ndim - 1], levels, tuple(range(len(values))))
+
+
+def long_table(values: np.ndarray) -> pd.DataFrame:
+    keys = list(product(*(range(k) for k in values.shape)))
+    return pd.DataFrame(keys, columns=["subject", *NAMES[: values.ndim - 1]]).assign(y=values.ravel())
+
+
+def analysed(values: np.ndarray) -> pd.DataFrame:
+    return repeated_measures(long_table(values), dependent="y", within=NAMES[: values.ndim - 1], subject="subject")
+
+
+@pytest.mark.parametrize("shape", [(6, 3), (10, 3, 7), (13, 3, 4), (9, 2, 2), (30, 2, 5)])
+def test_contrasts_equal_pingouin(shape) -> None:
+    values = drawn(shape, np.random.default_rng())
+    found = analysed(values)
+    for effect, (_, row) in zip(effects(design_of(values)), found.iterrows(), strict=False):
+        shape_of_errors = effect.sphericity
+        assert effect.name == row["Source"]
+        assert effect.f == pytest.approx(row["F"], rel=1e-9)
+        assert effect.ss == pytest.approx(row["SS"], rel=1e-9)
+        assert effect.p() == pytest.approx(row["p_unc"], rel=1e-8, abs=1e-300)
+        if effect.df[0] > 1:
+            assert shape_of_errors.greenhouse_geisser == pytest.approx(row["eps"], rel=1e-9)
+            assert effect.p(row["eps"]) == pytest.approx(row["p_GG_corr"], rel=1e-8, abs=1e-300)
+        if effect.df[0] > 1 and not shape_of_errors.singular:
+            assert shape_of_errors.w == pytest.approx(row["W_spher"], rel=1e-8)
+            assert shape_of_errors.p == pytest.approx(row["p_spher"], rel=1e-7)
+
+
+@pytest.mark.parametrize("shape", [(6, 2, 3, 2), (5, 3, 2, 4)])
+def test_three_factors_equal_statsmodels(shape) -> None:
+    from statsmodels.stats.anova import AnovaRM
+
+    values = drawn(shape, np.random.default_rng())
+    peer = AnovaRM(long_table(values), "y", "subject", within=list(NAMES)).fit().anova_table
+    found = analysed(values).set_index("Source")
+    assert [name.replace(" * ", ":") for name in found.index] == list(peer.index)
+    assert found["F"].to_numpy() == pytest.approx(peer["F Value"].to_numpy(), rel=1e-8)
+    assert found["p_unc"].to_numpy() == pytest.approx(peer["Pr > F"].to_numpy(), rel=1e-7)
+    assert found["ddof2"].tolist() == peer["Den DF"].tolist()
+
+
+def test_sums_of_squares_of_three_factors_are_the_whole() -> None:
+    values = drawn((5, 2, 3, 4), np.random.default_rng())
+    found = effects(design_of(values))
+    between = 24 * np.sum((values.mean(axis=(1, 2, 3)) - values.mean()) ** 2)
+    parts = sum(effect.ss + effect.ss_error for effect in found) + between
+    assert parts == pytest.approx(np.sum((values - values.mean()) ** 2), rel=1e-12)
+
+
+def test_generalised_eta_squared_of_three_factors_reduces_to_that_of_two() -> None:
+    values = drawn((6, 3, 4), np.random.default_rng())
+    three = analysed(np.repeat(values[..., None], 2, axis=-1) + np.random.default_rng().normal(0, 1e-9, (6, 3, 4, 2)))
+    two = analysed(values)
+    assert three["ng2"].iloc[[0, 1, 3]].to_numpy() == pytest.approx(two["ng2"].to_numpy(), rel=1e-6)
+
+
+@given(st.integers(3, 12), st.integers(2, 6), st.integers(0, 2**32 - 1))
+def test_epsilons_lie_between_one_over_df_and_one(n, k, seed) -> None:
+    (effect,) = effects(design_of(drawn((n, k), np.random.default_rng(seed))))
+    shape = effect.sphericity
+    assert 1 / effect.df[0] - 1e-12 <= shape.greenhouse_geisser <= shape.huynh_feldt + 1e-12 <= 1 + 2e-12
+    assert shape.singular == (k > 1 and n - 1 < k - 1)
+
+
+def test_two_levels_have_no_sphericity_to_test() -> None:
+    shape = effects(design_of(drawn((7, 2), np.random.default_rng())))[0].sphericity
+    assert (shape.w, shape.p, shape.greenhouse_geisser, shape.huynh_feldt, shape.singular) == (None, None, 1, 1, False)
+
+
+def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
+    found = analysed(published_values)
+    assert found["eps_HF"].to_numpy() == pytest.approx([1, 0.931837, 1], abs=1e-6)
+    assert found["np2"].to_numpy() == pytest.approx([0.844862, 0.988932, 0.220564], abs=1e-6)
+
+
+@pytest.fixture
+def published_values() -> np.ndarray:
+    from test_analysis_anova import PUBLISHED
+
+    return np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
+
+
+# --- effect sizes
+
+
+@given(st.floats(0.01, 500), st.integers(1, 12), st.integers(4, 200))
+@settings(max_examples=50)
+def test_the_ends_of_the_noncentrality_leave_out_a_twentieth_each(f, first, second) -> None:
+    low, high = noncentrality(f, (first, second), 0.90)
+    assert low == 0 or ncf.sf(f, first, second, low) == pytest.approx(0.05, abs=1e-5)
+    assert high == 0 or ncf.cdf(f, first, second, high) == pytest.approx(0.05, abs=1e-5)
+
+
+def test_the_interval_leaves_zero_out_exactly_where_the_test_is_significant() -> None:
+    found = [eta_squared(ss, 18.0, 40.0, (1, 18)) for ss in (4.413, 4.415)]
+    assert [size.partial_low > 0 for size in found] == [False, True]
+    assert all(size.generalised_low <= size.generalised <= size.generalised_high for size in found)
+
+
+def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_effect() -> None:
+    """The noncentrality is n times the squared length of the mean scores over the error variance."""
+    rng = np.random.default_rng()
+    n_studies, n, p = 2000, 10, 2
+    truth = np.array([0.5, 0.3])
+    noncentral = n * float(truth @ truth)
+    scores = rng.normal(size=(n_studies, n, p)) + truth
+    covered = 0
+    for each in scores:
+        effect = Effect(("a",), each, 3)
+        low, high = noncentrality(effect.f, effect.df, 0.90)
+        covered += low <= noncentral <= high
+    assert covered / n_studies == pytest.approx(0.90, abs=3.9 * np.sqrt(0.09 / n_studies))
+
+
+# --- permutations
+
+
+def test_all_signs_are_counted_once() -> None:
+    scores = drawn((6, 3), np.random.default_rng())
+    signs = np.array(list(product((-1, 1), repeat=6)))
+    sums = np.array([np.sum((row @ scores) ** 2) for row in signs])
+    assert permutation_p(Effect(("a",), scores, 4)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
+
+
+def test_many_participants_draw_signs_and_agree_with_f() -> None:
+    rng = np.random.default_rng()
+    effect = Effect(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
+    found = permutation_p(effect, rng=rng, n_resamples=4000)
+    assert found == pytest.approx(effect.p(), abs=0.03)
+
+
+def test_many_participants_ask_for_a_generator() -> None:
+    table = long_table(drawn((16, 3), np.random.default_rng()))
+    with pytest.raises(InvalidParameter, match=r"rng: found none for 16 participants, expected a Generator"):
+        permutation_test(table, dependent="y", within="force", subject="subject")
+
+
+def test_the_users_own_design_has_a_permutation_test_where_sphericity_cannot_be_tested() -> None:
+    values = drawn((10, 3, 7), np.random.default_rng())
+    found, tested = (
+        analysed(values),
+        permutation_test(long_table(values), dependent="y", within=["force", "freq"], subject="subject"),
+    )
+    assert found.attrs["status"] == DesignStatus.SINGULAR
+    assert found["p_spher"].isna().tolist() == [False, False, True]
+    assert "force * freq: the error matrix is singular (12 contrasts need more than 10" in found.attrs["notes"][0]
+    assert (tested["n_permutations"] == 512).all()
+    assert tested["F"].to_numpy() == pytest.approx(found["F"].to_numpy())
+
+
+# --- false positives
+
+
+def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray:
+    """Share of null studies 10 x 3 x 7 that are significant at 5 %: corrected main effects, and all by permutation."""
+    scale = np.sqrt(np.geomspace(1, 30, 21))
+    mixing = np.linalg.cholesky(0.5 * np.eye(21) + 0.5)
+    hits = np.zeros(4)
+    for _ in range(n_studies):
+        values = (rng.normal(size=(10, 21)) @ mixing.T * scale).reshape(10, 3, 7)
+        found = effects(design_of(values))
+        hits[:3] += [effect.p(effect.sphericity.greenhouse_geisser) < 0.05 for effect in found]
+        hits[3] += permutation_p(found[2]) <= 0.05
+    return hits / n_studies
+
+
+def test_null_studies_with_sphericity_violated_are_seldom_significant() -> None:
+    n_studies = 10_000 if SOAK else 1_500
+    rates = false_positive_rates(n_studies, np.random.default_rng())
+    assert (rates <= 0.05 + 0.01 + 3.7 * np.sqrt(0.05 * 0.95 / n_studies) * (not SOAK)).all(), rates
+
+
+def test_the_call_gives_the_corrected_p_of_the_null_studies() -> None:
+    values = drawn((10, 3, 7), np.random.default_rng())
+    own = [effect.p(effect.sphericity.greenhouse_geisser) for effect in effects(design_of(values))]
+    assert analysed(values)["p_GG_corr"].to_numpy() == pytest.approx(own, rel=1e-8)
+
+
+# --- hard cases, each with its status
+
+VALUES = np.random.default_rng(0).normal(size=(6, 3, 4))
+SUBJECTS = np.arange(6.0)[:, None, None]
+CONDITIONS = np.arange(12.0).reshape(1, 3, 4) ** 2
+
+
+@pytest.mark.parametrize(
+    ("table", "status"),
+    [
+        (long_table(VALUES).iloc[:0], DesignStatus.NO_DATA),
+        (long_table(np.full((6, 3, 4), 0.1)), DesignStatus.CONSTANT),
+        (long_table(np.full((6, 3, 4), -3e9)), DesignStatus.CONSTANT),
+        (long_table(SUBJECTS + 0 * VALUES), DesignStatus.NO_VARIANCE_WITHIN),
+        (long_table(CONDITIONS + 0 * VALUES), DesignStatus.ZERO_ERROR),
+        (long_table(CONDITIONS + SUBJECTS), DesignStatus.ZERO_ERROR),
+        (long_table(VALUES[:2]), DesignStatus.TOO_FEW_PARTICIPANTS),
+        (long_table(VALUES[:1]), DesignStatus.TOO_FEW_PARTICIPANTS),
+        (long_table(VALUES[:, :1]), DesignStatus.ONE_LEVEL),
+        (long_table(VALUES).drop(index=17), DesignStatus.MISSING_CELL),
+        (long_table(VALUES).query("not (subject == 2 and freq == 3)"), DesignStatus.MISSING_CELL),
+        (long_table(VALUES).query("not (subject == 2 and freq > 0)"), DesignStatus.MISSING_CELL),
+        (long_table(np.where(np.arange(72).reshape(6, 3, 4) == 5, np.nan, VALUES)), DesignStatus.NOT_FINITE),
+        (long_table(np.where(np.arange(72).reshape(6, 3, 4) == 5, -np.inf, VALUES)), DesignStatus.NOT_FINITE),
+    ],
+    ids=[
+        *("empty", "constant", "constant, large", "no variance within", "zero variance between and zero error"),
+        *("zero error", "two participants", "one participant", "one level", "a missing cell"),
+        *("a missing factor level", "all but one factor level missing", "NaN", "infinite"),
+    ],
+)
+def test_what_has_no_answer_has_a_status(table, status, recwarn) -> None:
+    with pytest.raises(UndefinedStatistic) as refusal:
+        repeated_measures(table, dependent="y", within=["force", "freq"], subject="subject")
+    assert refusal.value.status is status
+    assert not recwarn.list
+
+
+def test_a_missing_factor_level_names_participant_and_cells() -> None:
+    table = long_table(VALUES).query("not (subject == 2 and freq == 3)")
+    with pytest.raises(UndefinedStatistic, match=r"subject = 2, force = 0, freq = 3 \(3 missing cells, of 2\)"):
+        repeated_measures(table, dependent="y", within=["force", "freq"], subject="subject")
+
+
+def test_zero_variance_between_participants_has_its_f() -> None:
+    """Participants of the same mean differ in their conditions: an F like any other."""
+    values = VALUES - VALUES.mean(axis=(1, 2), keepdims=True)
+    assert analysed(values)["F"].to_numpy() == pytest.approx(analysed(VALUES)["F"].to_numpy(), rel=1e-9)
+
+
+def test_three_participants_have_an_answer() -> None:
+    found = analysed(VALUES[:3])
+    assert found.attrs["status"] == DesignStatus.SINGULAR
+    assert np.isfinite(found[["F", "p_unc", "ng2", "np2_low", "np2_high"]].to_numpy(dtype=float)).all()
