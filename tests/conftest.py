@@ -217,3 +217,16 @@ class Participant:
 @pytest.fixture
 def participant(watched, hands, in_background):
     return Participant(watched, hands, in_background)
+
+
+@pytest.fixture
+def synced(monkeypatch):
+    """The paths that are synced to the disk, in order; the disk is synced all the same."""
+    paths, fsync = [], os.fsync
+
+    def noted(file):
+        paths.append(Path(f"/proc/self/fd/{file}").readlink())
+        fsync(file)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    return paths

@@ -1,7 +1,6 @@
 """Details that a session rests on: what is synced, kept, refused, felt, asked again and closed."""
 
 import json
-import os
 import resource
 import shutil
 from dataclasses import replace
@@ -48,19 +47,6 @@ def whole(tmp_path_factory):
 @pytest.fixture
 def lived(whole, tmp_path):
     return Path(shutil.copytree(whole, tmp_path / "d"))
-
-
-@pytest.fixture
-def synced(monkeypatch):
-    """The paths that are synced to the disk, in order; the disk is synced all the same."""
-    paths, fsync = [], os.fsync
-
-    def noted(file):
-        paths.append(Path(f"/proc/self/fd/{file}").readlink())
-        fsync(file)
-
-    monkeypatch.setattr(os, "fsync", noted)
-    return paths
 
 
 def journal_of(root):

@@ -1,0 +1,222 @@
+"""Rules that a session rests on: whose chance is whose, what a seed gives, what is held against what."""
+
+import io
+import json
+import math
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import catalogue
+import numpy as np
+import pytest
+from memory import Memory
+
+from tactometry.dataset import OpenSession, Session
+from tactometry.errors import DeviceFailed, Diverged, LimitExceeded
+from tactometry.experiments.bench_file import BenchFile
+from tactometry.experiments.planning import plan
+from tactometry.experiments.recording import Who, record, simulated
+from tactometry.experiments.replaying import replay_data_set
+from tactometry.experiments.simulating import Simulation
+from tactometry.experiments.study import load
+from tactometry.experiments.validation import validate
+from tactometry.experiments.wiring import wire
+from tactometry.journal import Journal
+from tactometry.limits import Limits
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols import Staircase, counterbalanced
+from tactometry.quantity import si
+from tactometry.request import Play, Wait
+from tactometry.rigs.console import Console
+from tactometry.rigs.texts import texts_in
+from tactometry.run import run
+from tactometry.signal import Signal
+
+STUDY, TOML = load("tutorial")
+EXPERIMENT = wire(STUDY, "tutorial")
+WHO = Who("P01", seed=1)
+N_DRAWS = 20_000
+STANDARD_ERRORS = 3.9
+"""Of a two-sided test at 1e-4."""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    root = tmp_path_factory.mktemp("whole") / "d"
+    record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO))
+    return root
+
+
+@pytest.fixture
+def lived(whole, tmp_path):
+    return Path(shutil.copytree(whole, tmp_path / "d"))
+
+
+def asked(participant, n_session, seed):
+    """Levels and catch trials in the order of the protocol, without repetitions."""
+    memory = Memory()
+    rig = EXPERIMENT.simulated_rig(participant, n_session, seed)
+    run(EXPERIMENT.course(participant, n_session, 1, seed), rig, memory)
+    return [(trial.level, trial.catch) for trial in memory.trials if trial.attempt == 1]
+
+
+def near(count, n, probability):
+    return abs(count - n * probability) <= STANDARD_ERRORS * math.sqrt(n * probability * (1 - probability))
+
+
+def test_the_head_of_a_new_journal_is_synced_with_its_folder(tmp_path, synced):
+    record(EXPERIMENT, TOML, tmp_path, WHO, simulated(EXPERIMENT, WHO))
+    head = synced.index(Session("P01", 1, STUDY.name).journal(tmp_path))
+    assert synced[head + 1] == tmp_path / "journals"
+
+
+def test_what_was_cut_off_is_gone_from_the_disk_before_the_session_goes_on(tmp_path, synced):
+    path = tmp_path / "j.jsonl"
+    path.write_bytes(b'{"study":"tut')
+    Journal(path, resume=True).close()
+    assert synced == [path]
+    assert path.read_bytes() == b""
+
+
+def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
+    """Its trials file is a folder: nothing can be rebuilt there."""
+    session = Session("P01", 1, STUDY.name)
+    trials = next((lived / "data").glob("*.csv"))
+    content = trials.read_bytes()
+    trials.unlink()
+    trials.mkdir()
+    with pytest.raises(DeviceFailed):
+        OpenSession(lived, EXPERIMENT.design(TOML), session, resume=True)
+    trials.rmdir()
+    OpenSession(lived, EXPERIMENT.design(TOML), session, resume=True).close()
+    assert trials.read_bytes() == content
+
+
+def test_a_turn_at_a_bound_begins_a_new_count():
+    rule = Staircase(start=40.0, steps=(2.0,), low=38.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
+    for answer in (0, 0, 1, 1, 0):
+        rule = rule.after(answer)
+    assert rule.ended is None
+
+
+def test_a_run_that_ends_at_a_bound_is_censored_even_with_its_last_reversal():
+    rule = Staircase(start=38.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=1, n_at_bound=1)
+    assert rule.after(1).after(0, delivered=40.0).ended == "censored_above"
+
+
+def test_an_inner_factor_begins_each_round_with_its_next_order():
+    cells = counterbalanced({"force_n": [1, 2], "frequency_hz": [30, 60, 120]}, ["force_n", "frequency_hz"], 1)
+    frequencies = [cell["frequency_hz"] for cell in cells]
+    assert frequencies[:3] != frequencies[3:]
+
+
+def test_a_signal_longer_than_its_limit_is_not_played():
+    limits = Limits(voltage_peak_v=1.0, duration_s=0.1)
+    limits.check(Signal(np.zeros((1, 100)), 1e3, "V"))
+    with pytest.raises(LimitExceeded, match=r"found a signal of 0\.101 s, the limit is 0\.1 s; shorten it"):
+        limits.check(Signal(np.zeros((1, 101)), 1e3, "V"))
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix", "value"),
+    [
+        ("5 cm/s", "m_per_s", 0.05),
+        ("2.5 g/cm3", "kg_per_m3", 2500.0),
+        ("3 kohm m", "ohm_m", 3e3),
+        ("70 GPa", "pa", 70e9),
+        ("2 h", "s", 7200.0),
+        ("20 nm", "m", 20e-9),
+        ("4 mm2", "m2", 4e-6),
+    ],
+)
+def test_compound_units(text, suffix, value):
+    assert si(text, suffix, "x") == pytest.approx(value, rel=1e-15)
+
+
+def test_sessions_of_one_participant_are_asked_in_orders_of_their_own():
+    assert asked("P01", 1, 1) == asked("P01", 1, 1)
+    assert asked("P01", 1, 1) != asked("P01", 2, 1)
+
+
+def test_participants_and_seeds_have_traits_of_their_own():
+    people = [("P01", 1), ("P02", 1), ("P01", 2)]
+    traits = [EXPERIMENT.simulated_participant(*who).sensitivity_db for who in people]
+    assert len(set(traits)) == 3
+    assert EXPERIMENT.simulated_participant("P01", 1).sensitivity_db == traits[0]
+
+
+@pytest.mark.parametrize(
+    ("n_participants", "first", "last"), [(3, "P01", "P03"), (99, "P01", "P99"), (100, "P001", "P100")]
+)
+def test_codes_of_simulated_participants_sort_as_their_numbers(n_participants, first, last):
+    codes = [who.participant for who in Simulation(TOML, "tutorial", Path(), n_participants, 1).participants()]
+    assert (codes[0], codes[-1]) == (first, last)
+    assert codes == sorted(codes)
+
+
+def test_a_column_that_is_described_but_absent_is_a_defect(lived):
+    path = lived / "dataset_description.json"
+    description = json.loads(path.read_bytes())
+    description["variableMeasured"].append({"name": "mood"})
+    path.write_text(json.dumps(description))
+    (defect,) = validate(lived).defects
+    assert "has no such column 'mood'" in str(defect)
+
+
+def test_a_study_that_was_edited_after_the_session_is_not_replayed(lived):
+    """The edit changes nothing that is asked: the digest alone tells."""
+    path = lived / "study.toml"
+    path.write_bytes(path.read_bytes() + b"\n# another line\n")
+    with pytest.raises(Diverged, match="line 1: found the digest of another study.toml"):
+        replay_data_set(lived)
+
+
+@pytest.mark.parametrize(("of_bench", "of_study", "holds"), [(1.0, 2.0, 1.0), (2.0, 1.0, 1.0)])
+def test_the_tighter_duration_of_bench_and_study_holds(of_bench, of_study, holds):
+    bench = BenchFile(limits=Limits(100.0, of_bench))
+    assert bench.limits_with(Limits(50.0, of_study)).duration_s == holds
+
+
+def test_a_plan_counts_catch_trials():
+    """16 stimuli and, at a rate of 0.2, one catch trial for every four of them."""
+    assert [block.n_trials_at_most for block in plan(EXPERIMENT, 1)] == [20, 20]
+
+
+def test_lapses_of_detection_are_guesses():
+    lapsing = SignalDetectionObserver(lapse_rate=0.5)
+    rng = np.random.default_rng(20261121)
+    assert near(sum(lapsing.detect(1000.0, rng) for _ in range(N_DRAWS)), N_DRAWS, 0.75)
+
+
+def test_lapses_of_a_comparison_are_guesses():
+    lapsing = SignalDetectionObserver(lapse_rate=0.5)
+    rng = np.random.default_rng(20261121)
+    hits = sum(lapsing.compare([-math.inf, 1000.0, -math.inf], rng) == 1 for _ in range(N_DRAWS))
+    assert near(hits, N_DRAWS, 0.5 + 0.5 / 3)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 3.0])
+def test_the_transducer_acts_on_the_sensation_level(exponent):
+    """d' is the criterion at the threshold, and 10^exponent of it at 20 dB above."""
+    observer = SignalDetectionObserver(exponent=exponent, sensitivity_db=7.0)
+    assert observer.d_prime(-7.0) == pytest.approx(observer.criterion, rel=1e-12)
+    assert observer.d_prime(13.0) == pytest.approx(observer.criterion * 10**exponent, rel=1e-12)
+
+
+def test_a_console_holds_signals_against_the_limits():
+    tight = Limits(voltage_peak_v=0.1)
+    console = Console(catalogue.AnyStimulus(), tight, texts_in("en", {}), source=io.StringIO(), output=io.StringIO())
+    with pytest.raises(LimitExceeded, match="nothing was played"):
+        console.play(Play("tone", 20.0, 0.2))
+
+
+def test_the_clock_of_a_console_goes_on_after_an_interruption():
+    console = catalogue.console()
+    console.resume(3, 100.0)
+    assert 100.0 <= console.wait(Wait(0.0)).at_s < 200.0
+
+
+def test_a_study_with_another_rate_of_catch_trials_has_another_plan():
+    none = replace(STUDY, task=replace(STUDY.task, catch_rate=0.0))
+    assert [block.n_trials_at_most for block in plan(wire(none, "x"), 1)] == [16, 16]
