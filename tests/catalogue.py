@@ -43,7 +43,9 @@ from tactometry.stimuli.electrovibration import (
     Triangle,
     WithOffset,
 )
+from tactometry.stimuli.time_reversal.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.setup import Setup
 from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
 
 LIMITS = Limits(voltage_peak_v=200.0)
@@ -65,6 +67,9 @@ STIMULI = {
     "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
     "time_reversal": TimeReversalStimulus(
         Responses(1e-9 * np.array([[[0.0, 3.0, -2.0, 1.0, 0.5]]]), 1e6), voltage_max_v=1e9, level_unit="dB re 1 um"
+    ),
+    "focus_train": FocusTrain(
+        Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3), pattern="P1", f_max_hz=10e3, voltage_max_v=1e9
     ),
 }
 

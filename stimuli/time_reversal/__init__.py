@@ -1,5 +1,119 @@
 """Time-reversal haptics: plate, focus, driving signals, patterns, finger, sound and energy."""
 
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_reversal import ClosedReversal
+from tactometry.stimuli.time_reversal.contactor import Contactor
+from tactometry.stimuli.time_reversal.decay import tau_estimate
+from tactometry.stimuli.time_reversal.design import Target, recommend
+from tactometry.stimuli.time_reversal.energy import deformation_energy_j, switched_power_w
+from tactometry.stimuli.time_reversal.estimation import alpha_from_resolutions, rigidity_ratio_from_modes
+from tactometry.stimuli.time_reversal.field import grid, movie
+from tactometry.stimuli.time_reversal.finger import Emission, Finger, amplitude_loss
+from tactometry.stimuli.time_reversal.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude, focus_amplitudes
+from tactometry.stimuli.time_reversal.force_loss import LossRow
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN, GLASSES, Glass
+from tactometry.stimuli.time_reversal.interpolation import interpolated
+from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.measured import aligned, inspect, read
+from tactometry.stimuli.time_reversal.merit import (
+    area_m2,
+    contrast_far_of,
+    contrast_temporal_of,
+    contrast_whole_of,
+    temporal_width_s,
+    uniformity,
+    width_m,
+)
+from tactometry.stimuli.time_reversal.pattern import PATTERNS, Pattern, pattern_drive
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, PulseWidth, Quantiser, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.sensation import TimeReversalSensation
+from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.sound import noise
+from tactometry.stimuli.time_reversal.spectrum import (
+    Band,
+    Butterworth,
+    Hold,
+    Measured,
+    band_limited,
+    inaudible,
+    through,
+)
+from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
 
-__all__ = ["Plate"]
+__all__ = [
+    "A4_PROTOTYPE",
+    "A4_SCREEN",
+    "GLASSES",
+    "PATTERNS",
+    "Analogue",
+    "Attenuation",
+    "Band",
+    "Butterworth",
+    "ClosedReversal",
+    "Contactor",
+    "Disc",
+    "Emission",
+    "Finger",
+    "FocusTrain",
+    "Glass",
+    "Hold",
+    "Load",
+    "LossRow",
+    "Measured",
+    "OneBit",
+    "Patch",
+    "Pattern",
+    "Plate",
+    "PointForce",
+    "PulseWidth",
+    "Quantiser",
+    "Responses",
+    "Screen",
+    "Setup",
+    "SigmaDelta",
+    "Target",
+    "TimeReversalSensation",
+    "TimeReversalStimulus",
+    "aligned",
+    "alpha_from_resolutions",
+    "amplitude_loss",
+    "area_m2",
+    "band_limited",
+    "bending_stress_pa",
+    "border",
+    "contrast_far_of",
+    "contrast_temporal_of",
+    "contrast_whole_of",
+    "deflection_m",
+    "deformation_energy_j",
+    "drive",
+    "emitted",
+    "focus_amplitude",
+    "focus_amplitudes",
+    "grid",
+    "impulse_responses",
+    "inaudible",
+    "inspect",
+    "interpolated",
+    "inverse_filter_waveform",
+    "loaded_responses",
+    "movie",
+    "noise",
+    "pattern_drive",
+    "read",
+    "recommend",
+    "rigidity_ratio_from_modes",
+    "switched_power_w",
+    "tau_estimate",
+    "temporal_width_s",
+    "through",
+    "uniformity",
+    "width_m",
+]

@@ -171,8 +171,8 @@ def pattern_drive(
     modulation : str
         ``voltage`` scales the emitted values of each focus; ``burst`` keeps the voltage and shortens the
         emission to reach the weight by 1 - exp(-T / tau), which needs `tau_s`. Where drives overlap (T
-        above the repetition time) the sum is quantised anew, so that the voltage is kept, and the foci lose
-        the repetition penalty.
+        above the repetition time) the sum is quantised anew, so that the voltage is kept (that of the largest
+        weight under way), and the foci lose the repetition penalty.
 
     Raises
     ------
@@ -192,8 +192,10 @@ def pattern_drive(
         piece = waves[row] if overlaps else rule.quantise(waves[row], foci.rate_hz)
         pieces.append(_modulated(piece, float(weight), modulation, tau_s, foci.rate_hz))
     total = _overlay(pieces, starts)
-    values = rule.quantise(total, foci.rate_hz) if overlaps else total
-    return Signal(voltage_v * values, foci.rate_hz, "V")
+    if overlaps:
+        supply = _supply(pattern.weights if modulation == "voltage" else np.ones(len(starts)), starts, n)
+        total = supply * rule.quantise(total / np.where(supply > 0, supply, 1.0), foci.rate_hz)
+    return Signal(voltage_v * total, foci.rate_hz, "V")
 
 
 def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[np.int64]:
@@ -229,6 +231,14 @@ def _modulated(piece: FloatArray, weight: float, modulation: str, tau_s: float |
     n_kept = round(burst_s(abs(weight), piece.shape[1] / rate_hz, tau_s) * rate_hz)
     kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept
     return np.asarray(math.copysign(1.0, weight) * piece * kept)
+
+
+def _supply(weights: FloatArray, starts: NDArray[np.int64], n: int) -> FloatArray:
+    """(n_samples,): the largest magnitude of the weights whose drives are under way."""
+    supply = np.zeros(int(starts[-1]) + n)
+    for weight, start in zip(np.abs(weights), starts, strict=True):
+        supply[start : start + n] = np.maximum(supply[start : start + n], weight)
+    return supply
 
 
 def _overlay(pieces: Sequence[FloatArray], starts: NDArray[np.int64]) -> FloatArray:

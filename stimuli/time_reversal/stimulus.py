@@ -37,6 +37,8 @@ class TimeReversalStimulus:
         What the amplifier can emit, above 0.
     level_unit : str
         ``m`` or ``dB re 1 um``.
+    heard : Responses, optional
+        What the focus point really does, unfiltered: the level is the amplitude there; by default `focus`.
 
     Examples
     --------
@@ -52,6 +54,7 @@ class TimeReversalStimulus:
     reversal_s: float | None = None
     voltage_max_v: float = 30.0
     level_unit: str = "m"
+    heard: Responses | None = None
 
     def __post_init__(self) -> None:
         choice("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
@@ -87,7 +90,7 @@ class TimeReversalStimulus:
         """Amplitude of the largest focus per peak volt."""
         n = self.focus.n_samples if self.reversal_s is None else self._n_reversal
         instants = focus_samples(self.pattern, self.focus.rate_hz, n)
-        return float(np.abs(emitted(self._unit, self.focus)[0, instants]).max()) / self._unit.peak
+        return float(np.abs(emitted(self._unit, self.heard or self.focus)[0, instants]).max()) / self._unit.peak
 
     @property
     def level_max(self) -> float:

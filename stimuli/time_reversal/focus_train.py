@@ -1,0 +1,166 @@
+"""A focus, or a pattern of foci, as a stimulus of a study file: kinds `focus` and `pattern`."""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Final, Literal
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.checks import choice, positive
+from tactometry.stimuli.time_reversal.pattern import (
+    PATTERNS,
+    Envelope,
+    Exponential,
+    Pattern,
+    RaisedCosine,
+    Rectangular,
+    Sinc,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
+from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+
+Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
+EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
+
+DRIVES: Final[dict[str, Quantiser]] = {
+    "one_bit": OneBit(),
+    "analogue": Analogue(),
+    "sigma_delta_1": SigmaDelta(order=1),
+    "sigma_delta_2": SigmaDelta(order=2),
+}
+ENVELOPES: Final[dict[str, Envelope]] = {
+    "rectangular": Rectangular(),
+    "raised_cosine": RaisedCosine(),
+    "exponential": Exponential(),
+    "sinc": Sinc(),
+}
+
+
+@dataclass(frozen=True)
+class FocusTrain:
+    """One focus (P0, the default) or a train of foci; the level is the unloaded amplitude of the largest one.
+
+    Parameters
+    ----------
+    setup : Setup
+        The screen and the place of the focus.
+    pattern : str
+        P0 to P6; `repetition_hz`, `envelope` and `train_s` replace what it says.
+    drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
+        How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
+    f_min_hz, f_max_hz : float
+        Band of the learnt responses: 20 to 60 kHz is the filtered drive, 0.2 to 60 kHz the unfiltered one
+        (unverified defaults).
+    reversal_s : float, optional
+        T, at most `setup.learnt_s`; by default that, but no longer than the repetition time, so that drives do not
+        overlap.
+    voltage_max_v : float
+        What the amplifier can emit (unverified default).
+    duration_s : float
+        The interval in which the drive is played, from its beginning.
+    level_unit : {"dB re 1 um", "m"}
+
+    Examples
+    --------
+    >>> stimulus = FocusTrain(Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3), f_max_hz=20e3)
+    >>> signal = stimulus.at(0.0)
+    >>> signal.samples.shape, round(signal.duration_s * 1e3, 3)
+    ((8, 350), 7.0)
+    """
+
+    setup: Setup = field(default_factory=Setup)
+    pattern: Literal["P0", "P1", "P2", "P3", "P4", "P5", "P6"] = "P0"
+    drive: Drive = "one_bit"
+    f_min_hz: float = 200.0
+    f_max_hz: float = 60e3
+    reversal_s: float | None = None
+    voltage_max_v: float = 200.0
+    duration_s: float = 0.5
+    level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
+    repetition_hz: float | None = None
+    envelope: EnvelopeName | None = None
+    train_s: float | None = None
+
+    def __post_init__(self) -> None:
+        choice("FocusTrain.pattern", self.pattern, tuple(PATTERNS))
+        choice("FocusTrain.drive", self.drive, tuple(DRIVES))
+        positive("FocusTrain.duration_s", self.duration_s)
+        if self.envelope is not None:
+            choice("FocusTrain.envelope", self.envelope, tuple(ENVELOPES))
+        _check_band(self)
+        _check_times(self)
+
+    @property
+    def foci(self) -> Pattern:
+        """The pattern after replacement."""
+        named = PATTERNS[self.pattern]
+        return Pattern(
+            self.repetition_hz or named.repetition_hz,
+            self.train_s or named.duration_s,
+            named.envelope if self.envelope is None else ENVELOPES[self.envelope],
+        )
+
+    @property
+    def emission_s(self) -> float:
+        """T: `reversal_s`, or its default."""
+        if self.reversal_s is not None:
+            return self.reversal_s
+        longest_s = self.setup.learnt_s
+        return longest_s if self.foci.n_foci == 1 else min(longest_s, 1 / self.foci.repetition_hz)
+
+    def at(self, level: float) -> Signal:
+        """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
+
+        Raises
+        ------
+        InvalidParameter
+            If the level is not finite or not above 0 m.
+        LimitExceeded
+            If it needs more than `voltage_max_v`.
+        """
+        return _family(self).at(level)
+
+    @property
+    def level_max(self) -> float:
+        """The largest level within `voltage_max_v`."""
+        return _family(self).level_max
+
+
+@lru_cache(maxsize=32)
+def _family(train: FocusTrain) -> TimeReversalStimulus:
+    return TimeReversalStimulus(
+        band_limited(train.setup.learnt(), Band(train.f_min_hz, train.f_max_hz)),
+        train.foci,
+        DRIVES[train.drive],
+        train.emission_s,
+        train.voltage_max_v,
+        train.level_unit,
+        train.setup.responses_at(*train.setup.focus_m),
+    )
+
+
+def _check_band(train: FocusTrain) -> None:
+    band = Band(train.f_min_hz, train.f_max_hz)
+    if band.f_max_hz > train.setup.modes_to_hz:
+        raise InvalidParameter(
+            f"FocusTrain.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
+            "lower it or raise setup.modes_to_hz"
+        )
+
+
+def _check_times(train: FocusTrain) -> None:
+    for name in ("repetition_hz", "train_s", "reversal_s"):
+        if getattr(train, name) is not None:
+            positive(f"FocusTrain.{name}", getattr(train, name))
+    if train.emission_s > train.setup.learnt_s:
+        raise InvalidParameter(
+            f"FocusTrain.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "
+            "shorten it or raise setup.learnt_s"
+        )
+    needed_s = float(train.foci.times_s[-1]) + train.emission_s
+    if needed_s > train.duration_s:
+        raise InvalidParameter(
+            f"FocusTrain.duration_s: found {train.duration_s}, shorter than the {needed_s:.6g} s of the drive; raise it"
+        )

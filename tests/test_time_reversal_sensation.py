@@ -1,0 +1,204 @@
+"""What a finger feels of foci, and the stimuli of study files that make them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.finger import Finger
+from tactometry.stimuli.time_reversal.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.focusing import emitted
+from tactometry.stimuli.time_reversal.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.pattern import PATTERNS, focus_samples
+from tactometry.stimuli.time_reversal.sensation import (
+    TimeReversalSensation,
+    events,
+    felt_amplitude_m,
+    loaded_displacement,
+)
+from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.strict import build
+
+SMALL = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+FAINTEST_N = 1e-12
+
+
+def train(**changes):
+    return FocusTrain(SMALL, **{"f_max_hz": 20e3, "voltage_max_v": 2000.0, **changes})
+
+
+def felt_db(level, force_n=FAINTEST_N, **changes):
+    return TimeReversalSensation(SMALL).sensation_db(train(**changes).at(level), Contact(force_n))
+
+
+def test_the_level_is_the_unloaded_amplitude_of_the_focus():
+    drive = train(level_unit="m").at(7e-6)
+    heard = emitted(drive, SMALL.responses_at(*SMALL.focus_m))[0]
+    assert heard[drive.samples.shape[1] - 1] == pytest.approx(7e-6, rel=1e-12)
+
+
+def test_a_focus_of_the_reference_amplitude_is_at_threshold_with_hardly_a_finger():
+    assert felt_db(20.0) == pytest.approx(0.0, abs=1e-3)
+
+
+@given(level=st.floats(-20, 30), higher_by=st.floats(-10, 10))
+@settings(max_examples=20, deadline=None)
+def test_the_sensation_level_rises_as_the_level_does(level, higher_by):
+    assert felt_db(level + higher_by, 1.0) - felt_db(level, 1.0) == pytest.approx(higher_by, abs=1e-9)
+
+
+def test_a_finger_of_two_newtons_on_the_prototype_costs_what_the_thesis_measured():
+    setup = Setup()
+    free, pressed = (
+        TimeReversalSensation(setup).sensation_db(FocusTrain(setup, f_max_hz=25e3).at(20.0), Contact(force_n))
+        for force_n in (FAINTEST_N, 2.0)
+    )
+    assert 0.25 <= 1 - 10 ** ((pressed - free) / 20) <= 0.33
+
+
+@given(forces_n=st.lists(st.floats(0.01, 10.0), min_size=2, max_size=2, unique=True).map(sorted))
+@settings(max_examples=20, deadline=None)
+def test_more_force_never_adds_sensation(forces_n):
+    gentle, firm = (felt_db(20.0, force_n) for force_n in forces_n)
+    assert firm <= gentle + 1e-9
+
+
+def test_the_unloaded_criterion_knows_no_force():
+    drive = train().at(20.0)
+    felt = TimeReversalSensation(SMALL, criterion="unloaded")
+    assert felt.sensation_db(drive, Contact(0.5)) == felt.sensation_db(drive, Contact(5.0))
+
+
+def test_no_contact_and_no_voltage_are_not_felt():
+    assert felt_db(20.0, 0.0) == -np.inf
+    silence = Signal(np.zeros((8, 350)), SMALL.rate_hz, "V")
+    assert TimeReversalSensation(SMALL).sensation_db(silence, Contact(1.0)) == -np.inf
+
+
+@pytest.mark.parametrize(("mass_kg", "stiffness_n_per_m"), [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e5)])
+def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, stiffness_n_per_m):
+    drive = train().at(20.0)
+    finger = Finger(*SMALL.focus_m, 2.0, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
+    heard = loaded_responses(
+        SMALL.screen,
+        [SMALL.focus_m],
+        [finger.load()],
+        rate_hz=SMALL.rate_hz,
+        duration_s=SMALL.heard_s,
+        f_max_hz=SMALL.modes_to_hz,
+    )
+    expected = emitted(drive, heard)[0]
+    felt = TimeReversalSensation(SMALL, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
+    found = felt.displacement_m(drive, Contact(2.0))
+    assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
+
+
+def test_a_pin_holds_the_plate_still():
+    drive = train().at(20.0)
+    free = TimeReversalSensation(SMALL, criterion="unloaded").displacement_m(drive, Contact(1.0))
+    pinned = loaded_displacement(free, SMALL, Load(*SMALL.focus_m, stiffness_n_per_m=1e20))
+    assert np.abs(pinned).max() < 1e-9 * np.abs(free).max()
+
+
+def test_a_finger_elsewhere_feels_less_than_at_the_focus():
+    drive = train().at(20.0)
+    away = TimeReversalSensation(SMALL, finger_x_m=0.2, finger_y_m=0.06)
+    assert away.sensation_db(drive, Contact(0.5)) < felt_db(20.0, 0.5) - 6
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_the_foci_of_a_pattern_are_its_events(pattern):
+    stimulus = train(pattern=pattern)
+    drive = stimulus.at(20.0)
+    displacement = TimeReversalSensation(SMALL).displacement_m(drive, Contact(FAINTEST_N))
+    times_s, peaks_m = events(displacement, SMALL.rate_hz)
+    n = round(stimulus.emission_s * SMALL.rate_hz)
+    expected_s = focus_samples(stimulus.foci, SMALL.rate_hz, n) / SMALL.rate_hz
+    strong_s = expected_s[np.abs(stimulus.foci.weights) > 0.7]
+    assert np.abs(np.subtract.outer(strong_s, times_s)).min(axis=1).max() < 2e-4
+    assert peaks_m.max() == pytest.approx(10e-6, rel=0.3)
+
+
+def test_drives_of_a_pattern_do_not_overlap_unless_asked_to():
+    assert train(pattern="P4").emission_s == pytest.approx(2e-3)
+    assert train(pattern="P4", reversal_s=5e-3).emission_s == 5e-3
+
+
+def test_a_train_at_the_best_frequency_of_touch_is_felt_more_than_one_focus():
+    slow, best, fast = (felt_amplitude_m(np.arange(25) / f_hz, np.ones(25)) for f_hz in (40, 250, 600))
+    assert best > 1.1 * max(slow, fast)
+
+
+@given(st.lists(st.floats(1e-9, 1e-3), min_size=1, max_size=30), st.floats(100, 900))
+@settings(deadline=None)
+def test_a_train_is_never_weaker_than_its_largest_focus_nor_stronger_than_their_sum(peaks_m, repetition_hz):
+    times_s = np.arange(len(peaks_m)) / repetition_hz
+    assert max(peaks_m) <= felt_amplitude_m(times_s, peaks_m) <= sum(peaks_m) * (1 + 1e-12)
+
+
+def test_replaced_parts_of_a_pattern_are_used():
+    foci = train(pattern="P6", repetition_hz=100.0, train_s=0.1, envelope="raised_cosine").foci
+    assert foci.n_foci == 10
+    assert foci.weights[0] == pytest.approx((1 - np.cos(np.pi / 10)) / (1 - np.cos(np.pi * 0.9)))
+
+
+def test_a_drive_beyond_the_amplifier_is_refused_before_it_is_played():
+    stimulus = train(voltage_max_v=200.0)
+    with pytest.raises(LimitExceeded, match=r"above the 200 V of the amplifier"):
+        stimulus.at(stimulus.level_max + 0.1)
+    assert stimulus.at(stimulus.level_max).peak == pytest.approx(200.0)
+
+
+def test_stimulus_and_sensation_are_built_from_tables():
+    table = {"setup": {"n_transducers": 8, "modes_to_hz": 22e3, "rate_hz": 50e3}, "f_max_hz": 20e3, "pattern": "P3"}
+    table["voltage_max_v"] = 2000
+    stimulus = build(FocusTrain, table, "stimulus")
+    assert stimulus == train(pattern="P3")
+    assert build(TimeReversalSensation, {}, "sensation", setup=stimulus.setup) == TimeReversalSensation(SMALL)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"f_max_hz": 30e3}, "FocusTrain.f_max_hz: found 30000.0, above the highest mode at 22000.0 Hz"),
+        ({"f_min_hz": 25e3}, "Band: found 25000.0 to 20000.0 Hz, which is empty"),
+        ({"reversal_s": 8e-3}, "FocusTrain.reversal_s: found 0.008, longer than the responses of 0.007 s"),
+        ({"reversal_s": -1.0}, "FocusTrain.reversal_s: found -1.0"),
+        ({"pattern": "P7"}, "FocusTrain.pattern: found 'P7', expected one of P0"),
+        ({"drive": "sine"}, "FocusTrain.drive: found 'sine'"),
+        ({"envelope": "box"}, "FocusTrain.envelope: found 'box'"),
+        ({"pattern": "P1", "duration_s": 0.04}, "FocusTrain.duration_s: found 0.04, shorter than the 0.05 s"),
+    ],
+)
+def test_a_train_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
+    with pytest.raises(InvalidParameter) as caught:
+        train(**changes)
+    assert str(caught.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"glass": "ice"}, "Setup.glass: found 'ice', expected one of Borofloat 33"),
+        ({"thickness_m": -1e-3}, "Plate.thickness_m: found -0.001"),
+        ({"tau_s": float("inf")}, "Setup.tau_s: found inf"),
+        ({"n_transducers": 0}, "n_transducers: found 0"),
+        ({"boundary": "SSS"}, "Plate.boundary: found 'SSS'"),
+        ({"focus_x_m": 0.3}, "Setup.focus: found (0.3, 0.093) m, expected a point of the plate"),
+        ({"modes_to_hz": 30e3}, "Setup.modes_to_hz: found 30000.0, above the Nyquist frequency 25000.0"),
+    ],
+)
+def test_a_setup_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
+    with pytest.raises(InvalidParameter) as caught:
+        replace(SMALL, **changes)
+    assert str(caught.value).startswith(sentence)
+
+
+def test_a_signal_of_another_screen_is_refused():
+    with pytest.raises(InvalidParameter, match=r"found 2 channels in 'V' at 50000 Hz, expected 8 in volt"):
+        TimeReversalSensation(SMALL).sensation_db(Signal(np.ones((2, 9)), 50e3, "V"), Contact(1.0))
