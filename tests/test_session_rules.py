@@ -93,11 +93,9 @@ def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
     assert trials.read_bytes() == content
 
 
-def test_a_turn_at_a_bound_begins_a_new_count():
-    rule = Staircase(start=40.0, steps=(2.0,), low=38.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
-    for answer in (0, 0, 1, 1, 0):
-        rule = rule.after(answer)
-    assert rule.ended is None
+def test_moves_at_one_bound_do_not_count_at_the_other():
+    rule = Staircase(start=0.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
+    assert rule.after(1).after(1).after(0, delivered=40.0).ended is None
 
 
 def test_a_run_that_ends_at_a_bound_is_censored_even_with_its_last_reversal():
