@@ -1,14 +1,26 @@
-"""What may reach a finger, checked on the final samples by every rig."""
+"""What may reach a finger, checked on the final samples by every rig and every output."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.load import Load
 from tactometry.signal import Signal
+
+ROUNDING = 1e-12
+"""Relative: an excess in the last digits is none."""
+
+OPTIONAL = ("current_peak_a", "charge_peak_c", "displacement_peak_m", "duty", "session_s")
+NEEDED = {
+    "electrode": ("duty", "session_s"),
+    "piezo": ("displacement_peak_m", "duty", "session_s"),
+}
+"""Limits without which a connected load gets nothing; current or charge is needed by both."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """The largest values that an output may emit.
+    """The largest values that an output may emit. None means that nobody stated it.
 
     Parameters
     ----------
@@ -16,19 +28,40 @@ class Limits:
         Peak voltage on any channel, above 0.
     duration_s : float
         Longest single signal, above 0.
+    current_peak_a, charge_peak_c : float, optional
+        Into the load of any channel, above 0.
+    displacement_peak_m : float, optional
+        Of the surface, above 0.
+    duty : float, optional
+        Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
+    session_s : float, optional
+        How long after it was opened an output may emit, above 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated.
     """
 
     voltage_peak_v: float
     duration_s: float = 60.0
+    current_peak_a: float | None = None
+    charge_peak_c: float | None = None
+    displacement_peak_m: float | None = None
+    duty: float | None = None
+    duty_window_s: float = 60.0
+    session_s: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("voltage_peak_v", "duration_s"):
-            value = getattr(self, name)
-            if not 0 < value < float("inf"):
-                raise InvalidParameter(f"Limits.{name}: found {value}, expected a finite number above 0")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (value is None and field.name in OPTIONAL) and not 0 < value < float("inf"):
+                raise InvalidParameter(f"Limits.{field.name}: found {value}, expected a finite number above 0")
+        if self.duty is not None and self.duty > 1:
+            raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
 
     def check(self, signal: Signal) -> None:
-        """Refuse a signal that passes a limit.
+        """Refuse a signal that passes a limit which holds for any load.
 
         Raises
         ------
@@ -38,13 +71,138 @@ class Limits:
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
-        if signal.peak > self.voltage_peak_v * (1 + 1e-12):
+        _hold("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
+        _hold("duration_s", "a signal of", signal.duration_s, self.duration_s, "s", "shorten it")
+
+    def check_load(self, signal: Signal, load: Load) -> None:
+        """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit is missing, cannot be computed from what is known of the load, or is passed.
+        """
+        self.check_stated(load)
+        if self.current_peak_a is not None:
+            found_a = load.current_peak_a(signal)
+            _hold("current_peak_a", "a peak of", found_a, self.current_peak_a, "A", "lower the level or its slopes")
+        if self.charge_peak_c is not None:
+            found_c = load.charge_peak_c(signal)
+            _hold("charge_peak_c", "a peak of", found_c, self.charge_peak_c, "C", "lower the level or shorten it")
+        if self.displacement_peak_m is not None:
+            found_m = load.displacement_peak_m(signal)
+            _hold("displacement_peak_m", "up to", found_m, self.displacement_peak_m, "m", "lower the level")
+
+    def check_stated(self, load: Load) -> None:
+        """Refuse a load whose limits nobody stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit that this kind of load needs is missing, or one is stated that the load cannot tell.
+        """
+        missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
+        if self.current_peak_a is None and self.charge_peak_c is None:
+            missing.insert(0, "current_peak_a or charge_peak_c")
+        if missing:
             raise LimitExceeded(
-                f"limits.voltage_peak_v: found a peak of {signal.peak:.6g} V, the limit is "
-                f"{self.voltage_peak_v:.6g} V; lower the level; nothing was played"
+                f"limits: found no {', no '.join(missing)}, expected them for a load of kind {load.kind!r}; state them "
+                "in the bench file; nothing was played"
             )
-        if signal.duration_s > self.duration_s * (1 + 1e-12):
+        if self.displacement_peak_m is not None and load.displacement_m_per_v is None:
             raise LimitExceeded(
-                f"limits.duration_s: found a signal of {signal.duration_s:.6g} s, the limit is "
-                f"{self.duration_s:.6g} s; shorten it; nothing was played"
+                "limits.displacement_peak_m: found a limit, but no displacement_m_per_v of the load to compute it "
+                "from; state it in the bench file; nothing was played"
             )
+
+    def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float) -> None:
+        """Refuse a signal from `begin_s` that would play too often, or too late in the session.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit is passed.
+        """
+        if self.duty is not None:
+            duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
+            _hold("duty", "signals in a part of", duty, self.duty, "of the time", "wait longer between signals")
+        if self.session_s is not None:
+            end_s = begin_s + duration_s - exposure.opened_s
+            _hold("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
+
+    def tighter(self, other: "Limits") -> "Limits":
+        """The tighter of both for each limit; one that is stated holds against one that is not.
+
+        Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
+        both.
+
+        Examples
+        --------
+        >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
+        >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
+        (100.0, 1.0, 0.001)
+        """
+        smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
+        stated = [
+            (each.duty * each.duty_window_s, each.duty_window_s) for each in (self, other) if each.duty is not None
+        ]
+        if not stated:
+            return replace(self, **smallest)
+        window_s = max(window_s for _, window_s in stated)
+        return replace(
+            self, **smallest, duty=min(playing_s for playing_s, _ in stated) / window_s, duty_window_s=window_s
+        )
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """When an output emitted: the intervals (begin, end) of the last while, s, on the clock of `opened_s`.
+
+    Examples
+    --------
+    >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
+    >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
+    (4.0, 2.5, 5.0)
+    """
+
+    opened_s: float
+    intervals_s: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def played_s(self) -> float:
+        """How long signals played in the window that was kept."""
+        return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
+
+    def after(self, begin_s: float, duration_s: float, window_s: float) -> "Exposure":
+        """With another signal; what ended more than `window_s` before its end is forgotten."""
+        end_s = begin_s + duration_s
+        first_s = end_s - window_s
+        intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
+        return replace(self, intervals_s=tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s))
+
+    def stopped(self, at_s: float) -> "Exposure":
+        """With what would play later than `at_s` taken away."""
+        return replace(self, intervals_s=tuple((a, min(b, at_s)) for a, b in self.intervals_s if a < at_s))
+
+
+_COMPARABLE = (
+    "voltage_peak_v",
+    "duration_s",
+    "current_peak_a",
+    "charge_peak_c",
+    "displacement_peak_m",
+    "session_s",
+)
+
+
+def _smaller(one: float | None, other: float | None) -> float | None:
+    return min((value for value in (one, other) if value is not None), default=None)
+
+
+def _hold(name: str, what: str, found: float, limit: float, unit: str, cure: str) -> None:
+    """Refuse what is above its limit, and what is no number."""
+    if not found <= limit * (1 + ROUNDING):
+        raise LimitExceeded(
+            f"limits.{name}: found {what} {found:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "
+            "nothing was played"
+        )

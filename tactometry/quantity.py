@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from tactometry.errors import InvalidParameter, nearest
 
 _PREFIXES = {
+    "p": 1e-12,
     "n": 1e-9,
     "u": 1e-6,
     "µ": 1e-6,
@@ -23,6 +24,8 @@ _SI = {
     "s": "s",
     "v": "V",
     "a": "A",
+    "f": "F",
+    "c": "C",
     "m": "m",
     "pa": "Pa",
     "kg": "kg",

@@ -1,0 +1,79 @@
+"""A mutation run over limits.py: each check is taken away once, and the tests of the limits must fail.
+
+Run: python benchmarks/limits_mutation.py
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
+SOURCE = (ROOT / "tactometry" / "limits.py").read_text(encoding="utf-8")
+
+
+def mutants() -> dict[str, str]:
+    """Sources with one thing changed, by what was changed."""
+    found = {}
+    for line in re.findall(r"^ +_hold\(.*\)$", SOURCE, re.M):
+        found[f"no {line.split(chr(34))[1]}"] = SOURCE.replace(line, line[: len(line) - len(line.lstrip())] + "pass")
+    changes = {
+        "no unit": ('signal.unit != "V"', "False"),
+        "stated nowhere": ("        self.check_stated(load)\n", ""),
+        "none missing": ("        if missing:", "        if False:"),
+        "neither current nor charge": ('missing.insert(0, "current_peak_a or charge_peak_c")', "pass"),
+        "an electrode needs no duty": ('"electrode": ("duty", "session_s")', '"electrode": ("session_s",)'),
+        "an electrode needs no session": ('"electrode": ("duty", "session_s")', '"electrode": ("duty",)'),
+        "patches need no displacement": ('"piezo": ("displacement_peak_m", "duty"', '"piezo": ("duty"'),
+        "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
+        "any value of a limit": ('0 < value < float("inf")', "True"),
+        "negative limits": ('0 < value < float("inf")', 'value < float("inf")'),
+        "infinite limits": ('0 < value < float("inf")', "0 < value"),
+        "a duty above 1": ("self.duty is not None and self.duty > 1", "False"),
+        "a generous rounding": ("ROUNDING = 1e-12", "ROUNDING = 1e-3"),
+        "never above": ("if not found <= limit", "if False and found <= limit"),
+        "NaN passes": ("if not found <= limit * (1 + ROUNDING)", "if found > limit * (1 + ROUNDING)"),
+        "the new signal does not count": (
+            "exposure.after(begin_s, duration_s, self.duty_window_s).played_s",
+            "exposure.played_s",
+        ),
+        "half a window is remembered": ("first_s = end_s - window_s", "first_s = end_s - window_s / 2"),
+        "the session begins at zero": ("begin_s + duration_s - exposure.opened_s", "begin_s + duration_s"),
+        "a signal may begin late": ("begin_s + duration_s - exposure.opened_s", "begin_s - exposure.opened_s"),
+        "the looser of two": ("return min((value for", "return max((value for"),
+        "the shorter window": ("window_s = max(", "window_s = min("),
+    }
+    return found | {what: _replaced(*change) for what, change in changes.items()}
+
+
+def _replaced(old: str, new: str) -> str:
+    assert SOURCE.count(old) >= 1, old
+    return SOURCE.replace(old, new)
+
+
+def passes(tree: Path, source: str) -> bool:
+    (tree / "tactometry" / "limits.py").write_text(source, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/test_limits.py"]
+    env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode == 0
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        tree = Path(folder)
+        shutil.copy(ROOT / "pyproject.toml", tree)
+        for name in FOLDERS:
+            shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+        assert passes(tree, SOURCE), "the tests fail without a mutation"
+        verdicts = {what: "SURVIVED" if passes(tree, mutant) else "killed" for what, mutant in mutants().items()}
+    for what, verdict in verdicts.items():
+        print(f"{verdict:<9} {what}", flush=True)
+    print(f"{list(verdicts.values()).count('killed')} of {len(verdicts)} mutants killed")
+
+
+if __name__ == "__main__":
+    main()

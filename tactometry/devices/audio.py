@@ -1,0 +1,177 @@
+"""A sound card as output, through PortAudio (extra: audio)."""
+
+import time
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.devices.course import Course
+from tactometry.devices.gain import Gain
+from tactometry.errors import DeviceFailed
+from tactometry.signal import Signal
+
+FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
+FADE_S = 1e-3
+"""A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
+LONGEST_START_S = 2.0
+
+
+@dataclass(frozen=True)
+class AudioSettings:
+    """The sound card by name, or the default one; `channels` are its outlets, from 0, in the order of the signal's.
+
+    `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
+    latency. Both are unverified defaults.
+    """
+
+    rate_hz: float
+    channels: tuple[int, ...] = (0,)
+    device: str | int | None = None
+    sample_format: Literal["int16", "int32", "float32"] = "int32"
+    block_s: float = 0.005
+    latency_s: float = 0.05
+
+    def driver(self, gain: Gain) -> "AudioOutput":
+        return AudioOutput(self, gain)
+
+
+class AudioOutput:
+    """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
+
+    connected = True
+
+    def __init__(self, settings: AudioSettings, gain: Gain) -> None:
+        self.name = f"audio {'default' if settings.device is None else settings.device}"
+        self.n_channels: int = len(settings.channels)
+        self.rate_hz: float = settings.rate_hz
+        self.limits = None
+        self._settings, self._gain = settings, gain
+        self._stream: Any = None
+        self._course: Course | None = None
+        self._n_underruns = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        latency_s = None if self._stream is None else self._stream.latency
+        return {"output_latency_s": latency_s, "n_underruns": self._n_underruns}
+
+    def open(self) -> None:
+        """Claim the card and play zeros.
+
+        Raises
+        ------
+        DeviceFailed
+            If there is no PortAudio or no such device, or it does not take the channels or the rate.
+        """
+        sounddevice, settings = _library(), self._settings
+        try:
+            self._stream = sounddevice.OutputStream(
+                device=settings.device,
+                channels=max(settings.channels) + 1,
+                samplerate=settings.rate_hz,
+                dtype=settings.sample_format,
+                blocksize=round(settings.block_s * settings.rate_hz),
+                latency=settings.latency_s,
+                dither_off=True,
+                clip_off=True,
+                callback=self._fill,
+            )
+            self._stream.start()
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise DeviceFailed(_why(sounddevice, settings, error)) from None
+
+    def final(self, signal: Signal) -> Signal:
+        full_scale = FULL_SCALE[self._settings.sample_format]
+        return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
+
+    def _numbers(self, signal: Signal) -> NDArray[np.generic]:
+        """What the card gets, (n_channels, n_samples): rounded towards zero, so that no limit is passed by rounding."""
+        units = self._gain.to_units(signal)
+        kind = np.dtype(self._settings.sample_format)
+        if kind.kind == "i":
+            return np.trunc(units * FULL_SCALE[kind.name]).astype(kind)
+        numbers = units.astype(kind)
+        return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
+
+    def play(self, signal: Signal) -> float:
+        """Begin to emit: the time at which the card says that the first frame leaves it."""
+        if self._stream is None or not self._stream.active:
+            raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
+        course = Course(self._frames(self._numbers(signal)), self._n_fade)
+        self._let_end()
+        self._course = course
+        if signal.samples.size and not course.begun.wait(LONGEST_START_S):
+            course.stop()
+            raise self._silent()
+        return course.onset_s
+
+    def _let_end(self) -> None:
+        """What plays falls to zero before another signal begins."""
+        if self._course is not None and not self._course.finished:
+            self._course.stop()
+            if not self._course.ended.wait(LONGEST_START_S):
+                raise self._silent()
+
+    def _silent(self) -> DeviceFailed:
+        return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
+
+    @property
+    def _n_fade(self) -> int:
+        return max(1, round(FADE_S * self.rate_hz))
+
+    def _frames(self, numbers: NDArray[np.generic]) -> NDArray[np.generic]:
+        channels = self._settings.channels
+        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
+        frames[:, list(channels)] = numbers.T
+        return frames
+
+    def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
+        self._n_underruns += bool(status.output_underflow)
+        out[:] = 0
+        course = self._course
+        if course is None or course.finished:
+            return
+        if not course.begun.is_set():
+            course.onset_s = time.perf_counter() + max(0.0, times.outputBufferDacTime - times.currentTime)
+            course.begun.set()
+        piece = course.take(n_frames)
+        out[: len(piece)] = piece
+
+    def stop(self) -> None:
+        if self._course is not None:
+            self._course.stop()
+
+    def close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.abort()
+            stream.close()
+
+
+def _library() -> ModuleType:
+    try:
+        import sounddevice
+    except (ImportError, OSError) as error:
+        raise DeviceFailed(
+            f"output audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
+            "install libportaudio2; nothing was played"
+        ) from None
+    module: ModuleType = sounddevice
+    return module
+
+
+def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
+    wanted = f"{max(settings.channels) + 1} channels at {settings.rate_hz:g} Hz as {settings.sample_format}"
+    try:
+        known = ", ".join(
+            repr(device["name"]) for device in sounddevice.query_devices() if device["max_output_channels"]
+        )
+    except sounddevice.PortAudioError:
+        known = ""
+    found = f"the devices are {known}" if known else "there is no output device"
+    return (
+        f"output audio: cannot open {settings.device or 'the default device'} with {wanted} "
+        f"({' '.join(str(error).split())}); {found}; nothing was played"
+    )

@@ -1,0 +1,61 @@
+"""Frames on their way to a device that asks for them block by block."""
+
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Course:
+    """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
+
+    `take` is called by the device's thread, all else by the one that plays.
+
+    Parameters
+    ----------
+    frames : (n_frames, n_channels) array
+        As the device takes them.
+    n_fade : int
+        Frames over which a stop falls to zero, within one block.
+    """
+
+    def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
+        self._frames, self._n_fade = frames, n_fade
+        self._at = 0
+        self._stopping = False
+        self.onset_s = 0.0
+        self.begun, self.ended = threading.Event(), threading.Event()
+
+    @property
+    def finished(self) -> bool:
+        return self._at >= len(self._frames)
+
+    def stop(self) -> None:
+        """The next block falls to zero and is the last."""
+        self._stopping = True
+
+    def take(self, n_frames: int) -> NDArray[Any]:
+        """The next frames, at most `n_frames`.
+
+        Examples
+        --------
+        >>> course = Course(np.full((6, 1), 8.0), n_fade=4)
+        >>> course.take(2).ravel().tolist()
+        [8.0, 8.0]
+        >>> course.stop()
+        >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
+        ([8.0, 6.0, 4.0, 2.0], [])
+        """
+        stopping = self._stopping
+        n_taken = min(n_frames, self._n_fade) if stopping else n_frames
+        piece = self._frames[self._at : self._at + n_taken]
+        self._at = len(self._frames) if stopping else self._at + n_taken
+        if self.finished:
+            self.ended.set()
+        return _fading(piece) if stopping else piece
+
+
+def _fading(piece: NDArray[Any]) -> NDArray[Any]:
+    falling = piece * (1 - np.arange(len(piece)) / max(len(piece), 1))[:, None]
+    return np.asarray(np.trunc(falling) if piece.dtype.kind == "i" else falling).astype(piece.dtype)

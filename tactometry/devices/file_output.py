@@ -1,0 +1,114 @@
+"""An output to files: exactly what would be played, one file per signal."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Literal
+
+import numpy as np
+
+from tactometry.devices.gain import Gain
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.signal import Signal
+
+
+@dataclass(frozen=True)
+class FileSettings:
+    """`folder` gets files 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``, ``digest``), or 0001.wav.
+
+    A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
+    """
+
+    folder: str
+    format: Literal["npz", "wav"] = "npz"
+    n_channels: int | None = None
+    rate_hz: float | None = None
+
+    def driver(self, gain: Gain) -> "FileOutput":
+        return FileOutput(self, gain)
+
+
+class FileOutput:
+    """Writes each signal to a file of its own and never over another."""
+
+    connected = False
+
+    def __init__(self, settings: FileSettings, gain: Gain) -> None:
+        self.name = f"file {settings.folder}"
+        self.n_channels, self.rate_hz, self.limits = settings.n_channels, settings.rate_hz, None
+        self._folder, self._format, self._gain = Path(settings.folder), settings.format, gain
+        self._n_written = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"n_files": self._n_written}
+
+    def open(self) -> None:
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DeviceFailed(f"{self._folder}: cannot write ({error.strerror}), expected a folder") from None
+        self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
+
+    def final(self, signal: Signal) -> Signal:
+        self._gain.to_units(signal)
+        if self._format == "wav" and signal.rate_hz != round(signal.rate_hz):
+            raise DeviceFailed(
+                f"{self.name}: found a rate of {signal.rate_hz} Hz, expected a whole number for WAV; write npz instead"
+            )
+        return signal
+
+    def play(self, signal: Signal) -> float:
+        onset_s = time.perf_counter()
+        path = self._folder / f"{self._n_written + 1:04d}.{self._format}"
+        try:
+            with path.open("xb") as file:
+                _WRITERS[self._format](file, self.final(signal))
+        except OSError as error:
+            raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a new file") from None
+        self._n_written += 1
+        return onset_s
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def read_signal(path: Path) -> Signal:
+    """What a file output wrote.
+
+    Raises
+    ------
+    InvalidParameter
+        If the file is no NPZ or WAV of samples.
+    """
+    try:
+        if path.suffix == ".npz":
+            with np.load(path, allow_pickle=False) as file:
+                return Signal(file["samples"], float(file["rate_hz"]), str(file["unit"]))
+        from scipy.io import wavfile
+
+        rate, frames = wavfile.read(path)
+        return Signal(np.reshape(frames, (len(frames), -1)).T, float(rate), "V")
+    except (OSError, KeyError, ValueError) as error:
+        raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected NPZ or WAV") from None
+
+
+def _write_npz(file: IO[bytes], signal: Signal) -> None:
+    np.savez(
+        file,
+        samples=signal.samples,
+        rate_hz=signal.rate_hz,
+        unit=signal.unit,
+        digest=signal.digest(),
+    )
+
+
+def _write_wav(file: IO[bytes], signal: Signal) -> None:
+    from scipy.io import wavfile
+
+    wavfile.write(file, round(signal.rate_hz), np.ascontiguousarray(signal.samples.T))
+
+
+_WRITERS = {"npz": _write_npz, "wav": _write_wav}

@@ -1,0 +1,120 @@
+"""The guard before every driver: nothing reaches a load that its limits do not allow."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from tactometry.devices.output import Output, check_playable
+from tactometry.errors import LimitExceeded
+from tactometry.limits import Exposure, Limits
+from tactometry.load import Load
+from tactometry.signal import Signal
+
+
+class Driver(Output, Protocol):
+    """An output that can tell what it would emit; `connected` if that leaves the computer."""
+
+    @property
+    def connected(self) -> bool: ...
+
+    def final(self, signal: Signal) -> Signal:
+        """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
+
+        Raises `DeviceFailed` where the driver cannot emit the signal.
+        """
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        """What the journal says of the device after it was opened, and of what went wrong since."""
+
+
+@dataclass
+class Guarded:
+    """An output that checks the final samples of its driver, and how often and how long it played.
+
+    Parameters
+    ----------
+    driver : Driver
+    limits : Limits or None
+        None: nothing is played.
+    load : Load or None
+        What is connected; None only for a driver that is not connected to anything.
+    clock : callable
+        Seconds; by default `time.perf_counter`.
+    """
+
+    driver: Driver
+    limits: Limits | None
+    load: Load | None = None
+    clock: Callable[[], float] = time.perf_counter
+
+    def __post_init__(self) -> None:
+        self._exposure = Exposure(self.clock())
+
+    @property
+    def name(self) -> str:
+        return self.driver.name
+
+    @property
+    def n_channels(self) -> int | None:
+        return self.driver.n_channels
+
+    @property
+    def rate_hz(self) -> float | None:
+        return self.driver.rate_hz
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return self.driver.facts()
+
+    def open(self) -> None:
+        """Claim the device, if its limits are stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit that the load needs is missing; the device stays closed.
+        """
+        self._stated()
+        self.driver.open()
+        self._exposure = Exposure(self.clock())
+
+    def play(self, signal: Signal) -> float:
+        """Check all limits on the final samples, then begin to emit.
+
+        Raises
+        ------
+        LimitExceeded, DeviceFailed
+            If the signal must not or cannot be played; nothing was.
+        """
+        limits = self._stated()
+        check_playable(signal, self)
+        final = self.driver.final(signal)
+        limits.check(final)
+        if self.load is not None:
+            limits.check_load(final, self.load)
+        limits.check_exposure(self._exposure, self.clock(), final.duration_s)
+        onset_s = self.driver.play(signal)
+        self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
+        return onset_s
+
+    def stop(self) -> None:
+        self.driver.stop()
+        self._exposure = self._exposure.stopped(self.clock())
+
+    def close(self) -> None:
+        self.driver.close()
+
+    def _stated(self) -> Limits:
+        if self.limits is None:
+            raise LimitExceeded(
+                f"output {self.name!r}: found no limits, expected those of what is connected; state them in the bench "
+                "or study file; nothing was played"
+            )
+        if self.load is not None:
+            self.limits.check_stated(self.load)
+        elif self.driver.connected:
+            raise LimitExceeded(
+                f"output {self.name!r}: found no load, expected what is connected to it, by kind and capacitance_f; "
+                "state it in the bench file; nothing was played"
+            )
+        return self.limits

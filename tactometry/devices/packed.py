@@ -1,0 +1,120 @@
+"""One-bit streams for boards that drive many channels, such as an FPGA before switching amplifiers.
+
+A stream is a header of 48 bytes and its payload, all little-endian:
+
+======  ====  ===================================================================================
+offset  type  what
+======  ====  ===================================================================================
+0       8s    magic, ``TACT1BIT``
+8       u16   version, 1
+10      u16   bytes of the header, 48
+12      u32   n_channels, 1 to 65535
+16      f64   rate_hz, samples per second
+24      f64   voltage_v: a bit of 1 is +voltage_v, 0 is -voltage_v
+32      u64   n_samples
+40      u32   CRC-32 (zlib's) of the payload
+44      u32   CRC-32 of the header's bytes 0 to 43
+======  ====  ===================================================================================
+
+The payload is one word of ``ceil(n_channels / 8)`` bytes per sample; channel q is bit q mod 8 of byte q div 8; the bits
+beyond the last channel are 0. One bit has no zero: a board switches its outputs off before a stream, after its last
+sample, when a checksum is wrong, and at once when it reads a stream of no samples, which is how "stop" is said.
+"""
+
+import struct
+import zlib
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+
+MAGIC: Final = b"TACT1BIT"
+VERSION: Final = 1
+_FIELDS: Final = struct.Struct("<8sHHIddQI")
+_CHECKSUM: Final = struct.Struct("<I")
+HEADER_BYTES: Final = _FIELDS.size + _CHECKSUM.size
+MOST_CHANNELS: Final = 65_535
+
+
+def word_bytes(n_channels: int) -> int:
+    """Bytes of one sample of all channels.
+
+    >>> word_bytes(32), word_bytes(33)
+    (4, 5)
+    """
+    return -(-n_channels // 8)
+
+
+def encode(signal: Signal) -> bytes:
+    """A signal of +V and -V as a stream; a signal of no samples is "stop".
+
+    Raises
+    ------
+    InvalidParameter
+        If a sample is neither +V nor -V for one V, the peak.
+
+    Examples
+    --------
+    >>> stream = encode(Signal(np.array([[30.0, -30.0], [30.0, 30.0]]), 1e6, "V"))
+    >>> len(stream), stream[48:].hex(), decode(stream).samples.tolist()
+    (50, '0302', [[30.0, -30.0], [30.0, 30.0]])
+    """
+    voltage_v = signal.peak
+    if signal.unit != "V" or not np.all(np.abs(signal.samples) == voltage_v) or (signal.samples.size and not voltage_v):
+        raise InvalidParameter(
+            "packed stream: found samples of more than one size, expected +V and -V alone (a one-bit signal in volt, "
+            "without ramps)"
+        )
+    bits = np.packbits(signal.samples.T > 0, axis=1, bitorder="little")
+    return _header(signal, voltage_v, zlib.crc32(bits.tobytes())) + bits.tobytes()
+
+
+def decode(stream: bytes) -> Signal:
+    """The signal of a stream, bit by bit.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is no stream, or was damaged.
+    """
+    n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
+    payload = stream[HEADER_BYTES:]
+    if len(payload) != n_samples * word_bytes(n_channels):
+        raise InvalidParameter(
+            f"packed stream: found {len(payload)} bytes after the header, expected {n_samples * word_bytes(n_channels)}"
+        )
+    if zlib.crc32(payload) != checksum:
+        raise InvalidParameter("packed stream: found a payload whose checksum is wrong, expected it undamaged")
+    words = np.frombuffer(payload, np.uint8).reshape(n_samples, word_bytes(n_channels))
+    bits: NDArray[np.uint8] = np.unpackbits(words, axis=1, count=n_channels, bitorder="little")
+    return Signal(np.where(bits.T == 1, voltage_v, -voltage_v), rate_hz, "V")
+
+
+def stop_stream(n_channels: int, rate_hz: float) -> bytes:
+    """A stream of no samples: outputs off."""
+    return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
+
+
+def _header(signal: Signal, voltage_v: float, checksum: int) -> bytes:
+    n_channels, n_samples = signal.samples.shape
+    if n_channels > MOST_CHANNELS:
+        raise InvalidParameter(f"packed stream: found {n_channels} channels, expected at most {MOST_CHANNELS}")
+    fields = _FIELDS.pack(MAGIC, VERSION, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
+    return fields + _CHECKSUM.pack(zlib.crc32(fields))
+
+
+def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
+    if len(stream) < HEADER_BYTES or stream[:8] != MAGIC:
+        raise InvalidParameter(
+            f"packed stream: found no header, expected {HEADER_BYTES} bytes that begin with {MAGIC!r}"
+        )
+    fields = stream[: _FIELDS.size]
+    _, version, n_header, n_channels, rate_hz, voltage_v, n_samples, checksum = _FIELDS.unpack(fields)
+    if zlib.crc32(fields) != _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]:
+        raise InvalidParameter("packed stream: found a header whose checksum is wrong, expected it undamaged")
+    if (version, n_header) != (VERSION, HEADER_BYTES) or not 1 <= n_channels <= MOST_CHANNELS:
+        raise InvalidParameter(f"packed stream: found version {version}, expected {VERSION}")
+    return n_channels, rate_hz, voltage_v, n_samples, checksum

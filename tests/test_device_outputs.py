@@ -1,0 +1,325 @@
+"""Outputs without a card: the guard before every driver, files, packed one-bit streams, and NI's task settings."""
+
+import importlib.util
+import inspect
+import os
+import threading
+import zlib
+from dataclasses import dataclass, field
+from datetime import date
+from typing import ClassVar
+from unittest.mock import create_autospec
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tactometry.devices.file_output import FileSettings, read_signal
+from tactometry.devices.gain import Gain
+from tactometry.devices.guarded import Guarded
+from tactometry.devices.measured import Measured
+from tactometry.devices.ni import NiSettings, started, task_of
+from tactometry.devices.packed import HEADER_BYTES, decode, encode, stop_stream, word_bytes
+from tactometry.devices.packed_output import PackedSettings
+from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
+from tactometry.limits import Limits
+from tactometry.load import Load
+from tactometry.signal import Signal
+
+RATE_HZ = 1000.0
+FINGER = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e7)
+LIMITS = Limits(50.0, current_peak_a=1e-4, duty=0.5, duty_window_s=1.0, session_s=10.0)
+
+samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), elements=st.floats(-100, 100))
+gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
+bits = arrays(np.int8, st.tuples(st.integers(1, 70), st.integers(0, 50)), elements=st.sampled_from([-1, 1]))
+
+
+def volts(values):
+    return Signal(np.array(values, dtype=float), RATE_HZ, "V")
+
+
+@dataclass
+class SixteenBits:
+    """A driver that emits into a list, in 16-bit steps, what its gain makes of them."""
+
+    gain: Gain = field(default_factory=Gain)
+    connected: bool = True
+    name: str = "sixteen bits"
+    n_channels: ClassVar[None] = None
+    rate_hz: ClassVar[None] = None
+    limits: ClassVar[None] = None
+
+    def __post_init__(self):
+        self.emitted = []
+
+    def facts(self):
+        return {}
+
+    def open(self):
+        self.emitted.append("open")
+
+    def final(self, signal):
+        return self.gain.to_volts(np.trunc(self.gain.to_units(signal) * 32767) / 32767, signal.rate_hz)
+
+    def play(self, signal):
+        self.emitted.append(self.final(signal))
+        return 0.0
+
+    def stop(self):
+        self.emitted.append("stop")
+
+    def close(self):
+        self.emitted.append("close")
+
+
+class Clock:
+    now_s = 0.0
+
+    def __call__(self):
+        return self.now_s
+
+
+# --- the guard
+
+
+@given(samples, gains, st.floats(0.5, 100), st.floats(1e-7, 1e-3))
+def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, gain, voltage_peak_v, current_peak_a):
+    driver = SixteenBits(gain)
+    limits = Limits(voltage_peak_v, current_peak_a=current_peak_a, duty=1.0, session_s=1e9)
+    try:
+        Guarded(driver, limits, FINGER).play(volts(values))
+    except (LimitExceeded, DeviceFailed):
+        assert driver.emitted == []
+        return
+    (emitted,) = driver.emitted
+    assert emitted.peak <= voltage_peak_v * (1 + 1e-9)
+    assert emitted.peak <= gain.load_volts_per_unit * (1 + 1e-9)
+    steps_v = np.abs(np.diff(np.pad(emitted.samples, ((0, 0), (1, 1))), axis=1))
+    assert np.all(1e-9 * RATE_HZ * steps_v <= (current_peak_a + emitted.peak / 1e7) * (1 + 1e-9))
+
+
+@given(samples, gains)
+def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
+    driver, signal = SixteenBits(gain), volts(values)
+    if signal.peak > gain.load_volts_per_unit * (1 + 1e-9):
+        with pytest.raises(DeviceFailed, match="what the device and its amplifier reach.*nothing was played"):
+            driver.final(signal)
+    elif signal.peak <= gain.load_volts_per_unit:
+        assert np.all(np.abs(driver.final(signal).samples) <= np.abs(signal.samples) * (1 + 1e-12))
+
+
+def test_the_load_is_checked_on_the_final_samples():
+    driver = SixteenBits()
+    driver.final = lambda signal: volts([[0.0, 49.0, -49.0, 0.0]])
+    limits = Limits(50.0, current_peak_a=5e-5, duty=1.0, session_s=1.0)
+    with pytest.raises(LimitExceeded, match="limits.current_peak_a: found a peak of .*nothing was played"):
+        Guarded(driver, limits, FINGER).play(volts([[0.0, 0.1, 0.0]]))
+    assert driver.emitted == []
+
+
+@pytest.mark.parametrize(
+    ("limits", "load", "message"),
+    [
+        (None, FINGER, "found no limits, expected those of what is connected"),
+        (Limits(1.0), FINGER, "limits: found no current_peak_a or charge_peak_c, no duty"),
+        (LIMITS, None, "found no load, expected what is connected to it"),
+    ],
+)
+def test_without_a_stated_limit_the_device_is_not_even_opened(limits, load, message):
+    driver = SixteenBits()
+    for what in (Guarded(driver, limits, load).open, lambda: Guarded(driver, limits, load).play(volts([[0.0]]))):
+        with pytest.raises(LimitExceeded, match=f"{message}.*nothing was played"):
+            what()
+    assert driver.emitted == []
+
+
+def test_duty_and_session_count_what_was_played_and_what_was_stopped():
+    driver, clock = SixteenBits(Gain(50.0)), Clock()
+    output = Guarded(driver, LIMITS, FINGER, clock)
+    output.open()
+    half = volts(np.zeros((1, 400)))
+    output.play(half)
+    clock.now_s = 0.5
+    with pytest.raises(LimitExceeded, match="limits.duty: found signals in a part of 0.8"):
+        output.play(half)
+    clock.now_s = 0.05
+    output.stop()
+    clock.now_s = 0.5
+    output.play(half)
+    clock.now_s = 9.7
+    with pytest.raises(LimitExceeded, match="limits.session_s: found a session of 10.1 s"):
+        output.play(half)
+    assert driver.emitted.count("open") == 1
+
+
+# --- calibrations
+
+
+@pytest.mark.parametrize(
+    ("measured", "message"),
+    [
+        (Measured(date(2026, 1, 1), "A", 30), "found a calibration of 2026-01-01, 59 days old, expected at most 30"),
+        (Measured(date(2027, 1, 1), "A", 30), "which is yet to come"),
+        (Measured(None, "A", 30), "found max_age_days without measured_on"),
+    ],
+)
+def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
+    with pytest.raises(DeviceFailed, match=f"^output.gain: .*{message}.*nothing was played"):
+        measured.check("output.gain", date(2026, 3, 1))
+
+
+# --- files
+
+
+@pytest.mark.parametrize("form", ["npz", "wav"])
+@given(values=samples)
+def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, values):
+    folder = tmp_path_factory.mktemp("played")
+    output = FileSettings(str(folder), form).driver(Gain(100.0))
+    output.open()
+    output.play(volts(values))
+    again = FileSettings(str(folder), form).driver(Gain(100.0))
+    again.open()
+    again.play(volts(-values))
+    assert [path.name for path in sorted(folder.iterdir())] == [f"0001.{form}", f"0002.{form}"]
+    assert read_signal(folder / f"0001.{form}").digest() == volts(values).digest()
+    assert read_signal(folder / f"0002.{form}").digest() == volts(-values).digest()
+
+
+def test_a_wav_file_needs_a_whole_rate(tmp_path):
+    output = FileSettings(str(tmp_path), "wav").driver(Gain())
+    with pytest.raises(DeviceFailed, match="found a rate of 0.5 Hz, expected a whole number for WAV"):
+        output.final(Signal(np.zeros((1, 2)), 0.5, "V"))
+
+
+def test_a_file_that_is_no_signal_is_named(tmp_path):
+    (tmp_path / "x.npz").write_bytes(b"no archive")
+    with pytest.raises(InvalidParameter, match="x.npz: cannot be read as a signal"):
+        read_signal(tmp_path / "x.npz")
+
+
+# --- packed one-bit streams
+
+
+@given(bits, st.floats(1e-3, 1e3), st.floats(1.0, 1e8))
+def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
+    signal = Signal(values * voltage_v, rate_hz, "V")
+    stream = encode(signal)
+    assert len(stream) == HEADER_BYTES + word_bytes(values.shape[0]) * values.shape[1]
+    assert decode(stream).digest() == signal.digest()
+
+
+@given(bits, st.data())
+def test_no_damage_goes_unseen(values, data):
+    stream = bytearray(encode(Signal(30.0 * values, 1e6, "V")))
+    where = data.draw(st.integers(0, 8 * len(stream) - 1))
+    stream[where // 8] ^= 1 << (where % 8)
+    with pytest.raises(InvalidParameter, match="packed stream: found"):
+        decode(bytes(stream))
+    with pytest.raises(InvalidParameter, match="packed stream: found"):
+        decode(encode(Signal(30.0 * values, 1e6, "V"))[: data.draw(st.integers(0, len(stream) - 1))])
+
+
+def test_the_bytes_are_those_of_the_documented_form():
+    values = np.where(np.arange(33)[:, None] == [0, 9, 32], 1.0, -1.0)
+    stream = encode(Signal(30.0 * values, 1e6, "V"))
+    assert stream[:12] == b"TACT1BIT" + bytes([1, 0, 48, 0])
+    assert int.from_bytes(stream[12:16], "little") == 33
+    assert np.frombuffer(stream, "<f8", 2, 16).tolist() == [1e6, 30.0]
+    assert int.from_bytes(stream[32:40], "little") == 3
+    assert stream[48:] == bytes([1, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1])
+    assert int.from_bytes(stream[40:44], "little") == zlib.crc32(stream[48:])
+    assert int.from_bytes(stream[44:48], "little") == zlib.crc32(stream[:44])
+
+
+@pytest.mark.parametrize("values", [[[1.0, 0.5]], [[1.0, 0.0]], [[0.0]]])
+def test_one_bit_is_plus_or_minus_one_voltage(values):
+    with pytest.raises(InvalidParameter, match=r"expected \+V and -V alone"):
+        encode(volts(values))
+
+
+def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
+    """Through a real named pipe to a reader, as to a device node."""
+    pipe, got = tmp_path / "board", []
+    os.mkfifo(pipe)
+    board = threading.Thread(target=lambda: got.append(pipe.read_bytes()))
+    board.start()
+    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0))
+    output.open()
+    signal = Signal(np.where(np.random.default_rng(0).random((32, 7000)) < 0.5, 30.0, -30.0), 1e6, "V")
+    output.play(signal)
+    output.stop()
+    output.close()
+    output.close()
+    board.join(10)
+    silence = stop_stream(32, 1e6)
+    assert got[0].startswith(silence)
+    assert got[0].endswith(silence + silence)
+    assert decode(got[0][len(silence) : -2 * len(silence)]).digest() == signal.digest()
+
+
+def test_a_supply_cannot_be_scaled_by_one_bit():
+    output = PackedSettings("nowhere", 1, RATE_HZ).driver(Gain(30.0))
+    assert output.final(volts([[30.0, -30.0]])).samples.tolist() == [[30.0, -30.0]]
+    with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
+        output.final(volts([[20.0, -20.0]]))
+    with pytest.raises(DeviceFailed, match="expected \\+V and -V alone .*nothing was played"):
+        output.final(volts([[30.0, 0.0]]))
+
+
+def test_a_board_that_is_not_there_is_named(tmp_path):
+    output = PackedSettings(str(tmp_path / "no" / "board"), 1, RATE_HZ).driver(Gain())
+    with pytest.raises(DeviceFailed, match="board: cannot open the board .*nothing was played"):
+        output.open()
+
+
+# --- NI: the settings as data, and the calls against the signatures of the library; nothing here ran on a device
+
+NI = NiSettings(("Dev1/ao0", "Dev1/ao1"), RATE_HZ, range_v=10.0, idle_at_zero=True, onboard_memory=True)
+
+
+@given(arrays(np.float64, (2, 30), elements=st.floats(-200, 200)))
+def test_a_task_is_finite_ends_at_zero_and_stays_in_the_range(values):
+    task = task_of(NI, Gain(10.0, 20.0), volts(values))
+    assert (task.channels, task.n_samples, task.rate_hz) == ("Dev1/ao0,Dev1/ao1", 31, RATE_HZ)
+    assert not np.any(task.volts[:, -1])
+    assert np.allclose(task.volts[:, :-1] * 20.0, values, rtol=1e-12)
+    assert np.all((task.voltage_low_v <= task.volts) & (task.volts <= task.voltage_high_v))
+
+
+def test_a_voltage_beyond_the_range_is_refused():
+    with pytest.raises(DeviceFailed, match="found 9 V at the connector, expected at most the range of 5 V"):
+        task_of(NiSettings(("a",), 1e3, range_v=5.0), Gain(10.0, 20.0), volts([[180.0]]))
+
+
+needs_nidaqmx = pytest.mark.skipif(importlib.util.find_spec("nidaqmx") is None, reason="no nidaqmx: extra ni")
+
+
+@needs_nidaqmx
+def test_the_calls_fit_the_signatures_of_the_library(monkeypatch):
+    """The library's own signatures refuse a wrong name; its driver and a device are not here."""
+    import nidaqmx
+    from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior
+
+    task = create_autospec(nidaqmx.Task, instance=True)
+    task.ao_channels = create_autospec(nidaqmx.task.collections.AOChannelCollection, instance=True)
+    task.timing = create_autospec(nidaqmx.task.Timing, instance=True)
+    monkeypatch.setattr(nidaqmx, "Task", lambda: task)
+    started(task_of(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
+    timing = task.timing.cfg_samp_clk_timing.call_args.kwargs
+    assert (timing["sample_mode"], timing["samps_per_chan"]) == (AcquisitionType.FINITE, 3)
+    assert inspect.signature(nidaqmx.task.Timing.cfg_samp_clk_timing).parameters.keys() >= timing.keys()
+    channel = task.ao_channels.add_ao_voltage_chan.return_value
+    assert channel.ao_idle_output_behavior == AOIdleOutputBehavior.ZERO_VOLTS
+    assert channel.ao_use_only_on_brd_mem is True
+    assert not np.any(task.write.call_args.args[0][:, -1])
+    assert [name for name, _, _ in task.method_calls if name in ("write", "start")] == ["write", "start"]
+
+
+@needs_nidaqmx
+def test_without_the_driver_one_sentence_says_so():
+    with pytest.raises(DeviceFailed, match="NI-DAQmx refused .*nothing was played"):
+        NI.driver(Gain()).open()

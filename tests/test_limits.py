@@ -1,0 +1,269 @@
+"""Every limit, and waveforms, gains and sequences that try to pass it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.limits import Exposure, Limits
+from tactometry.load import Load
+from tactometry.signal import Signal
+
+RATE_HZ = 1000.0
+FINGER = Load("electrode", capacitance_f=2e-9, leak_resistance_ohm=5e6)
+PATCHES = Load("piezo", capacitance_f=1e-8, displacement_m_per_v=(1e-7, 3e-7))
+LIMITS = Limits(100.0, current_peak_a=1.0, charge_peak_c=1.0, displacement_peak_m=1.0, duty=1.0, session_s=1e6)
+
+volts = arrays(np.float64, st.tuples(st.just(2), st.integers(1, 40)), elements=st.floats(-100, 100))
+limits_of = st.floats(1e-12, 1e3)
+
+
+def refused(check, name):
+    try:
+        check()
+    except LimitExceeded as error:
+        message = str(error)
+    else:
+        return False
+    assert message.startswith(f"limits.{name}: found ")
+    assert message.endswith("nothing was played")
+    return True
+
+
+def in_volts(samples):
+    return Signal(samples, RATE_HZ, "V")
+
+
+def fine(samples, n=64):
+    """The straight lines between the samples, each cut into n pieces, with the zeros around: (n_channels, ...)."""
+    padded = np.pad(samples, ((0, 0), (1, 1)))
+    at = np.linspace(0, padded.shape[1] - 1, (padded.shape[1] - 1) * n + 1)
+    return np.array([np.interp(at, np.arange(padded.shape[1]), row) for row in padded]), 1 / (RATE_HZ * n)
+
+
+# --- each limit against the quantity itself, by another way of computing it
+
+
+@given(volts, limits_of)
+def test_no_voltage_above_its_limit_passes(samples, limit):
+    over = bool(np.any(np.abs(samples) > limit * (1 + 1e-11)))
+    if over or not np.any(np.abs(samples) > limit):
+        assert refused(lambda: Limits(limit).check(in_volts(samples)), "voltage_peak_v") == over
+
+
+@given(st.integers(1, 3000), st.floats(1e-3, 3.0))
+def test_no_signal_longer_than_its_limit_passes(n_samples, limit):
+    assert refused(lambda: Limits(1.0, limit).check(in_volts(np.zeros((1, n_samples)))), "duration_s") == (
+        n_samples / RATE_HZ > limit * (1 + 1e-12)
+    )
+
+
+@given(volts, limits_of)
+def test_no_current_above_its_limit_passes(samples, limit):
+    course, step_s = fine(samples)
+    slopes = np.diff(course, axis=1) / step_s
+    current_a = np.abs(FINGER.capacitance_f * slopes + course[:, 1:] / FINGER.leak_resistance_ohm).max()
+    if current_a > limit * (1 + 1e-9):
+        limits = replace(LIMITS, displacement_peak_m=None, current_peak_a=limit)
+        assert refused(lambda: limits.check_load(in_volts(samples), FINGER), "current_peak_a")
+
+
+@given(volts, limits_of)
+def test_no_charge_above_its_limit_passes(samples, limit):
+    course, step_s = fine(samples)
+    leaked_c = np.cumsum((course[:, 1:] + course[:, :-1]) / 2, axis=1) * step_s / FINGER.leak_resistance_ohm
+    charge_c = np.abs(FINGER.capacitance_f * course[:, 1:] + leaked_c).max()
+    if charge_c > limit * (1 + 1e-9):
+        limits = replace(LIMITS, displacement_peak_m=None, charge_peak_c=limit)
+        assert refused(lambda: limits.check_load(in_volts(samples), FINGER), "charge_peak_c")
+
+
+@given(volts, limits_of, arrays(np.float64, (2, 12), elements=st.floats(-1e-6, 1e-6)))
+def test_no_displacement_above_its_limit_passes_whatever_the_responses(samples, limit, responses):
+    gains = tuple(float(g) for g in np.abs(responses).sum(axis=1) + 1e-15)
+    moved_m = np.abs(sum(np.convolve(v, h) for v, h in zip(samples, responses, strict=True))).max()
+    if moved_m > limit * (1 + 1e-9):
+        limits, load = replace(LIMITS, displacement_peak_m=limit), replace(PATCHES, displacement_m_per_v=gains)
+        assert refused(lambda: limits.check_load(in_volts(samples), load), "displacement_peak_m")
+
+
+plays = st.lists(st.tuples(st.floats(0, 5), st.floats(0.01, 3), st.floats(0, 1)), min_size=1, max_size=30)
+
+
+@given(plays, st.floats(0.05, 1.0))
+def test_no_window_is_fuller_than_the_duty(plays, duty):
+    """Pauses, signals and early stops at random: what passed is summed up in every window that ends with a signal."""
+    limits, exposure, now_s, emitted = Limits(1.0, duty=duty, duty_window_s=6.0), Exposure(0.0), 0.0, []
+    for pause_s, duration_s, kept in plays:
+        now_s += pause_s
+        if refused(lambda e=exposure, t=now_s, d=duration_s: limits.check_exposure(e, t, d), "duty"):
+            continue
+        exposure = exposure.after(now_s, duration_s, limits.duty_window_s)
+        emitted.append((now_s, now_s + kept * duration_s))
+        now_s += kept * duration_s
+        exposure = exposure.stopped(now_s)
+    for _, end_s in emitted:
+        inside_s = sum(max(0.0, min(b, end_s) - max(a, end_s - 6.0)) for a, b in emitted)
+        assert inside_s <= duty * 6.0 * (1 + 1e-9)
+
+
+@given(st.floats(0, 1e4), st.floats(0, 1e4), st.floats(1e-3, 60), st.floats(1, 1e4))
+def test_no_signal_ends_after_the_session(opened_s, waited_s, duration_s, session_s):
+    limits, begin_s = Limits(1.0, session_s=session_s), opened_s + waited_s
+    late = begin_s + duration_s - opened_s > session_s * (1 + 1e-12)
+    assert refused(lambda: limits.check_exposure(Exposure(opened_s), begin_s, duration_s), "session_s") == late
+
+
+def test_what_is_no_number_is_no_number_within_a_limit():
+    limits = Limits(1.0, session_s=1.0)
+    assert refused(lambda: limits.check_exposure(Exposure(0.0), math.nan, 0.1), "session_s")
+
+
+# --- a limit is not tighter than it says
+
+
+def test_what_reaches_each_limit_exactly_is_played():
+    signal = in_volts(np.array([[50.0, -50.0], [0.0, 0.0]]))
+    limits = Limits(
+        50.0,
+        duration_s=2e-3,
+        current_peak_a=PATCHES.current_peak_a(signal),
+        charge_peak_c=PATCHES.charge_peak_c(signal),
+        displacement_peak_m=50.0 * 1e-7,
+        duty=0.5,
+        duty_window_s=4e-3,
+        session_s=3e-3,
+    )
+    limits.check(signal)
+    limits.check_load(signal, PATCHES)
+    limits.check_exposure(Exposure(0.0), 1e-3, 2e-3)
+
+
+# --- the physics of the load
+
+
+def test_the_current_of_a_sine_is_that_of_its_circuit():
+    t_s = np.arange(20_001) / 1e6
+    sine = Signal(100 * np.sin(2 * np.pi * 1000 * t_s)[None], 1e6, "V")
+    admittance_s = abs(1 / FINGER.leak_resistance_ohm + 2j * np.pi * 1000 * FINGER.capacitance_f)
+    assert FINGER.current_peak_a(sine) == pytest.approx(100 * admittance_s, rel=1e-4)
+
+
+def test_a_step_at_either_end_counts():
+    for samples in ([[80.0, 80.0, 0.0]], [[0.0, 80.0, 80.0]]):
+        assert FINGER.current_peak_a(in_volts(np.array(samples))) >= 2e-9 * 80 * RATE_HZ
+
+
+def test_without_a_leak_the_charge_is_capacitance_times_voltage():
+    load = replace(FINGER, leak_resistance_ohm=math.inf)
+    assert load.charge_peak_c(in_volts(np.array([[0.0, 30.0, -40.0, 0.0]]))) == pytest.approx(2e-9 * 40, rel=1e-15)
+
+
+def test_charge_turns_between_samples_where_the_current_does():
+    leaky = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e5)
+    samples = np.array([[0.0, 100.0, 100.0, -100.0]])
+    course, step_s = fine(samples, 4096)
+    charge_c = 1e-9 * course[0, 1:] + np.cumsum(course[0, 1:] + course[0, :-1]) * step_s / 2 / 1e5
+    at_samples = np.abs(charge_c[4095::4096]).max()
+    assert leaky.charge_peak_c(in_volts(samples)) == pytest.approx(np.abs(charge_c).max(), rel=1e-6)
+    assert leaky.charge_peak_c(in_volts(samples)) > at_samples
+
+
+# --- what is not stated is not played
+
+
+@pytest.mark.parametrize(
+    ("load", "limits", "message"),
+    [
+        (FINGER, Limits(1.0), "no current_peak_a or charge_peak_c, no duty, no session_s, expected"),
+        (FINGER, Limits(1.0, current_peak_a=1.0, session_s=1.0), "no duty, expected"),
+        (FINGER, Limits(1.0, charge_peak_c=1.0, duty=1.0), "no session_s, expected"),
+        (FINGER, Limits(1.0, duty=1.0, session_s=1.0), "no current_peak_a or charge_peak_c, expected"),
+        (PATCHES, Limits(1.0, current_peak_a=1.0, duty=1.0, session_s=1.0), "no displacement_peak_m, expected"),
+        (FINGER, LIMITS, "no displacement_m_per_v of the load"),
+    ],
+)
+def test_a_load_whose_limits_nobody_stated_gets_nothing(load, limits, message):
+    with pytest.raises(LimitExceeded, match=message + ".*nothing was played"):
+        limits.check_load(in_volts(np.zeros((2, 4))), load)
+
+
+def test_samples_that_are_no_volts_are_refused():
+    with pytest.raises(LimitExceeded, match="found a signal in 'm', expected volt"):
+        Limits(1.0).check(Signal(np.zeros((1, 2)), RATE_HZ, "m"))
+
+
+@pytest.mark.parametrize(
+    "name", ["voltage_peak_v", "duration_s", "current_peak_a", "charge_peak_c", "displacement_peak_m", "session_s"]
+)
+@pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan])
+def test_a_limit_is_finite_and_above_zero(name, value):
+    with pytest.raises(InvalidParameter, match=f"^Limits.{name}: found {value}, expected a finite number above 0"):
+        Limits(**{"voltage_peak_v": 1.0, name: value})
+
+
+@pytest.mark.parametrize("name", ["duty", "duty_window_s"])
+def test_a_duty_is_a_part_of_a_window(name):
+    with pytest.raises(InvalidParameter, match=f"^Limits.{name}: found 0.0"):
+        Limits(1.0, **{name: 0.0})
+    with pytest.raises(InvalidParameter, match="^Limits.duty: found 1.5, expected at most 1"):
+        Limits(1.0, duty=1.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"capacitance_f": 0.0}, "Load.capacitance_f: found 0.0"),
+        ({"leak_resistance_ohm": -1.0}, "Load.leak_resistance_ohm: found -1.0"),
+        ({"displacement_m_per_v": (1e-7, math.nan)}, "Load.displacement_m_per_v: found"),
+    ],
+)
+def test_a_load_is_physical(change, message):
+    with pytest.raises(InvalidParameter, match=f"^{message}"):
+        replace(FINGER, **change)
+
+
+def test_a_displacement_per_volt_is_told_for_each_channel():
+    with pytest.raises(InvalidParameter, match="found 2 values for 3 channels"):
+        PATCHES.displacement_peak_m(in_volts(np.zeros((3, 4))))
+
+
+# --- two sets of limits
+
+
+some_limits = st.builds(
+    Limits,
+    voltage_peak_v=st.floats(1, 200),
+    current_peak_a=st.none() | st.floats(1e-6, 1),
+    duty=st.none() | st.floats(0.01, 1.0),
+    duty_window_s=st.floats(1, 100),
+    session_s=st.none() | st.floats(1, 1e4),
+)
+
+
+@given(some_limits, some_limits, plays)
+def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
+    both, exposure, now_s = one.tighter(other), Exposure(0.0), 0.0
+    for pause_s, duration_s, _ in plays:
+        now_s += pause_s
+        try:
+            both.check_exposure(exposure, now_s, duration_s)
+        except LimitExceeded:
+            continue
+        one.check_exposure(exposure, now_s, duration_s)
+        other.check_exposure(exposure, now_s, duration_s)
+        exposure = exposure.after(now_s, duration_s, 200.0)
+        now_s += duration_s
+
+
+@given(some_limits, some_limits)
+def test_the_tighter_limits_are_stated_where_one_is(one, other):
+    both = one.tighter(other)
+    for name in ("voltage_peak_v", "current_peak_a", "session_s"):
+        stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
+        assert getattr(both, name) == min(stated, default=None)
