@@ -73,7 +73,7 @@ class Timing:
 
     def __init__(self, pieces: Pieces, t_s: ArrayLike, *, has_slope: bool | None = None) -> None:
         self.pieces, self.t_s = pieces, np.asarray(t_s, dtype=np.float64)
-        self.has_slope = bool(pieces.slopes_v_per_s.any()) if has_slope is None else has_slope
+        self.has_slope = bool(np.count_nonzero(pieces.slopes_v_per_s)) if has_slope is None else has_slope
         self._key = (
             self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(),
             self.t_s.shape, self.t_s.tobytes(),

@@ -1,6 +1,9 @@
-"""What the polygonal waveforms have in common."""
+"""A polygon repeated: what square, triangle, trapezoid and pulse train have in common."""
+
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
@@ -11,36 +14,65 @@ from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
 from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped, times_s
 
 
-def check_periodic(
-    owner: str, frequency_hz: float, *, duration_s: float, ramp_s: float, rate_hz: float, level_unit: str
-) -> None:
+class Repeated(Protocol):
+    """What a waveform says of itself: its polygon, how often it comes in a second, and how it is played."""
+
+    @property
+    def corners(self) -> Corners: ...
+
+    @property
+    def frequency_hz(self) -> float: ...
+
+    @property
+    def voltage_frequency_hz(self) -> float: ...
+
+    @property
+    def duration_s(self) -> float: ...
+
+    @property
+    def ramp_s(self) -> float: ...
+
+    @property
+    def rate_hz(self) -> float: ...
+
+    @property
+    def band_limited(self) -> bool: ...
+
+    @property
+    def level_unit(self) -> LevelUnit: ...
+
+
+class Periodic:
+    """Samples, exact pieces and force frequency of a repeated polygon with raised-cosine ramps."""
+
+    @property
+    def force_frequency_hz(self: Repeated) -> float:
+        """Twice that of the voltage if half a period later the voltage is the opposite one."""
+        return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
+
+    def at(self: Repeated, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        shape = ramped(_shape(self), self.ramp_s, self.rate_hz)
+        return Signal((peak_voltage_v(level, self.level_unit) * shape)[None, :], self.rate_hz, "V")
+
+    def pieces(self: Repeated, level: float) -> Pieces:
+        """The voltage exactly, ramps included (which then need a polygon without slopes)."""
+        unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
+        return unit.scaled(peak_voltage_v(level, self.level_unit))
+
+
+def check_periodic(waveform: Repeated) -> None:
     """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
-    require.positive(owner, frequency_hz=frequency_hz)
-    require.one_of(f"{owner}.level_unit", level_unit, ("dB re 1 V", "V"))
-    check_timing(owner, duration_s, ramp_s, rate_hz)
-    check_nyquist(owner, "frequency_hz", frequency_hz, rate_hz)
+    owner = type(waveform).__name__
+    require.positive(owner, frequency_hz=waveform.frequency_hz)
+    require.one_of(f"{owner}.level_unit", waveform.level_unit, ("dB re 1 V", "V"))
+    check_timing(owner, waveform.duration_s, waveform.ramp_s, waveform.rate_hz)
+    check_nyquist(owner, "frequency_hz", waveform.frequency_hz, waveform.rate_hz)
 
 
-def periodic_signal(
-    corners: Corners,
-    frequency_hz: float,
-    *,
-    peak_v: float,
-    duration_s: float,
-    ramp_s: float,
-    rate_hz: float,
-    band_limited: bool,
-) -> Signal:
-    """(1, n_samples) volt of a repeated polygon with ramps."""
-    phase = frequency_hz * times_s(duration_s, rate_hz)
-    n_highest = int(np.ceil(rate_hz / (2 * frequency_hz))) - 1
-    shape = corners.band_limited(phase, n_highest) if band_limited else corners.at(np.round(phase, 12))
-    return Signal((peak_v * ramped(shape, ramp_s, rate_hz))[None, :], rate_hz, "V")
-
-
-def periodic_pieces(
-    corners: Corners, frequency_hz: float, *, duration_s: float, ramp_s: float, level: float, unit: LevelUnit
-) -> Pieces:
-    """The repeated polygon exactly, ramps included (which then need a polygon without slopes)."""
-    unit_v = ramped_pieces(corners.pieces(frequency_hz, duration_s), ramp_s)
-    return unit_v.scaled(peak_voltage_v(level, unit))
+def _shape(waveform: Repeated) -> NDArray[np.float64]:
+    f_hz = waveform.voltage_frequency_hz
+    phase = f_hz * times_s(waveform.duration_s, waveform.rate_hz)
+    if not waveform.band_limited:
+        return waveform.corners.at(np.round(phase, 12))
+    return waveform.corners.band_limited(phase, int(np.ceil(waveform.rate_hz / (2 * f_hz))) - 1)

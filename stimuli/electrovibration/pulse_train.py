@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
-from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.periodic import check_periodic, periodic_pieces, periodic_signal
-from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.level import LevelUnit
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
 
 Polarity = Literal["positive", "negative", "biphasic", "alternating"]
 
@@ -39,7 +37,7 @@ POLARITIES: Mapping[str, Callable[[float], Corners]] = {
 
 
 @dataclass(frozen=True)
-class PulseTrain:
+class PulseTrain(Periodic):
     """Pulses of `width_s` that start `frequency_hz` times per second.
 
     Parameters
@@ -76,14 +74,7 @@ class PulseTrain:
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        check_periodic(
-            "PulseTrain",
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            level_unit=self.level_unit,
-        )
+        check_periodic(self)
         require.positive("PulseTrain", width_s=self.width_s)
         require.one_of("PulseTrain.polarity", self.polarity, POLARITIES)
         longest_s = 1 / ((2 if self.polarity == "biphasic" else 1) * self.frequency_hz)
@@ -101,30 +92,3 @@ class PulseTrain:
     @property
     def voltage_frequency_hz(self) -> float:
         return self.frequency_hz / (2 if self.polarity == "alternating" else 1)
-
-    @property
-    def force_frequency_hz(self) -> float:
-        return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
-
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        return periodic_signal(
-            self.corners,
-            self.voltage_frequency_hz,
-            peak_v=peak_voltage_v(level, self.level_unit),
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            band_limited=self.band_limited,
-        )
-
-    def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
-        return periodic_pieces(
-            self.corners,
-            self.voltage_frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            level=level,
-            unit=self.level_unit,
-        )

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration.corners import Corners
-from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.periodic import check_periodic, periodic_pieces, periodic_signal
-from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.level import LevelUnit
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
 
 
 @dataclass(frozen=True)
-class Square:
+class Square(Periodic):
     """``+V0`` for `duty` of a period, then ``-V0``. At a duty of 1/2 the force has twice the frequency.
 
     Parameters
@@ -41,14 +39,7 @@ class Square:
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        check_periodic(
-            "Square",
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            level_unit=self.level_unit,
-        )
+        check_periodic(self)
         if not 0 < self.duty < 1:
             raise InvalidParameter(f"Square.duty: found {self.duty!r}, expected a number between 0 and 1")
 
@@ -59,30 +50,3 @@ class Square:
     @property
     def voltage_frequency_hz(self) -> float:
         return self.frequency_hz
-
-    @property
-    def force_frequency_hz(self) -> float:
-        return (2 if self.corners.is_antisymmetric else 1) * self.frequency_hz
-
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        return periodic_signal(
-            self.corners,
-            self.frequency_hz,
-            peak_v=peak_voltage_v(level, self.level_unit),
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            band_limited=self.band_limited,
-        )
-
-    def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
-        return periodic_pieces(
-            self.corners,
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            level=level,
-            unit=self.level_unit,
-        )

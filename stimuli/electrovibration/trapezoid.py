@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
-from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.periodic import check_periodic, periodic_pieces, periodic_signal
-from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.level import LevelUnit
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
 
 
 @dataclass(frozen=True)
-class Trapezoid:
+class Trapezoid(Periodic):
     """From the low value up to ``V0``, hold, down, hold, in straight lines, over and over.
 
     Parameters
@@ -55,14 +53,7 @@ class Trapezoid:
             raise InvalidParameter("Trapezoid: found four lines of 0 s, expected a period above 0 s")
         if not -1 <= self.low_ratio <= 1:
             raise InvalidParameter(f"Trapezoid.low_ratio: found {self.low_ratio!r}, expected -1 to 1")
-        check_periodic(
-            "Trapezoid",
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            level_unit=self.level_unit,
-        )
+        check_periodic(self)
 
     @property
     def frequency_hz(self) -> float:
@@ -77,30 +68,3 @@ class Trapezoid:
     @property
     def voltage_frequency_hz(self) -> float:
         return self.frequency_hz
-
-    @property
-    def force_frequency_hz(self) -> float:
-        return (2 if self.corners.is_antisymmetric else 1) * self.frequency_hz
-
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        return periodic_signal(
-            self.corners,
-            self.frequency_hz,
-            peak_v=peak_voltage_v(level, self.level_unit),
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            band_limited=self.band_limited,
-        )
-
-    def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
-        return periodic_pieces(
-            self.corners,
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            level=level,
-            unit=self.level_unit,
-        )

@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 
-from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration.corners import Corners
-from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.periodic import check_periodic, periodic_pieces, periodic_signal
-from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.level import LevelUnit
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
 
 
 @dataclass(frozen=True)
-class Triangle:
+class Triangle(Periodic):
     """From 0 to ``V0``, to ``-V0`` and back, in straight lines; the force has twice the frequency.
 
     Parameters
@@ -37,14 +35,7 @@ class Triangle:
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        check_periodic(
-            "Triangle",
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            level_unit=self.level_unit,
-        )
+        check_periodic(self)
 
     @property
     def corners(self) -> Corners:
@@ -53,30 +44,3 @@ class Triangle:
     @property
     def voltage_frequency_hz(self) -> float:
         return self.frequency_hz
-
-    @property
-    def force_frequency_hz(self) -> float:
-        return (2 if self.corners.is_antisymmetric else 1) * self.frequency_hz
-
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        return periodic_signal(
-            self.corners,
-            self.frequency_hz,
-            peak_v=peak_voltage_v(level, self.level_unit),
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            rate_hz=self.rate_hz,
-            band_limited=self.band_limited,
-        )
-
-    def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
-        return periodic_pieces(
-            self.corners,
-            self.frequency_hz,
-            duration_s=self.duration_s,
-            ramp_s=self.ramp_s,
-            level=level,
-            unit=self.level_unit,
-        )
