@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.contrasts import MOST_EXACT, Effect, Sphericity, effects, participant_scores
+from tactometry.analysis.contrasts import MOST_EXACT, Effect, Tested, effects, participant_scores
 from tactometry.analysis.contrasts import permutation_p as _permutation_p
 from tactometry.analysis.design import Array, Design, DesignStatus, spread, within_design
 from tactometry.analysis.effect_size import INTERVAL, eta_squared
@@ -60,17 +60,18 @@ def repeated_measures(
     [27.75, 0.0009, 0.9024]
     """
     design = _design(table, dependent, within, subject)
-    scaled, scale = _scaled(design, dependent)
+    scaled, scale = scaled_design(design, dependent)
     found = effects(scaled)
     result = _by_contrasts(found) if len(design.factors) > PINGOUIN_FACTORS else _by_pingouin(scaled)
-    added = pd.DataFrame([_added(effect, scaled, found, interval) for effect in found])
+    residual = _residual(scaled, found)
+    added = pd.DataFrame([added_columns(effect.tested, residual, interval) for effect in found])
     ng2 = added.pop("ng2")
     if len(design.factors) > PINGOUIN_FACTORS:
         result["ng2"] = ng2
     result = pd.concat([result, added], axis=1)
     for name in ("SS", "MS"):
         result[name] *= scale**2
-    return _told(_without_singular(result, found), design, found)
+    return told(_without_singular(result, found), design, [effect.tested for effect in found])
 
 
 def permutation_test(
@@ -97,7 +98,7 @@ def permutation_test(
     [0.125]
     """
     design = _design(table, dependent, within, subject)
-    found = effects(_scaled(design, dependent)[0])
+    found = effects(scaled_design(design, dependent)[0])
     return pd.DataFrame(
         [
             {
@@ -116,7 +117,7 @@ def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, su
     return within_design(table, dependent=dependent, within=factors, subject=subject, where="repeated_measures")
 
 
-def _scaled(design: Design, dependent: str) -> tuple[Design, float]:
+def scaled_design(design: Design, dependent: str) -> tuple[Design, float]:
     """About zero and of unit spread, so that neither offset nor unit costs digits."""
     scale = spread(design.cells, dependent)
     values: Array = (design.values - design.values.mean()) / scale
@@ -144,11 +145,13 @@ def _by_pingouin(design: Design) -> pd.DataFrame:
 
 
 def _by_contrasts(found: Sequence[Effect]) -> pd.DataFrame:
-    return pd.DataFrame([_row(effect, effect.sphericity) for effect in found])
+    return pd.DataFrame([effect_row(effect.tested) for effect in found])
 
 
-def _row(effect: Effect, shape: Sphericity) -> dict[str, object]:
+def effect_row(effect: Tested) -> dict[str, object]:
+    """Pingouin's columns of one effect."""
     first, second = effect.df
+    shape = effect.sphericity
     return {
         "Source": effect.name,
         "SS": effect.ss,
@@ -160,16 +163,21 @@ def _row(effect: Effect, shape: Sphericity) -> dict[str, object]:
         "p_GG_corr": effect.p(shape.greenhouse_geisser),
         "ng2": np.nan,
         "eps": shape.greenhouse_geisser,
-        "sphericity": shape.p is None or shape.p > 0.05,
+        "sphericity": None if shape.p is None else shape.p > 0.05,
         "W_spher": shape.w,
         "p_spher": shape.p,
     }
 
 
-def _added(effect: Effect, design: Design, found: Sequence[Effect], interval: float) -> dict[str, float]:
-    shape = effect.sphericity
+def _residual(design: Design, found: Sequence[Effect]) -> float:
+    """Sums of squares of participants and of all errors."""
     between = participant_scores(design)
-    residual = float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
+    return float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
+
+
+def added_columns(effect: Tested, residual: float, interval: float) -> dict[str, float]:
+    """What pingouin does not give: Huynh and Feldt's correction, sizes of the effect with intervals."""
+    shape = effect.sphericity
     df = (effect.df[0] * shape.greenhouse_geisser, effect.df[1] * shape.greenhouse_geisser)
     size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
     return {
@@ -194,18 +202,21 @@ def _without_singular(result: pd.DataFrame, found: Sequence[Effect]) -> pd.DataF
     return result
 
 
-def _told(result: pd.DataFrame, design: Design, found: Sequence[Effect]) -> pd.DataFrame:
-    notes = [*design.notes, *(_singular_note(effect) for effect in found if effect.sphericity.singular)]
-    status = DesignStatus.SINGULAR if len(notes) > len(design.notes) else DesignStatus.OK
-    result.attrs |= {"notes": notes, "n": design.n, "status": status}
+def told(result: pd.DataFrame, design: Design, found: Sequence[Tested]) -> pd.DataFrame:
+    """The table with notes, number of participants and status in its `attrs`."""
+    singular = [singular_note(effect, design.n) for effect in found if effect.sphericity.singular]
+    status = DesignStatus.SINGULAR if singular else DesignStatus.OK
+    result.attrs |= {"notes": [*design.notes, *singular], "n": design.n, "status": status}
     return result
 
 
-def _singular_note(effect: Effect) -> str:
-    n, p = effect.scores.shape
+def singular_note(effect: Tested, n: int) -> str:
+    """Why an effect has no test of sphericity, and what is done."""
+    p = effect.df[0]
+    df = effect.df[1] // p
     cause = (
         f"{p} contrasts need more than {n} participants"
-        if p > n - 1
+        if p > df
         else f"its {p} contrasts are exactly dependent in these {n} participants"
     )
     return (

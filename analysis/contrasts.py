@@ -37,6 +37,27 @@ class Sphericity:
 
 
 @dataclass(frozen=True)
+class Tested:
+    """Sums of squares of an effect and its error, with degrees of freedom and the shape of the errors."""
+
+    name: str
+    ss: float
+    ss_error: float
+    df: tuple[int, int]
+    sphericity: Sphericity
+
+    @property
+    def f(self) -> float:
+        first, second = self.df
+        return self.ss / first / (self.ss_error / second)
+
+    def p(self, epsilon: float = 1.0) -> float:
+        """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
+        first, second = self.df
+        return float(fisher.sf(self.f, epsilon * first, epsilon * second))
+
+
+@dataclass(frozen=True)
 class Effect:
     """One effect of a design of `n_conditions` cells: its factors and the scores of all participants, shape
     (participant, contrast)."""
@@ -65,21 +86,21 @@ class Effect:
 
     @property
     def f(self) -> float:
-        first, second = self.df
-        return self.ss / first / (self.ss_error / second)
+        return self.tested.f
 
     def p(self, epsilon: float = 1.0) -> float:
         """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
-        first, second = self.df
-        return float(fisher.sf(self.f, epsilon * first, epsilon * second))
+        return self.tested.p(epsilon)
+
+    @cached_property
+    def tested(self) -> Tested:
+        return Tested(self.name, self.ss, self.ss_error, self.df, self.sphericity)
 
     @cached_property
     def sphericity(self) -> Sphericity:
-        n, p = self.scores.shape
-        if p == 1:
-            return Sphericity(None, None, 1.0, 1.0, singular=False)
-        covariance = np.asarray(np.cov(self.scores.T), dtype=np.float64)
-        return sphericity(covariance, n - 1, self.n_conditions)
+        errors = self.scores - self.scores.mean(axis=0)
+        df = len(errors) - 1
+        return sphericity(errors.T @ errors / df, df, self.n_conditions)
 
 
 def effects(design: Design) -> list[Effect]:
@@ -120,6 +141,8 @@ def sphericity(covariance: Array, df: int, n_conditions: int) -> Sphericity:
     freedom. The p-value has the term of second order as R and pingouin have it, with the number of all conditions
     (Anderson 2003, 10.7, has that of the contrasts)."""
     p = len(covariance)
+    if p == 1:
+        return Sphericity(None, None, 1.0, 1.0, singular=False)
     eigenvalues = np.linalg.eigvalsh(covariance)
     trace = float(eigenvalues.sum())
     greenhouse_geisser = trace**2 / (p * float(np.sum(eigenvalues**2)))

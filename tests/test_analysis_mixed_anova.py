@@ -1,0 +1,95 @@
+"""Mixed analysis of variance: pingouin where groups are alike, regression where they are not, refusals."""
+
+import warnings
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tactometry.analysis.anova import repeated_measures
+from tactometry.analysis.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.mixed_anova import mixed_anova
+from tactometry.errors import InvalidParameter
+
+
+def study(sizes, k, rng) -> pd.DataFrame:
+    n = sum(sizes)
+    table = pd.DataFrame(list(product(range(n), range(k))), columns=["subject", "freq"])
+    group = np.repeat(np.arange(len(sizes)), sizes)
+    values = rng.normal(size=(n, k)) * np.arange(1, k + 1) + rng.normal(size=(n, 1)) + group[:, None]
+    return table.assign(y=values.ravel(), hand=np.array(["left", "right", "both"])[group][table["subject"]])
+
+
+def analysed(table, within="freq") -> pd.DataFrame:
+    found = mixed_anova(table, dependent="y", within=within, between="hand", subject="subject")
+    return found.set_index("Source")
+
+
+@pytest.mark.parametrize(("sizes", "k"), [((6, 6), 3), ((5, 5, 5), 4), ((4, 4), 2)])
+def test_groups_of_equal_size_equal_pingouin(sizes, k) -> None:
+    import pingouin
+
+    table = study(sizes, k, np.random.default_rng())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        peer = pingouin.mixed_anova(
+            table, dv="y", within="freq", between="hand", subject="subject", correction=True, effsize="ng2"
+        )
+    found = analysed(table)
+    for name, theirs in (("F", "F"), ("SS", "SS"), ("p_unc", "p_unc"), ("ddof2", "DF2"), ("ng2", "ng2")):
+        assert found[name].to_numpy(dtype=float) == pytest.approx(peer[theirs].to_numpy(dtype=float), rel=1e-8)
+    if k > 2:
+        for name in ("p_GG_corr", "eps", "W_spher", "p_spher"):
+            theirs = peer[name].to_numpy(dtype=float)[1:]
+            assert found[name].to_numpy(dtype=float)[1:] == pytest.approx(theirs, rel=1e-7)
+
+
+def test_groups_of_unequal_size_weigh_alike() -> None:
+    """The mean of the group means is the intercept of a regression with codes that sum to zero."""
+    import statsmodels.api as sm
+
+    table = study((4, 9, 6), 2, np.random.default_rng())
+    wide = table.pivot(index="subject", columns="freq", values="y")
+    group = table.drop_duplicates("subject").set_index("subject")["hand"]
+    codes = np.array([{"left": (1, 0), "right": (0, 1), "both": (-1, -1)}[name] for name in group])
+    fit = sm.OLS((wide[1] - wide[0]).to_numpy(), sm.add_constant(codes)).fit()
+    found = analysed(table)
+    assert found.loc["freq", "F"] == pytest.approx(float(fit.tvalues[0]) ** 2, rel=1e-9)
+    assert found.loc["hand * freq", "F"] == pytest.approx(float(fit.fvalue), rel=1e-9)
+
+
+def test_two_factors_within_have_their_interactions_with_the_groups() -> None:
+    table = study((5, 6), 6, np.random.default_rng())
+    crossed = table.assign(force=table["freq"] // 3, freq=table["freq"] % 3)
+    found = analysed(crossed, ["force", "freq"])
+    names = ["hand", "force", "hand * force", "freq", "hand * freq", "force * freq", "hand * force * freq"]
+    assert list(found.index) == names
+    alike = repeated_measures(crossed, dependent="y", within=["force", "freq"], subject="subject").set_index("Source")
+    total = found.loc["force * freq", "ddof2"] + found.loc["hand * force * freq", "ddof1"]
+    assert total == alike.loc["force * freq", "ddof2"]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "status", "message"),
+    [
+        ((4,), DesignStatus.ONE_LEVEL, "hand: found 1 group, expected at least 2 to compare"),
+        ((4, 1), DesignStatus.TOO_FEW_PARTICIPANTS, "hand = right: found one participant, expected at least 2 a group"),
+    ],
+)
+def test_refuses_groups_that_cannot_be_compared(sizes, status, message) -> None:
+    with pytest.raises(UndefinedStatistic, match=f"^{message}$") as refusal:
+        analysed(study(sizes, 3, np.random.default_rng()))
+    assert refusal.value.status is status
+
+
+def test_refuses_a_participant_in_two_groups() -> None:
+    table = study((3, 3), 3, np.random.default_rng())
+    table.loc[1, "hand"] = "right"
+    with pytest.raises(InvalidParameter, match="hand: found 2 groups of the participant 0, expected one; name it as"):
+        analysed(table)
+
+
+def test_a_missing_cell_is_refused_by_name() -> None:
+    with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell, of 1\)"):
+        analysed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
