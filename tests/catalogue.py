@@ -34,6 +34,9 @@ from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
+    Grating,
+    PlayedTexture,
+    PositionSensor,
     PulseTrain,
     Sampled,
     Sine,
@@ -41,8 +44,10 @@ from tactometry.stimuli.electrovibration import (
     Step,
     Trapezoid,
     Triangle,
+    Velvet,
     WithOffset,
 )
+from tactometry.stimuli.electrovibration.played_texture import straight_path_m
 from tactometry.stimuli.time_reversal.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.setup import Setup
@@ -64,6 +69,10 @@ STIMULI = {
     "pulse_train": PulseTrain(frequency_hz=60.0, width_s=0.001, duration_s=0.2),
     "step": Step(onset_s=0.01, rise_s=0.01, fall_s=0.01, duration_s=0.2),
     "sampled": Sampled((0.0, 1.0, -2.0, 0.5, 0.0), rate_hz=100.0, ramp_s=0.0),
+    "played_grating": PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.2, 20e3), ramp_s=0.05),
+    "played_velvet": PlayedTexture(
+        Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=PositionSensor(latency_s=0.01), ramp_s=0.05
+    ),
     "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
     "time_reversal": TimeReversalStimulus(
         Responses(1e-9 * np.array([[[0.0, 3.0, -2.0, 1.0, 0.5]]]), 1e6), voltage_max_v=1e9, level_unit="dB re 1 um"

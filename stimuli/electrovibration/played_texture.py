@@ -10,8 +10,9 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.sampled import strongest_hz
 from tactometry.stimuli.electrovibration.texture import Grating, Image, Noise, Texture
-from tactometry.stimuli.electrovibration.timing import check_nyquist
+from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped
 from tactometry.stimuli.electrovibration.velvet import Velvet
 
 Real = NDArray[np.float64]
@@ -92,8 +93,19 @@ class PlayedTexture:
         None: the position is known exactly and at once.
     aliasing : {"refuse", "allow"}
         Whether a sensor that is too slow or too coarse for the texture at the fastest part of the path is an error.
+    ramp_s
+        Ramps on and off over the time of the path; none by default.
     level_unit
         As in `Sine`.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, or the sensor is too slow or too coarse.
+
+    >>> grating = PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.5, 20e3))
+    >>> grating.voltage_frequency_hz, grating.force_frequency_hz
+    (2000.0, 100.0)
     """
 
     texture: Texture | Velvet
@@ -102,6 +114,7 @@ class PlayedTexture:
     carrier_hz: float = 2_000.0
     sensor: PositionSensor | None = None
     aliasing: Literal["refuse", "allow"] = "refuse"
+    ramp_s: float = 0.0
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
@@ -111,7 +124,7 @@ class PlayedTexture:
         path = require.finite_array("PlayedTexture.path_m", self.path_m)
         if path.ndim != 1 or path.size == 0:
             raise InvalidParameter(f"PlayedTexture.path_m: found shape {path.shape}, expected positions (n_samples,)")
-
+        check_timing("PlayedTexture", self.duration_s, self.ramp_s, self.rate_hz)
         require.one_of("PlayedTexture.aliasing", self.aliasing, ("refuse", "allow"))
         period_m = finest_period_m(self.texture)
         if self.sensor is not None and period_m is not None and self.aliasing == "refuse":
@@ -119,8 +132,17 @@ class PlayedTexture:
             self.sensor.check(period_m, float(steps_m * self.rate_hz))
 
     @property
+    def duration_s(self) -> float:
+        return len(self.path_m) / self.rate_hz
+
+    @property
     def voltage_frequency_hz(self) -> float:
         return self.carrier_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        """The strongest line of the share along the path; 0 if there is none."""
+        return strongest_hz(self.force_share, self.rate_hz)
 
     @property
     def force_share(self) -> Real:
@@ -133,8 +155,8 @@ class PlayedTexture:
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""
         t_s = np.arange(len(self.path_m)) / self.rate_hz
-        carrier = np.sin(2 * np.pi * self.carrier_hz * t_s)
-        samples = peak_voltage_v(level, self.level_unit) * (np.sqrt(self.force_share) * carrier)
+        shape = np.sqrt(self.force_share) * np.sin(2 * np.pi * self.carrier_hz * t_s)
+        samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -54,12 +55,12 @@ class Sampled:
     @property
     def voltage_frequency_hz(self) -> float:
         """The strongest line of the spectrum; 0 if there is none."""
-        return _strongest_hz(np.asarray(self.shape), self.rate_hz)
+        return strongest_hz(np.asarray(self.shape), self.rate_hz)
 
     @property
     def force_frequency_hz(self) -> float:
         """The strongest line of the spectrum of the square; 0 if there is none."""
-        return _strongest_hz(np.asarray(self.shape) ** 2, self.rate_hz)
+        return strongest_hz(np.asarray(self.shape) ** 2, self.rate_hz)
 
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""
@@ -73,6 +74,11 @@ class Sampled:
         return straight(np.arange(len(self.shape)) / self.rate_hz, signal.samples[0])
 
 
-def _strongest_hz(samples: np.ndarray, rate_hz: float) -> float:
+def strongest_hz(samples: NDArray[np.float64], rate_hz: float) -> float:
+    """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
+
+    >>> strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0)
+    30.0
+    """
     parts = components(samples, rate_hz)
     return float(parts.frequencies_hz[np.argmax(parts.amplitudes)]) if parts.amplitudes.size else 0.0
