@@ -20,6 +20,7 @@ from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_volta
 from tactometry.stimuli.electrovibration.offset import WithOffset
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.played_texture import PlayedTexture, PositionSensor
+from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.pulse_train import PulseTrain
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.sampled import Sampled
@@ -56,6 +57,7 @@ __all__ = [
     "Noise",
     "Pieces",
     "PlayedTexture",
+    "Polarity",
     "PositionSensor",
     "PowerLawArea",
     "Print",

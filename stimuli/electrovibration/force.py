@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.skin import INSULATOR, Skin
 from tactometry.stimuli.electrovibration.solution import Solution
@@ -25,6 +26,11 @@ class ForceForm:
 
     relaxations: Relaxations
     newton_per_v2: float
+
+    def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
+        """Force (N) of layer voltages u, of their shape."""
+        even_n = self.newton_per_v2 * layer_v**2
+        return even_n if polarity is None else polarity.weighted(even_n, layer_v)
 
 
 def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
@@ -51,7 +57,13 @@ def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
 
 
 def electrostatic_force_n(
-    voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float, law: Law | None = None
+    voltage_v: ArrayLike,
+    *,
+    rate_hz: float,
+    skin: Skin,
+    area_m2: float,
+    law: Law | None = None,
+    polarity: Polarity | None = None,
 ) -> NDArray[float64]:
     """Attraction (N) between finger and screen at the samples of a voltage, from rest.
 
@@ -66,6 +78,8 @@ def electrostatic_force_n(
         Contact area, at least 0.
     law : {"parallel_plate", "interface", "total_thickness", "sc_layer"}
         Must be named; see `force_form`.
+    polarity : Polarity or None
+        An asymmetry between positive and negative voltages; None, the default, is none.
 
     Returns
     -------
@@ -85,11 +99,17 @@ def electrostatic_force_n(
     require.positive("electrostatic_force_n", rate_hz=rate_hz)
     form = force_form(law, skin, area_m2)
     v = require.finite_array("electrostatic_force_n.voltage_v", voltage_v)
-    return form.newton_per_v2 * form.relaxations.sampled(v, rate_hz) ** 2
+    return form.force_n(form.relaxations.sampled(v, rate_hz), polarity)
 
 
 def electrostatic_force_n_at(
-    t_s: ArrayLike, pieces: Pieces, *, skin: Skin, area_m2: float, law: Law | None = None
+    t_s: ArrayLike,
+    pieces: Pieces,
+    *,
+    skin: Skin,
+    area_m2: float,
+    law: Law | None = None,
+    polarity: Polarity | None = None,
 ) -> NDArray[float64]:
     """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
 
@@ -101,7 +121,7 @@ def electrostatic_force_n_at(
     """
     form = force_form(law, skin, area_m2)
     t = require.finite_array("electrostatic_force_n_at.t_s", t_s)
-    return form.newton_per_v2 * Solution(pieces, form.relaxations).at(t) ** 2
+    return form.force_n(Solution(pieces, form.relaxations).at(t), polarity)
 
 
 def check_law(law: str | None) -> None:

@@ -10,7 +10,7 @@ from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
 from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
 
-Polarity = Literal["positive", "negative", "biphasic", "alternating"]
+PulsePolarity = Literal["positive", "negative", "biphasic", "alternating"]
 
 
 def _single(width: float, value: float) -> Corners:
@@ -50,7 +50,7 @@ class PulseTrain(Periodic):
         ``biphasic`` is a positive and then a negative phase; ``alternating`` changes the sign from pulse to
         pulse, so that the voltage has half the frequency of the pulses and the force that of the pulses.
         Positive pulses are reported to be less effective than the others, by an asymmetry that a force
-        quadratic in the voltage does not have.
+        quadratic in the voltage does not have: see `Polarity`.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
 
@@ -69,7 +69,7 @@ class PulseTrain(Periodic):
     duration_s: float = 1.0
     ramp_s: float = 0.05
     rate_hz: float = 20_000.0
-    polarity: Polarity = "biphasic"
+    polarity: PulsePolarity = "biphasic"
     band_limited: bool = False
     level_unit: LevelUnit = "dB re 1 V"
 

@@ -12,6 +12,7 @@ from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea
 from tactometry.stimuli.electrovibration.force import Law, check_law, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
+from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.skin import Skin
 from tactometry.stimuli.perception.detection import Components, components, sensation_level_db
 
@@ -39,6 +40,8 @@ class ElectrovibrationSensation:
         Whether `reference_force_n` holds at any normal force, or at 1 N and in proportion to it at others, so that a
         fixed fraction of the friction is detected. With areas that grow as ``F^m`` the threshold then changes with
         force as ``-10 m log10 F`` dB or as ``10 (1 - m) log10 F`` dB.
+    polarity : Polarity or None
+        An asymmetry between positive and negative voltages; None, the default, is none.
 
     Examples
     --------
@@ -58,6 +61,7 @@ class ElectrovibrationSensation:
     lag: FrictionLag | None = field(default_factory=FrictionLag)
     reference_force_n: float = 6.7e-6
     criterion: Criterion = "absolute"
+    polarity: Polarity | None = None
 
     def __post_init__(self) -> None:
         check_law(self.law)
@@ -78,7 +82,7 @@ class ElectrovibrationSensation:
         if contact.speed_m_per_s == 0 or contact.force_n == 0:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))
-        parts = _force_components(_Keyed(signal), self.skin, area_m2, self.law)
+        parts = _force_components(_Keyed(signal), self.skin, area_m2, self.law, self.polarity)
         relative = contact.force_n if self.criterion == "fraction" else 1.0
         return sensation_level_db(self._friction(parts, contact), relative * self.reference_force_n)
 
@@ -103,18 +107,20 @@ class _Keyed:
         return hash(self.digest)
 
 
-def _force_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law) -> Components:
+def _force_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
     """Components (N) of the electrostatic force; without body resistance the area is only a factor."""
     if skin.body_resistance_ohm > 0:
-        return _cached_components(keyed, skin, area_m2, law)
-    unit = _cached_components(keyed, skin, 1.0, law)
+        return _cached_components(keyed, skin, area_m2, law, polarity)
+    unit = _cached_components(keyed, skin, 1.0, law, polarity)
     return Components(unit.frequencies_hz, area_m2 * unit.amplitudes)
 
 
 @lru_cache(maxsize=N_CACHED)
-def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law) -> Components:
+def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
     signal = keyed.signal
-    force_n = electrostatic_force_n(signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=area_m2, law=law)
+    force_n = electrostatic_force_n(
+        signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity
+    )
     return components(force_n, signal.rate_hz)
 
 

@@ -1,0 +1,74 @@
+"""An asymmetry between positive and negative voltages, off unless it is asked for."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    ElectrovibrationSensation,
+    Polarity,
+    PulseTrain,
+    Skin,
+    electrostatic_force_n,
+    electrostatic_force_n_at,
+)
+from tactometry.stimuli.electrovibration.force import LAWS, corneum_voltage_v
+
+P0, AREA_M2, RATE_HZ = Skin(), 1e-4, 2e4
+TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)
+
+
+def pulses(polarity: str) -> PulseTrain:
+    return PulseTrain(frequency_hz=120.0, width_s=1e-3, duration_s=0.5, polarity=polarity)
+
+
+def force_n(voltage_v: np.ndarray, law: str = "sc_layer", **changes) -> np.ndarray:
+    return electrostatic_force_n(voltage_v, rate_hz=RATE_HZ, skin=P0, area_m2=AREA_M2, law=law, **changes)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_by_default_the_sign_of_the_voltage_does_not_matter(law: str) -> None:
+    voltage_v = pulses("positive").at(40.0).samples[0]
+    np.testing.assert_array_equal(force_n(voltage_v, law), force_n(-voltage_v, law))
+    np.testing.assert_array_equal(force_n(voltage_v, law, polarity=Polarity(1.0)), force_n(voltage_v, law))
+
+
+@given(share=st.floats(0, 2))
+def test_the_share_scales_the_force_where_the_layer_is_positive_and_only_there(share: float) -> None:
+    voltage_v = pulses("biphasic").at(40.0).samples[0]
+    layer_v, plain_n = corneum_voltage_v(voltage_v, RATE_HZ, P0, AREA_M2), force_n(voltage_v)
+    found_n = force_n(voltage_v, polarity=Polarity(share))
+    assert (layer_v > 0).any()
+    assert (layer_v < 0).any()
+    np.testing.assert_array_equal(found_n[layer_v > 0], share * plain_n[layer_v > 0])
+    np.testing.assert_array_equal(found_n[layer_v <= 0], plain_n[layer_v <= 0])
+
+
+def test_samples_and_pieces_have_the_same_asymmetry() -> None:
+    train = PulseTrain(frequency_hz=120.0, width_s=1e-3, duration_s=0.1, ramp_s=0.0, polarity="negative")
+    t_s = np.linspace(0, 0.09, 1001)
+    plain_n, found_n = (
+        electrostatic_force_n_at(t_s, train.pieces(40.0), skin=P0, area_m2=AREA_M2, law="sc_layer", polarity=p)
+        for p in (None, Polarity(0.25))
+    )
+    ratio = found_n[plain_n > 0] / plain_n[plain_n > 0]
+    assert set(np.round(ratio, 12)) == {0.25, 1.0}
+
+
+def test_positive_pulses_are_felt_less_than_negative_and_biphasic_ones_once_it_is_asked_for() -> None:
+    def felt_db(polarity: str, model: ElectrovibrationSensation) -> float:
+        return model.sensation_db(pulses(polarity).at(30.0), TOUCH)
+
+    even, asymmetric = ElectrovibrationSensation(), ElectrovibrationSensation(polarity=Polarity(0.5))
+    assert felt_db("positive", even) == pytest.approx(felt_db("negative", even), abs=1e-9)
+    positive_db, negative_db, biphasic_db = (felt_db(p, asymmetric) for p in ("positive", "negative", "biphasic"))
+    assert positive_db < min(negative_db, biphasic_db) - 0.2
+
+
+def test_a_negative_share_is_one_clear_sentence() -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        Polarity(-0.5)
+    assert str(caught.value) == "Polarity.positive_share: found -0.5, expected a finite number, at least 0"
