@@ -1,0 +1,68 @@
+"""A program that plays noise to a sound device and tells how far it came: `python player.py JSON`."""
+
+import json
+import os
+import sys
+import threading
+import time
+
+import numpy as np
+
+from tactometry.devices.audio import AudioSettings
+from tactometry.devices.gain import Gain
+from tactometry.signal import Signal
+
+GAIN = Gain(50.0)
+
+
+def noise(n_channels, rate_hz, duration_s):
+    """Samples of which none is zero."""
+    rng = np.random.default_rng(n_channels)
+    values = rng.uniform(1.0, 50.0, (n_channels, round(duration_s * rate_hz)))
+    return Signal(values * rng.choice([-1.0, 1.0], values.shape), rate_hz, "V")
+
+
+def settings(asked):
+    return AudioSettings(
+        asked["rate_hz"],
+        tuple(range(asked["n_channels"])),
+        asked["device"],
+        "int16",
+        latency_s=asked.get("latency_s", 0.05),
+    )
+
+
+def frames(asked):
+    """What the device should get, (n_frames, n_channels) of 16 bits."""
+    output = settings(asked).driver(GAIN)
+    signal = noise(asked["n_channels"], asked["rate_hz"], asked["duration_s"])
+    return np.round(output.final(signal).samples.T / 50.0 * 32767).astype("<i2")
+
+
+def tell(course):
+    """How many frames the device has asked for, over and over."""
+    while True:
+        os.write(1, f"{course._at}\n".encode())
+        time.sleep(0.001)
+
+
+def main(asked):
+    output = settings(asked).driver(GAIN)
+    output.open()
+    time.sleep(asked.get("lead_s", 0.0))
+    output.play(noise(asked["n_channels"], asked["rate_hz"], asked["duration_s"]))
+    if asked.get("tell"):
+        threading.Thread(target=tell, args=(output._course,), daemon=True).start()
+    if "stop_s" in asked:
+        time.sleep(asked["stop_s"])
+        output.stop()
+        os.write(1, f"stopped {output._course._at}\n".encode())
+    output._course.ended.wait(60)
+    time.sleep(asked.get("tail_s", 0.0))
+    facts = output.facts()
+    output.close()
+    print(json.dumps(facts), flush=True)
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]))

@@ -1,0 +1,217 @@
+"""Sound through real PortAudio streams: a file over ALSA's null device, and a PulseAudio sink that is recorded."""
+
+import importlib.util
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import player
+import pytest
+
+from tactometry.devices.audio import AudioOutput, AudioSettings
+from tactometry.devices.course import Course
+from tactometry.devices.gain import Gain
+from tactometry.signal import Signal
+
+ALSA = Path("/usr/share/alsa/alsa.conf")
+PROGRAM = [sys.executable, player.__file__]
+
+if importlib.util.find_spec("sounddevice") is None:
+    pytest.skip("no sounddevice: pip install 'tactometry[audio]'", allow_module_level=True)
+
+
+@pytest.fixture
+def alsa(tmp_path):
+    """An environment in which ALSA knows two more devices: `tofile`, and `pulse`."""
+    if not ALSA.exists():
+        pytest.skip("no ALSA here: apt-get install libasound2")
+    devices = {
+        "tofile": f'type file\nslave.pcm null\nfile "{tmp_path}/played.raw"\nformat raw',
+        "pulse": "type pulse",
+    }
+    written = "\n".join(f"pcm.{name} {{\n{text}\n}}" for name, text in devices.items())
+    (tmp_path / "alsa.conf").write_text(f"<{ALSA}>\n{written}\npcm.!default pcm.tofile\n", encoding="utf-8")
+    return {**os.environ, "ALSA_CONFIG_PATH": str(tmp_path / "alsa.conf")}
+
+
+def asked(n_channels, device, duration_s, **more):
+    return {"n_channels": n_channels, "rate_hz": 48_000.0, "device": device, "duration_s": duration_s, **more}
+
+
+def played(raw, wanted):
+    """Whether the recorded bytes hold the wanted frames without a break, between silences."""
+    frames = np.frombuffer(raw[: len(raw) // (2 * wanted.shape[1]) * 2 * wanted.shape[1]], "<i2")
+    frames = frames.reshape(-1, wanted.shape[1])
+    heard = np.flatnonzero(frames.any(axis=1))
+    return len(heard) > 0 and np.array_equal(frames[heard[0] : heard[-1] + 1], wanted)
+
+
+@pytest.mark.parametrize("n_channels", [2, 8, 32])
+def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels):
+    what = asked(n_channels, "tofile", 1.0)
+    subprocess.run([*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=60, stdout=subprocess.DEVNULL)
+    assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"device": "no such card"}, "cannot open no such card with 1 channels at 48000 Hz as int32"),
+        ({"device": "null", "channels": [90_000]}, "with 90001 channels"),
+    ],
+)
+def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
+    build = f"AudioSettings(48e3, **{settings})"
+    script = (
+        "from tactometry.devices.audio import AudioSettings; from tactometry.devices.gain import Gain\n"
+        f"try: {build}.driver(Gain()).open()\nexcept Exception as error: print(type(error).__name__, error)"
+    )
+    result = subprocess.run([sys.executable, "-c", script], env=alsa, capture_output=True, text=True, check=True)
+    assert result.stdout.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
+    assert message in result.stdout
+    assert "nothing was played" in result.stdout
+
+
+def test_rounding_never_raises_a_sample():
+    signal = Signal(np.random.default_rng(0).uniform(-1, 1, (1, 10_000)), 48e3, "V")
+    for sample_format in ("int16", "int32", "float32"):
+        final = AudioOutput(AudioSettings(48e3, sample_format=sample_format), Gain()).final(signal)
+        assert np.all(np.abs(final.samples) <= np.abs(signal.samples))
+        assert np.abs(final.samples - signal.samples).max() < 2**-14
+
+
+def test_a_stop_falls_to_zero_within_a_block():
+    course = Course(np.full((1000, 2), 1000, "int16"), n_fade=48)
+    assert np.all(course.take(240) == 1000)
+    course.stop()
+    last = course.take(240)
+    assert len(last) == 48
+    assert last[0, 0] == 1000
+    assert np.all(np.diff(last[:, 0]) < 0)
+    assert last[-1, 0] <= 1000 / 48 + 1
+    assert course.finished
+    assert len(course.take(240)) == 0
+
+
+# --- in real time
+
+
+class Sink:
+    """A private PulseAudio with one silent sink, whose monitor is recorded."""
+
+    def __init__(self, folder, alsa):
+        self.env = {
+            **alsa,
+            "PULSE_SERVER": f"unix:{folder}/pulse.socket",
+            "XDG_RUNTIME_DIR": str(folder),
+            "HOME": str(folder),
+        }
+        sink = "module-null-sink sink_name=finger rate=48000 channels=2 format=s16le"
+        command = [
+            "pulseaudio",
+            "-n",
+            "--daemonize=no",
+            "--exit-idle-time=-1",
+            "--use-pid-file=no",
+            "--disable-shm=yes",
+        ]
+        loads = [f"--load={sink}", f"--load=module-native-protocol-unix socket={folder}/pulse.socket auth-anonymous=1"]
+        self.server = subprocess.Popen([*command, *loads], env=self.env, stderr=subprocess.DEVNULL)
+        self.raw = folder / "heard.raw"
+        self.recorder = None
+        try:
+            wait_for((folder / "pulse.socket").is_socket)
+            form = ["--format=s16le", "--rate=48000", "--channels=2", "--raw", "--latency-msec=20"]
+            with self.raw.open("wb") as file:
+                self.recorder = subprocess.Popen(["parec", "--device=finger.monitor", *form], env=self.env, stdout=file)
+            wait_for(lambda: self.raw.stat().st_size > 0)
+        except BaseException:
+            self.close()
+            raise
+
+    def end(self):
+        """Wait until the record holds what was played; then its frames."""
+        n_bytes = self.raw.stat().st_size
+        wait_for(lambda: self.raw.stat().st_size > n_bytes + 4 * 24_000)
+        self.close()
+        raw = self.raw.read_bytes()
+        return np.frombuffer(raw[: len(raw) // 4 * 4], "<i2").reshape(-1, 2)
+
+    def close(self):
+        for process in (self.recorder, self.server):
+            if process is not None:
+                process.terminate()
+                process.wait(10)
+
+
+def wait_for(what, longest_s=20.0):
+    end_s = time.monotonic() + longest_s
+    while not what():
+        assert time.monotonic() < end_s, "the sound server did not do its part"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def sink(alsa, tmp_path):
+    missing = [name for name in ("pulseaudio", "parec") if shutil.which(name) is None]
+    if missing:
+        pytest.skip(f"no {' and no '.join(missing)}: apt-get install pulseaudio pulseaudio-utils libasound2-plugins")
+    sound = Sink(tmp_path, alsa)
+    yield sound
+    sound.close()
+
+
+def heard_part(frames):
+    heard = np.flatnonzero(frames.any(axis=1))
+    assert len(heard), "the sink heard nothing"
+    return frames[heard[0] : heard[-1] + 1]
+
+
+def test_a_sink_hears_every_sample_in_real_time(sink):
+    what = asked(2, "pulse", 1.0, lead_s=0.3, tail_s=0.3, latency_s=0.1)
+    done = subprocess.run([*PROGRAM, json.dumps(what)], env=sink.env, check=True, timeout=60, capture_output=True)
+    assert json.loads(done.stdout.splitlines()[-1])["n_underruns"] == 0
+    assert np.array_equal(heard_part(sink.end()), player.frames(what))
+
+
+def test_a_stop_is_heard_within_a_block(sink):
+    what = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3)
+    done = subprocess.run([*PROGRAM, json.dumps(what)], env=sink.env, check=True, timeout=60, capture_output=True)
+    n_given = int(done.stdout.split(b"stopped ")[1].split()[0])
+    frames = heard_part(sink.end())
+    assert len(frames) <= n_given + 2 * 240
+    assert np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48])
+
+
+def test_a_killed_process_falls_silent(sink):
+    what = asked(2, "pulse", 20.0, lead_s=0.3, tell=True)
+    with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
+        n_given = 0
+        while n_given < 24_000:
+            n_given = int(process.stdout.readline())
+        process.send_signal(signal.SIGKILL)
+        last = process.stdout.read().split()
+    n_given = int(last[-1]) if last else n_given
+    frames = sink.end()
+    heard = heard_part(frames)
+    assert len(heard) <= n_given + 2 * 240
+    assert np.array_equal(heard, player.frames(what)[: len(heard)])
+    assert not frames[-4800:].any()
+
+
+def test_a_process_that_was_held_up_reports_its_underruns(sink):
+    what = asked(2, "pulse", 1.5, lead_s=0.3, tail_s=0.2, tell=True)
+    with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
+        while int(process.stdout.readline()) < 12_000:
+            pass
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGCONT)
+        (facts,) = (json.loads(line) for line in process.stdout if line.startswith(b"{"))
+    assert facts["n_underruns"] >= 1
