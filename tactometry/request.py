@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from tactometry.rigs.rig import Rig
 
 
+TRAJECTORY_M = 0.1
+"""Length of the path of a slide, one way (unverified default)."""
+
+
 @dataclass(frozen=True)
 class Done:
     """The answer of a request that has nothing to report but its time (s since the session's start)."""
@@ -64,6 +68,16 @@ class Rated:
     """A point of a scale, or a number."""
 
     value: float | None
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+
+
+@dataclass(frozen=True)
+class Filled:
+    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open."""
+
+    values: tuple[float | None, ...]
     onset_s: float
     latency_s: float
     timestamp_utc: str | None = None
@@ -126,7 +140,11 @@ class Press:
 
 @dataclass(frozen=True)
 class Slide:
-    """As `Press`, with a finger that slides at `speed_m_per_s`."""
+    """As `Press`, with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
+
+    The stimulus plays in motion only: while the speed is within `speed_tolerance` (relative) of its target. None
+    leaves the speed to the finger.
+    """
 
     stimulus: str
     level: float | None
@@ -137,6 +155,8 @@ class Slide:
     timeout_s: float
     speed_m_per_s: float
     interval: int | None = None
+    length_m: float = TRAJECTORY_M
+    speed_tolerance: float | None = None
 
     answer: ClassVar[type] = Touched
 
@@ -146,11 +166,15 @@ class Slide:
 
 @dataclass(frozen=True)
 class Choose:
-    """Ask for one of `options`; `question` names a message, e.g. ``"felt"`` or ``"which_interval"``."""
+    """Ask for one of `options`; `question` names a message, e.g. ``"felt"`` or ``"which_interval"``.
+
+    `stimuli` names what each option stands for, where the question is which of several stimuli was felt.
+    """
 
     question: str
     options: tuple[int, ...]
     labels: tuple[str, ...]
+    stimuli: tuple[str, ...] = ()
 
     answer: ClassVar[type] = Chosen
 
@@ -176,14 +200,69 @@ class Rate:
 
 
 @dataclass(frozen=True)
+class Enter:
+    """Ask for a number of at least `low` and, unless it is None, at most `high`; `question` names a message."""
+
+    question: str
+    low: float
+    high: float | None = None
+
+    answer: ClassVar[type] = Rated
+
+    def put_to(self, rig: "Rig") -> Rated:
+        return rig.enter(self)
+
+
+@dataclass(frozen=True)
+class Question:
+    """An item of a questionnaire: by language its statement (may be empty), its left and its right word.
+
+    `reversed` says that the good end is the left one.
+    """
+
+    item: str
+    words: Mapping[str, tuple[str, str, str]]
+    reversed: bool = False
+
+
+@dataclass(frozen=True)
+class Fill:
+    """Ask for all questions of a page, each from `low` (left) to `high` in `steps` (None: continuous).
+
+    No question has an answer beforehand; each can be changed until the page is left; a page with open questions is
+    left at the second wish only.
+    """
+
+    form: str
+    questions: tuple[Question, ...]
+    low: float
+    high: float
+    steps: int | None
+
+    answer: ClassVar[type] = Filled
+
+    def put_to(self, rig: "Rig") -> Filled:
+        return rig.fill(self)
+
+
+@dataclass(frozen=True)
 class Adjust:
-    """Let the participant set the level of a stimulus, from `start` in steps of `step` within the bounds."""
+    """Let the participant set the level of a stimulus, from `start` in steps of `step` within the bounds.
+
+    `target_n` and `speed_m_per_s` say how it should be touched meanwhile; nothing is gated on them.
+    """
 
     stimulus: str
     start: float
     step: float
     low: float
     high: float
+    target_n: float | None = None
+    speed_m_per_s: float | None = None
+
+    def level(self, n_steps: int) -> float:
+        """The level so many steps above the start."""
+        return self.start + n_steps * self.step
 
     answer: ClassVar[type] = Adjusted
 
@@ -205,10 +284,11 @@ class Wait:
 
 @dataclass(frozen=True)
 class Show:
-    """Show a page and wait until it is left. `message` names a text of the study; `values` fill it."""
+    """Show a page until it is left, or for `duration_s`. `message` names a text of the study; `values` fill it."""
 
     message: str
     values: Mapping[str, str | int | float] = field(default_factory=dict)
+    duration_s: float | None = None
 
     answer: ClassVar[type] = Done
 
@@ -229,5 +309,5 @@ class Record:
 
 
 REQUESTS: Mapping[str, type[Request]] = {
-    kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Adjust, Wait, Show, Record)
+    kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record)
 }

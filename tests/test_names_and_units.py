@@ -34,6 +34,7 @@ BARE = {
     "guess_rates": "probabilities",
     "lapse_rates": "probabilities",
     "rate_correct": "a share of trials",
+    "speed_tolerance": "relative to a speed",
     "width_low": "the lower bound of that width",
     "width_high": "the upper bound of that width",
     "z_width": "of a standard shape: a number",

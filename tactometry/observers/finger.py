@@ -7,14 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.request import Press, Slide
+from tactometry.speed_gate import triangle
 
 
 @dataclass(frozen=True)
 class Grip:
-    """What a finger did during a stimulus: force samples at `rate_hz`, and its mean speed."""
+    """What a finger did during a stimulus: stamps, forces, places along its path, and its mean speed."""
 
     times_s: NDArray[np.float64]
     forces_n: NDArray[np.float64]
+    positions_m: NDArray[np.float64]
     speed_m_per_s: float
 
 
@@ -24,17 +27,18 @@ class SimulatedFinger:
 
     All defaults are unverified choices: coefficients of variation of the mean force between trials (the gate opens
     only inside of the band, so values outside are drawn anew) and of the waver within a trial (correlated over
-    `waver_s`), and of the speed.
+    `waver_s`), of the mean speed, and of its waver within a trial.
     """
 
     force_cv: float = 0.15
     waver_cv: float = 0.04
     waver_s: float = 0.2
     speed_cv: float = 0.10
+    speed_waver_cv: float = 0.05
     rate_hz: float = 100.0
 
     def __post_init__(self) -> None:
-        for name in ("force_cv", "waver_cv", "speed_cv"):
+        for name in ("force_cv", "waver_cv", "speed_cv", "speed_waver_cv"):
             if not 0 <= getattr(self, name) < 1:
                 raise InvalidParameter(
                     f"SimulatedFinger.{name}: found {getattr(self, name)}, expected from 0 to below 1"
@@ -43,15 +47,24 @@ class SimulatedFinger:
             if not 0 < getattr(self, name) < math.inf:
                 raise InvalidParameter(f"SimulatedFinger.{name}: found {getattr(self, name)}, expected above 0")
 
-    def hold(
-        self, target_n: float, tolerance: float, speed_m_per_s: float, duration_s: float, rng: np.random.Generator
-    ) -> Grip:
-        """One touch: force (N) at `rate_hz` for `duration_s`, mean speed (m/s)."""
-        n_samples = max(round(duration_s * self.rate_hz), 2)
-        mean_n = target_n * self._in_band(tolerance, rng)
+    def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
+        """One touch as `request` asks for it, at `rate_hz` for its duration."""
+        n_samples = max(round(request.duration_s * self.rate_hz), 2)
+        mean_n = request.target_n * self._in_band(request.tolerance, rng)
         forces_n = mean_n * (1 + self.waver_cv * self._waver(n_samples, rng))
-        speed = speed_m_per_s * math.exp(self.speed_cv * float(rng.standard_normal()))
-        return Grip(np.arange(n_samples) / self.rate_hz, np.maximum(forces_n, 0.0), speed)
+        times_s = np.arange(n_samples) / self.rate_hz
+        positions_m, speed_m_per_s = self._path(request, times_s, rng)
+        return Grip(times_s, np.maximum(forces_n, 0.0), positions_m, speed_m_per_s)
+
+    def _path(
+        self, request: Press | Slide, times_s: NDArray[np.float64], rng: np.random.Generator
+    ) -> tuple[NDArray[np.float64], float]:
+        if isinstance(request, Press):
+            return np.zeros_like(times_s), 0.0
+        mean_m_per_s = request.speed_m_per_s * math.exp(self.speed_cv * float(rng.standard_normal()))
+        speeds = mean_m_per_s * np.maximum(1 + self.speed_waver_cv * self._waver(times_s.size, rng), 0.0)
+        path_m = np.concatenate([[0.0], np.cumsum(speeds[:-1]) / self.rate_hz])
+        return triangle(path_m, request.length_m), float(speeds[:-1].mean())
 
     def _in_band(self, tolerance: float, rng: np.random.Generator) -> float:
         for ratio in np.exp(self.force_cv * rng.standard_normal(100)):

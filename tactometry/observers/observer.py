@@ -9,9 +9,20 @@ import numpy as np
 class Observer(Protocol):
     """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from a nominal level."""
 
-    def detect(self, sensation_db: float, rng: np.random.Generator) -> bool: ...
+    def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
+        """Whether a stimulus is reported as felt."""
 
-    def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int: ...
+    def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
+        """The index of the one that is felt most."""
+
+    def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
+        """Whether two stimuli are reported as different."""
+
+    def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """How strong it felt, a number from 0."""
+
+    def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """How good it felt, from -1 to 1."""
 
     def answer_time_s(self, rng: np.random.Generator) -> float: ...
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 
+COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
+
 
 @dataclass(frozen=True)
 class SignalDetectionObserver:
@@ -80,6 +82,26 @@ class SignalDetectionObserver:
         felt = np.array([self.d_prime(level) for level in sensations_db]) + rng.standard_normal(len(sensations_db))
         lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(sensations_db)))
         return guess if lapses else int(np.argmax(felt))
+
+    def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
+        """Whether two stimuli are reported as different: the differencing rule.
+
+        Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9. The criterion on the difference is
+        sqrt(2) times that of a single stimulus (unverified default).
+        """
+        first, second = (self.d_prime(level) for level in sensations_db)
+        noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
+        difference = abs(first - second + float(noise[0] - noise[1]))
+        return bool(guess) if lapses else difference > math.sqrt(2) * self.criterion
+
+    def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """d' with its noise, at least 0, to three digits: a power law of the amplitude, as Stevens found."""
+        return float(f"{max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0):.3g}")
+
+    def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """An inverted U: best at `COMFORT_DB` above the threshold, worst `COMFORT_RANGE_DB` beside it (unverified)."""
+        beside = min(abs(sensation_db + self.sensitivity_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
+        return float(np.clip(1 - 2 * beside + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
         return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))

@@ -21,6 +21,9 @@ from tactometry.request import (
     Choose,
     Chosen,
     Done,
+    Enter,
+    Fill,
+    Filled,
     Play,
     Played,
     Press,
@@ -32,12 +35,13 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.rigs import layout
+from tactometry.rigs import entry, form, layout
 from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.page import Answer, Screen
+from tactometry.rigs.page import Answer, Page, Screen
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
+from tactometry.scale import value_at
 from tactometry.signal import Stimulus
 
 P = ParamSpec("P")
@@ -174,7 +178,7 @@ class Bench:
             self._screen.aspect,
         )
         option, onset_s, end_s = self._stage.converse(
-            request.options[0], lambda option: page, lambda option, answer: (int(answer), True)
+            request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
         return Chosen(option, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
 
@@ -187,6 +191,42 @@ class Bench:
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
         return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+
+    @_safely
+    def enter(self, request: Enter) -> Rated:
+        words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
+        low, high = request.low, request.high
+
+        def view(typed: str) -> Page:
+            ready = entry.value_of(typed, low, high) is not None
+            return entry.entry_page(words, typed, hint, self._screen.aspect, ready=ready)
+
+        typed, onset_s, end_s = self._stage.converse("", view, lambda typed, key: entry.after(typed, key, low, high))
+        value = entry.value_of(typed, low, high)
+        return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+
+    @_safely
+    def fill(self, request: Fill) -> Filled:
+        page = self._form(request)
+        marks, onset_s, end_s = self._stage.converse(
+            form.Marks((None,) * len(page.rows)),
+            lambda marks: form.form_page(page, marks, self._screen.aspect),
+            functools.partial(form.after, page),
+        )
+        values = tuple(
+            None if place is None else value_at(place, page.n_positions, request.low, request.high)
+            for place in marks.places
+        )
+        return Filled(values, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+
+    def _form(self, request: Fill) -> form.Form:
+        return form.Form(
+            rows=tuple(self._texts.question(question) for question in request.questions),
+            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
+            rings=request.steps is not None,
+            hint=self._texts.message("hint_fill"),
+            gaps=self._texts.message("hint_gaps"),
+        )
 
     def _scale(self, request: Rate) -> layout.Scale:
         return layout.Scale(
@@ -208,7 +248,7 @@ class Bench:
         )
         self._emitter.stop()
         latency_s = round(end_s - onset_s, 6)
-        return Adjusted(_level(request, n_steps), self._session_s(onset_s), latency_s, _utc(end_s))
+        return Adjusted(request.level(n_steps), self._session_s(onset_s), latency_s, _utc(end_s))
 
     def _repeated(self, request: Adjust) -> Callable[[int], None]:
         """Plays the level of so many steps again and again; another level begins at once."""
@@ -218,7 +258,7 @@ class Bench:
         def keep_playing(n_steps: int) -> None:
             nonlocal playing, end_s
             if n_steps != playing or time.perf_counter() >= end_s:
-                signal = self._emitter.final(request.stimulus, _level(request, n_steps))
+                signal = self._emitter.final(request.stimulus, request.level(n_steps))
                 self._emitter.stop()
                 playing, end_s = n_steps, self._emitter.emit(signal) + signal.duration_s
 
@@ -234,10 +274,13 @@ class Bench:
     def show(self, request: Show) -> Done:
         page = layout.message_page(
             self._texts.message(request.message, request.values),
-            self._texts.message("hint_continue"),
+            self._texts.message("hint_continue") if request.duration_s is None else "",
             self._screen.aspect,
         )
-        self._stage.converse(None, lambda state: page, lambda state, answer: (state, True))
+        if request.duration_s is None:
+            self._stage.converse(None, lambda state: page, lambda state, answer: (state, True))
+        else:
+            self._stage.hold(self._stage.present(page) + request.duration_s, page)
         return self._done()
 
     @_safely
@@ -307,8 +350,9 @@ def _utc(clock_s: float) -> str:
     return moment.isoformat(timespec="milliseconds")
 
 
-def _level(request: Adjust, n_steps: int) -> float:
-    return request.start + n_steps * request.step
+def _option(answer: Answer) -> int:
+    assert isinstance(answer, int)
+    return answer
 
 
 def _stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
@@ -316,4 +360,4 @@ def _stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
     if answer == layout.CONFIRM:
         return n_steps, True
     wanted = n_steps + (1 if answer == layout.UP else -1)
-    return (wanted if request.low <= _level(request, wanted) <= request.high else n_steps), False
+    return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False

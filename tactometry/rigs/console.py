@@ -1,5 +1,6 @@
 """A terminal that asks: for trying a protocol out, and for devices that a person works by hand."""
 
+import math
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -14,9 +15,13 @@ from tactometry.request import (
     Choose,
     Chosen,
     Done,
+    Enter,
+    Fill,
+    Filled,
     Play,
     Played,
     Press,
+    Question,
     Rate,
     Rated,
     Record,
@@ -142,6 +147,27 @@ class Console:
         assert isinstance(value, float)
         return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
+    def enter(self, request: Enter) -> Rated:
+        most = "" if request.high is None else f" to {request.high:g}"
+        prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
+        high = math.inf if request.high is None else request.high
+        value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, high))
+        assert isinstance(value, float)
+        return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+
+    def fill(self, request: Fill) -> Filled:
+        onset_s = self._now_s()
+        values = tuple(self._fill_one(request, question) for question in request.questions)
+        utc = datetime.now(UTC).isoformat(timespec="milliseconds")
+        return Filled(values, onset_s, round(self._now_s() - onset_s, 6), utc)
+
+    def _fill_one(self, request: Fill, question: Question) -> float | None:
+        statement, left, right = self._texts.question(question)
+        prompt = f"{statement} ({request.low:g} = {left}, {request.high:g} = {right}; - leaves it open):".lstrip()
+        value, _, _ = self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))
+        assert value is None or isinstance(value, float)
+        return value
+
     def adjust(self, request: Adjust) -> Adjusted:
         prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
         level, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
@@ -154,6 +180,7 @@ class Console:
 
     def show(self, request: Show) -> Done:
         self._say(self._texts.message(request.message, request.values).strip())
+        time.sleep(request.duration_s or 0.0)
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:
@@ -171,8 +198,16 @@ def _option(line: str, request: Choose) -> int:
     return number
 
 
+def _on_scale(line: str, request: Fill) -> float:
+    value = _within(line, request.low, request.high)
+    place = (value - request.low) / (request.high - request.low) * ((request.steps or 2) - 1)
+    if request.steps is not None and not math.isclose(place, round(place), abs_tol=1e-9):
+        raise ValueError(line)
+    return value
+
+
 def _within(line: str, low: float, high: float) -> float:
     value = float(line)
-    if not low <= value <= high:
+    if not (math.isfinite(value) and low <= value <= high):
         raise ValueError(line)
     return value

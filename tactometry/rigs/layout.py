@@ -3,7 +3,6 @@
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 from tactometry.rigs.page import (
     ACCENT,
@@ -20,6 +19,7 @@ from tactometry.rigs.page import (
     Page,
     Text,
 )
+from tactometry.scale import value_at
 
 BODY = 0.042
 HEADING = 0.056
@@ -169,7 +169,7 @@ class Scale:
         >>> Scale("", "", "", "", n_positions=7, rings=True).value(2, 1, 7)
         3.0
         """
-        return float(Fraction(low) + (Fraction(high) - Fraction(low)) * mark / (self.n_positions - 1))
+        return value_at(mark, self.n_positions, low, high)
 
 
 def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:

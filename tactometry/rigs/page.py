@@ -7,7 +7,8 @@ every screen that is wide enough.
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-Answer = int | str
+Answer = int | str | tuple[int, int]
+"""What a button stands for: an option or a place, a name, or (row, place)."""
 
 PAPER = "#0E1116"
 INK = "#F5F7FA"

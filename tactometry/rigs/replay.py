@@ -13,6 +13,9 @@ if TYPE_CHECKING:
         Choose,
         Chosen,
         Done,
+        Enter,
+        Fill,
+        Filled,
         Play,
         Played,
         Press,
@@ -111,6 +114,12 @@ class Replay:
         return self._answer(request, request.answer)
 
     def rate(self, request: "Rate") -> "Rated":
+        return self._answer(request, request.answer)
+
+    def enter(self, request: "Enter") -> "Rated":
+        return self._answer(request, request.answer)
+
+    def fill(self, request: "Fill") -> "Filled":
         return self._answer(request, request.answer)
 
     def adjust(self, request: "Adjust") -> "Adjusted":

@@ -8,6 +8,9 @@ from tactometry.request import (
     Choose,
     Chosen,
     Done,
+    Enter,
+    Fill,
+    Filled,
     Play,
     Played,
     Press,
@@ -45,6 +48,10 @@ class Rig(Protocol):
     def choose(self, request: Choose) -> Chosen: ...
 
     def rate(self, request: Rate) -> Rated: ...
+
+    def enter(self, request: Enter) -> Rated: ...
+
+    def fill(self, request: Fill) -> Filled: ...
 
     def adjust(self, request: Adjust) -> Adjusted: ...
 

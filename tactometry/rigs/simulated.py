@@ -1,15 +1,16 @@
 """A rig whose participant is simulated, in simulated time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.force_gate import VALID_PART, compliance
 from tactometry.limits import Limits
-from tactometry.observers.finger import SimulatedFinger
+from tactometry.observers.finger import Grip, SimulatedFinger
 from tactometry.observers.observer import Observer
 from tactometry.request import (
     Adjust,
@@ -17,9 +18,13 @@ from tactometry.request import (
     Choose,
     Chosen,
     Done,
+    Enter,
+    Fill,
+    Filled,
     Play,
     Played,
     Press,
+    Question,
     Rate,
     Rated,
     Record,
@@ -28,13 +33,75 @@ from tactometry.request import (
     Touched,
     Wait,
 )
+from tactometry.scale import value_at
 from tactometry.signal import Signal, Stimulus
+from tactometry.speed_gate import motion
 
 
 class Sensation(Protocol):
     """What a finger feels of a signal: a sensation level in dB re the detection threshold, -inf for nothing."""
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
+
+
+@dataclass(frozen=True)
+class Felt:
+    """A stimulus that was felt in this trial, with its sensation level."""
+
+    stimulus: str
+    level_db: float
+
+
+Answering = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
+READING_S = 2.0
+
+
+def _detect(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    return request.options[int(observer.detect(felt[0].level_db, rng))]
+
+
+def _differ(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    return request.options[int(observer.differ([each.level_db for each in felt], rng))]
+
+
+def _strongest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    return request.options[observer.compare([each.level_db for each in felt], rng)]
+
+
+def _most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    return request.options[int(np.argmax([observer.liking(each.level_db, rng) for each in felt]))]
+
+
+def _located(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """Each place is felt apart: the sensation at the one that was stimulated, nothing but noise at the others."""
+    levels_db = [felt[-1].level_db if name == felt[-1].stimulus else float("-inf") for name in request.stimuli]
+    return request.options[observer.compare(levels_db, rng)]
+
+
+ANSWERS: Mapping[str, tuple[int | None, Answering]] = {
+    "felt": (1, _detect),
+    "which_interval": (None, _strongest),
+    "which_stronger": (None, _strongest),
+    "same_different": (2, _differ),
+    "which_place": (1, _located),
+    "which_preferred": (None, _most_liked),
+}
+"""How each question is answered, and after how many stimuli (None: one for each option)."""
+
+
+def _placed(liking: float, low: float, high: float, steps: int | None) -> float:
+    """A liking from -1 to 1 as an answer on a scale."""
+    part = (1 + liking) / 2
+    return (
+        round(low + part * (high - low), 3) if steps is None else value_at(round(part * (steps - 1)), steps, low, high)
+    )
+
+
+def _in_motion(request: Press | Slide, grip: Grip) -> bool:
+    if isinstance(request, Press) or request.speed_tolerance is None:
+        return True
+    moved = motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
+    return moved.in_band >= VALID_PART
 
 
 class SimulatedRig:
@@ -66,7 +133,7 @@ class SimulatedRig:
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
         self._rng = self._rng_of(n_trials)
-        self._felt_db: list[float] = []
+        self._felt: list[Felt] = []
 
     def facts(self) -> dict[str, str | int | float | bool | None]:
         return {"rig": "simulated", "clock": "simulated"}
@@ -87,8 +154,10 @@ class SimulatedRig:
         self._limits.check(signal)
         return signal
 
-    def _feel(self, signal: Signal | None, contact: Contact) -> None:
-        self._felt_db.append(float("-inf") if signal is None else self._sensation.sensation_db(signal, contact))
+    def _feel(self, stimulus: str, signal: Signal | None, contact: Contact) -> None:
+        nothing = float("-inf")
+        level_db = nothing if signal is None else self._sensation.sensation_db(signal, contact)
+        self._felt.append(Felt(stimulus, level_db))
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -98,21 +167,21 @@ class SimulatedRig:
 
     def play(self, request: Play) -> Played:
         signal = self._signal(request.stimulus, request.level)
-        self._feel(signal, Contact(0.0))
+        self._feel(request.stimulus, signal, Contact(0.0))
         onset_s = self._pass(request.duration_s)
         return Played(onset_s, request.level, "" if signal is None else signal.digest())
 
     def press(self, request: Press) -> Touched:
-        return self._touch(request, 0.0)
+        return self._touch(request)
 
     def slide(self, request: Slide) -> Touched:
-        return self._touch(request, request.speed_m_per_s)
+        return self._touch(request)
 
-    def _touch(self, request: Press | Slide, speed_m_per_s: float) -> Touched:
+    def _touch(self, request: Press | Slide) -> Touched:
         signal = self._signal(request.stimulus, request.level)
-        grip = self._finger.hold(request.target_n, request.tolerance, speed_m_per_s, request.duration_s, self._rng)
+        grip = self._finger.hold(request, self._rng)
         mean_n, sd_n, in_band = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
-        self._feel(signal, Contact(mean_n, grip.speed_m_per_s))
+        self._feel(request.stimulus, signal, Contact(mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
@@ -122,35 +191,74 @@ class SimulatedRig:
             force_sd_n=round(sd_n, 6),
             force_in_band=round(in_band, 6),
             speed_mean_m_per_s=round(grip.speed_m_per_s, 6),
-            valid=in_band >= VALID_PART,
+            valid=in_band >= VALID_PART and _in_motion(request, grip),
         )
 
     def choose(self, request: Choose) -> Chosen:
-        if len(self._felt_db) == 1 and request.options == (0, 1):
-            option = int(self._observer.detect(self._felt_db[0], self._rng))
-        elif len(self._felt_db) == len(request.options):
-            option = request.options[self._observer.compare(self._felt_db, self._rng)]
-        else:
+        if request.question not in ANSWERS:
+            raise InvalidParameter(
+                f"the simulated participant was asked {request.question!r}, expected one of {', '.join(ANSWERS)}"
+                f"{nearest(request.question, ANSWERS)}"
+            )
+        expected, answer = ANSWERS[request.question]
+        n_expected = expected or len(request.options)
+        if len(self._felt) != n_expected:
             raise InvalidParameter(
                 f"the simulated participant was asked {request.question!r} with {len(request.options)} options after "
-                f"{len(self._felt_db)} stimuli, expected one stimulus and (0, 1), or one stimulus for each option"
+                f"{len(self._felt)} stimuli, expected {n_expected}"
             )
-        latency_s = round(self._observer.answer_time_s(self._rng), 6)
-        return Chosen(option, self._pass(latency_s), latency_s)
+        option = answer(self._observer, self._felt, request, self._rng)
+        onset_s, latency_s = self._answered(1)
+        return Chosen(option, onset_s, latency_s)
+
+    def _answered(self, n_questions: int) -> tuple[float, float]:
+        """Onset and latency of so many questions that are answered one after the other."""
+        latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
+        return self._pass(latency_s), latency_s
 
     def rate(self, request: Rate) -> Rated:
-        raise InvalidParameter(f"the simulated participant has no rule to rate {request.item!r}")
+        value = _placed(self._liking(), request.low, request.high, request.steps)
+        return Rated(value, *self._answered(1))
+
+    def enter(self, request: Enter) -> Rated:
+        value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
+        return Rated(value if request.high is None else min(value, request.high), *self._answered(1))
+
+    def fill(self, request: Fill) -> Filled:
+        values = tuple(self._filled(request, question) for question in request.questions)
+        return Filled(values, *self._answered(len(values)))
+
+    def _filled(self, request: Fill, question: Question) -> float:
+        liking = self._liking()
+        return _placed(-liking if question.reversed else liking, request.low, request.high, request.steps)
+
+    def _liking(self) -> float:
+        return self._observer.liking(self._last_db(), self._rng)
+
+    def _last_db(self) -> float:
+        return self._felt[-1].level_db if self._felt else 0.0
 
     def adjust(self, request: Adjust) -> Adjusted:
-        raise InvalidParameter(f"the simulated participant has no rule to adjust {request.stimulus!r}")
+        """Up until it is felt, or down until it is not felt any more."""
+        begin_s, felt = self._now_s, self._feels(request, 0)
+        step, n_steps = (-1 if felt else 1), 0
+        while self._feels(request, n_steps) == felt and request.low <= request.level(n_steps + step) <= request.high:
+            n_steps += step
+            self._answered(1)
+        return Adjusted(request.level(n_steps), begin_s, round(self._now_s - begin_s, 6))
+
+    def _feels(self, request: Adjust, n_steps: int) -> bool:
+        signal = self._signal(request.stimulus, request.level(n_steps))
+        contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
+        assert signal is not None
+        return self._observer.detect(self._sensation.sensation_db(signal, contact), self._rng)
 
     def wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)
         return Done(self._now_s)
 
     def show(self, request: Show) -> Done:
-        del request
-        self._pass(2.0)
+        self._pass(READING_S if request.duration_s is None else request.duration_s)
         return Done(self._now_s)
 
     def record(self, request: Record) -> Done:

@@ -7,6 +7,7 @@ from functools import cache
 from importlib.resources import files
 
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.request import Question
 
 PREFIX, SUFFIX = "messages_", ".toml"
 
@@ -34,10 +35,28 @@ class Texts:
         Texts with ``{names}`` to be filled.
     labels : mapping of str to str
         What a label of an answer is called in the participant's language.
+    language : str
+        Its two letters, for words that come in several languages.
     """
 
     messages: Mapping[str, str]
     labels: Mapping[str, str] = field(default_factory=dict)
+    language: str = "en"
+
+    def question(self, question: Question) -> tuple[str, str, str]:
+        """The statement, the left and the right word of a question in this language.
+
+        Raises
+        ------
+        InvalidParameter
+            If the questionnaire has no words in this language.
+        """
+        if self.language not in question.words:
+            raise InvalidParameter(
+                f"item {question.item!r}: found no words in {self.language!r}, expected one of "
+                f"{', '.join(question.words)}; choose that language on the bench, or add the words"
+            )
+        return question.words[self.language]
 
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
         """The text of a message, filled with `values`.
@@ -90,4 +109,4 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
         )
     shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
-    return Texts({**shipped["messages"], **study}, labels)
+    return Texts({**shipped["messages"], **study}, labels, language)
