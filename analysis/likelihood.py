@@ -1,8 +1,7 @@
 """Binomial log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
 
 A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess
-rate. All ratios are exponentials of differences of logarithms, so that nothing overflows or is lost in a
-tail.
+rate.
 """
 
 from dataclasses import dataclass
@@ -10,17 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.analysis.counts import Array, Counts
+from tactometry.analysis.responses import ByPoint, bend, by_point, weighted
 from tactometry.psychometric import Shape, log_mixture
 
 N_PARAMETERS = 4
 THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
-_LARGEST_LOG_RATIO = 300.0
-
-
-def weighted(count: Array, log_chance: Array) -> Array:
-    """count * log_chance, where no count gives 0 even at log 0."""
-    with np.errstate(invalid="ignore"):
-        return np.where(count > 0, count * log_chance, 0.0)
 
 
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
@@ -68,58 +61,34 @@ class Expansion:
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
     """The log-likelihood with its exact gradient and Hessian."""
     z = _z(shape, counts.u, theta)
-    yes, no = _one_answer(shape, z, theta, 1), _one_answer(shape, z, theta, 0)
-    n_yes, n_no = counts.n_yes, counts.n_trials - counts.n_yes
-    value = (weighted(n_yes, yes[0]) + weighted(n_no, no[0])).sum(axis=-1)
-    by_z = [n_yes * a + n_no * b for a, b in zip(yes[1:], no[1:], strict=True)]
-    return Expansion(value, *_chain(shape, z, theta, by_z))
-
-
-def _one_answer(shape: Shape, z: Array, theta: Array, answer: int) -> tuple[Array, ...]:
-    """log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
     guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
-    log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
-    chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
-    sign = 1.0 if answer else -1.0
-    density, up, down = (_ratio(part, chance) for part in (shape.log_pdf(z), log_cdf, log_sf))
-    steep = (1 - guess - lapse) * density
-    by_z, by_l, by_g = sign * steep, -sign * up, sign * down
-    by_zz = sign * _bend(steep, shape.score(z)) - steep * steep
-    if answer:
-        by_zl, by_zg = -density * _ratio(np.log(guess), chance), -density * _ratio(np.log1p(-lapse), chance)
-    else:
-        by_zl, by_zg = density * _ratio(np.log1p(-guess), chance), density * _ratio(np.log(lapse), chance)
-    return chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
+    return _chain(shape, z, theta, by_point(shape, z, guess, lapse, (counts.n_yes, counts.n_trials - counts.n_yes)))
 
 
-def _bend(steep: Array, score: Array) -> Array:
-    """steep * score, 0 where the density has vanished: it does so faster than its logarithm bends."""
-    with np.errstate(invalid="ignore"):
-        return np.where(steep > 0, steep * score, 0.0)
-
-
-def _ratio(log_part: Array, log_chance: Array) -> Array:
-    """exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
-    with np.errstate(invalid="ignore"):
-        difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
-    return np.asarray(np.exp(np.minimum(difference, _LARGEST_LOG_RATIO)))
-
-
-def _chain(shape: Shape, z: Array, theta: Array, by_z: list[Array]) -> tuple[Array, Array]:
+def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
     """From derivatives along z to those along threshold and log width; summed over the levels."""
-    dz, dzz, dl, dzl, dll, dg, dzg, dgg, dlg = by_z
-    to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
-    to_v = shape.z50 - z
-    gradient = np.stack([dz * to_m, dz * to_v, dl, dg], axis=-1).sum(axis=-2)
-    mv = dzz * to_m * to_v - dz * to_m
-    rows = [
-        [dzz * to_m * to_m, mv, dzl * to_m, dzg * to_m],
-        [mv, dzz * to_v * to_v - dz * to_v, dzl * to_v, dzg * to_v],
-        [dzl * to_m, dzl * to_v, dll, dlg],
-        [dzg * to_m, dzg * to_v, dlg, dgg],
-    ]
-    hessian = np.stack([np.stack([part.sum(axis=-1) for part in row], axis=-1) for row in rows], axis=-2)
-    return gradient, hessian
+    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
+    zz_v = by.zz * to_v
+    z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
+    zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
+    zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
+    zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
+    mv = (mv - z1) * to_m
+    rows = (
+        (zz * to_m * to_m, mv, zl * to_m, zg * to_m),
+        (mv, vv - zv, vl, vg),
+        (zl * to_m, vl, ll, lg),
+        (zg * to_m, vg, lg, gg),
+    )
+    hessian = np.empty((*to_m.shape, N_PARAMETERS, N_PARAMETERS))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            hessian[..., i, j] = entry
+    return Expansion(by.value.sum(axis=-1), np.stack([z1 * to_m, zv, lapse, guess], axis=-1), hessian)
+
+
+def _sums(*parts: Array) -> list[Array]:
+    return [part.sum(axis=-1) for part in parts]
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
@@ -130,11 +99,11 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
     span, nothing = 1 - guess - lapse, np.zeros_like(z)
     to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
     to_v = shape.z50 - z
-    steep, bend = span * pdf, span * _bend(pdf, shape.score(z))
-    mv, ml, vl = bend * to_m * to_v - steep * to_m, -pdf * to_m, -pdf * to_v
+    steep, bent = span * pdf, span * bend(pdf, shape.score(z))
+    mv, ml, vl = bent * to_m * to_v - steep * to_m, -pdf * to_m, -pdf * to_v
     rows = [
-        [bend * to_m * to_m, mv, ml, ml],
-        [mv, bend * to_v * to_v - steep * to_v, vl, vl],
+        [bent * to_m * to_m, mv, ml, ml],
+        [mv, bent * to_v * to_v - steep * to_v, vl, vl],
         [ml, vl, nothing, nothing],
         [ml, vl, nothing, nothing],
     ]

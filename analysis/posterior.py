@@ -12,10 +12,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from tactometry.analysis.counts import Array, Counts, Which
-from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, weighted
+from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from tactometry.analysis.mode import Mode
 from tactometry.analysis.overdispersion import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
 from tactometry.analysis.prior import Prior, log_prior_axes
+from tactometry.analysis.responses import weighted
 from tactometry.psychometric import Shape, log_mixture
 
 NEGLIGIBLE = 14.0

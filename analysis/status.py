@@ -14,10 +14,10 @@ from tactometry.analysis.likelihood import (
     constant_log_likelihood,
     log_likelihood,
     saturated_log_likelihood,
-    weighted,
 )
 from tactometry.analysis.mode import Mode
 from tactometry.analysis.prior import BETA_B, Prior
+from tactometry.analysis.responses import weighted
 from tactometry.analysis.step import Step
 from tactometry.psychometric import Shape
 

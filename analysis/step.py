@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.analysis.counts import Array, Counts
-from tactometry.analysis.likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood, weighted
+from tactometry.analysis.likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood
 from tactometry.analysis.mode import Mode
+from tactometry.analysis.responses import weighted
 from tactometry.psychometric import Shape
 
 TOLERATED = 1.0
