@@ -1,0 +1,279 @@
+"""Linear mixed models with a random intercept: missing cells, and measured force as a covariate.
+
+By the profile of the restricted likelihood. statsmodels' MixedLM fits the same model, but its search can end beside
+the maximum, and its parameter "Group Var" is divided by the residual variance (science 10.4).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import minimize_scalar
+from scipy.stats import f as fisher
+from scipy.stats import t as student
+
+from tactometry.analysis.design import Array, finite_rows
+from tactometry.errors import InvalidParameter
+
+RATIOS = (1e-8, 1e10)
+"""Where the variance of participants over the residual one is looked for, besides 0."""
+N_GRID = 73
+SMALLEST = 1e-300
+TOLERANCE = 1e-9
+ALIKE = (
+    "participants do not differ beyond the residuals: their variance is 0, at its bound (a singular fit, which is a "
+    "valid result)"
+)
+
+
+class ModelStatus(StrEnum):
+    """`SINGULAR`: participants do not differ beyond the residuals, a valid result (their variance is 0)."""
+
+    OK = "ok"
+    SINGULAR = "singular"
+
+
+@dataclass(frozen=True)
+class MixedModel:
+    """A fitted model y = X b + u(participant) + e.
+
+    `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
+    and interaction its F. `participant_variance` and `residual_variance` in the unit of the dependent value, squared;
+    `log_likelihood` is the restricted one. `notes` say what a reader must know.
+    """
+
+    coefficients: pd.DataFrame
+    terms: pd.DataFrame
+    participant_variance: float
+    residual_variance: float
+    log_likelihood: float
+    n: int
+    n_participants: int
+    status: ModelStatus
+    notes: tuple[str, ...]
+
+
+def mixed_model(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    factors: Sequence[str] = (),
+    covariates: Sequence[str] = (),
+    subject: str,
+    interactions: bool = True,
+    base: Mapping[str, object] | None = None,
+    interval: float = 0.95,
+) -> MixedModel:
+    """A linear mixed model with a random intercept per participant, by restricted maximum likelihood.
+
+    Parameters
+    ----------
+    factors : sequence of str
+        Columns whose values are categories; the first value is the base, or the one that `base` names.
+    covariates : sequence of str
+        Columns of numbers, such as the logarithm of the measured force.
+    interactions : bool
+        Whether factors and covariates interact (all orders).
+
+    Raises
+    ------
+    InvalidParameter
+        For unknown columns, values that are not finite (naming the row), fewer than two participants, a base that is
+        no level, and terms that the data cannot tell apart.
+
+    Notes
+    -----
+    Cells may be missing: the model needs no complete design, but takes them as missing at random, which a censored
+    threshold is not (`censored_model` takes those). t and F have the degrees of freedom that a balanced design has:
+    values less coefficients less participants plus one.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = mixed_model(table, dependent="y", factors=["force_n"], subject="who")
+    >>> found.coefficients[["term", "estimate"]].round(3).values.tolist()
+    [['Intercept', 2.5], ['force_n = 1.0', 1.5], ['force_n = 2.0', 3.5]]
+    >>> round(found.participant_variance, 4), round(found.residual_variance, 4)
+    (0.5556, 0.4444)
+    """
+    data = checked_rows(table, dependent, factors, covariates, subject)
+    matrix = design_matrix(data, factors, covariates, interactions=interactions, base=base or {})
+    y = data[dependent].to_numpy(dtype=np.float64)
+    groups, names = pd.factorize(data[subject])
+    scale = float(y.std()) or 1.0
+    fit = _fit((y - y.mean()) / scale, matrix.x, groups)
+    df = len(y) - matrix.x.shape[1] - len(names) + 1
+    estimates, covariance = fit.estimates * scale, fit.covariance * scale**2
+    estimates[0] += y.mean()
+    return MixedModel(
+        coefficients=_coefficients(matrix.names, estimates, covariance, df, interval),
+        terms=_terms(matrix, estimates, covariance, df),
+        participant_variance=fit.participant_variance * scale**2,
+        residual_variance=fit.residual_variance * scale**2,
+        log_likelihood=fit.log_likelihood - (len(y) - len(estimates)) * float(np.log(scale)),
+        n=len(y),
+        n_participants=len(names),
+        status=fit.status,
+        notes=(ALIKE,) if fit.status is ModelStatus.SINGULAR else (),
+    )
+
+
+def checked_rows(
+    table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
+) -> pd.DataFrame:
+    """The rows with finite numbers where numbers are needed."""
+    columns = [dependent, subject, *factors, *covariates]
+    if len(set(columns)) < len(columns):
+        raise InvalidParameter(f"mixed_model: found {', '.join(columns)}, expected each column once")
+    data = finite_rows(table, columns, dependent, "mixed_model")
+    for name in covariates:
+        data[name] = finite_rows(data, [name, *(c for c in columns if c != name)], name, "mixed_model")[name]
+    n = data[subject].nunique()
+    if n < 2:
+        raise InvalidParameter(f"{subject}: found {n} participant, expected at least 2 for a mixed model")
+    return data
+
+
+@dataclass(frozen=True)
+class DesignMatrix:
+    """`x` of shape (row, column) with `names`; `terms` maps the name of each term to its columns."""
+
+    x: Array
+    names: tuple[str, ...]
+    terms: Mapping[str, tuple[int, ...]]
+
+
+def design_matrix(
+    data: pd.DataFrame,
+    factors: Sequence[str],
+    covariates: Sequence[str],
+    *,
+    interactions: bool,
+    base: Mapping[str, object],
+) -> DesignMatrix:
+    """Treatment codes of the factors, the covariates, and their products.
+
+    Raises
+    ------
+    InvalidParameter
+        If a base is no level, or columns depend on each other.
+    """
+    single = {name: _codes(data, name, base.get(name)) for name in factors}
+    single |= {name: {name: data[name].to_numpy(dtype=np.float64)} for name in covariates}
+    columns: dict[str, Array] = {"Intercept": np.ones(len(data))}
+    terms: dict[str, tuple[int, ...]] = {}
+    for r in range(1, (len(single) if interactions else 1) + 1):
+        for part in combinations(single, r):
+            added = _products([single[name] for name in part])
+            terms[" * ".join(part)] = tuple(range(len(columns), len(columns) + len(added)))
+            columns |= added
+    x = np.stack(list(columns.values()), axis=1)
+    _refuse_dependent(x, list(columns), terms)
+    return DesignMatrix(x, tuple(columns), terms)
+
+
+def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
+    levels = sorted(data[name].unique())
+    first = levels[0] if base is None else base
+    if first not in levels:
+        raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")
+    return {f"{name} = {level}": (data[name] == level).to_numpy(np.float64) for level in levels if level != first}
+
+
+def _products(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+    found = dict(parts[0])
+    for part in parts[1:]:
+        found = {f"{one} * {other}": x * y for one, x in found.items() for other, y in part.items()}
+    return found
+
+
+def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequence[int]]) -> None:
+    norms = np.linalg.norm(x, axis=0)
+    scaled = x / np.where(norms > 0, norms, 1.0)
+    for n in range(1, x.shape[1] + 1):
+        if np.linalg.matrix_rank(scaled[:, :n], tol=TOLERANCE * n) < n:
+            term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
+            raise InvalidParameter(
+                f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
+                "tell apart; leave the term or the condition out"
+            )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    estimates: Array
+    covariance: Array
+    participant_variance: float
+    residual_variance: float
+    log_likelihood: float
+    status: ModelStatus
+
+
+def _fit(y: Array, x: Array, groups: Any) -> _Fit:
+    """The maximum of the restricted likelihood over the ratio of the two variances, all else in closed form.
+
+    statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
+    """
+    grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
+    values = [_at(float(np.exp(x_)), y, x, groups).log_likelihood for x_ in grid]
+    best = int(np.argmax(values))
+    bounds = (grid[max(best - 1, 0)], grid[min(best + 1, N_GRID - 1)])
+    found = minimize_scalar(
+        lambda log_ratio: -_at(float(np.exp(log_ratio)), y, x, groups).log_likelihood,
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    inside, alone = _at(float(np.exp(found.x)), y, x, groups), _at(0.0, y, x, groups)
+    return inside if best > 0 and inside.log_likelihood > alone.log_likelihood else alone
+
+
+def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
+    """The fit if the participants' variance is `ratio` of the residual one: a regression of what is left when a part of
+    each participant's mean is taken off (Fuller and Battese 1973)."""
+    n, p = x.shape
+    sizes = np.bincount(groups)
+    share = 1 - (1 + sizes * ratio) ** -0.5
+    both = np.column_stack([x, y])
+    means = np.stack([np.bincount(groups, column) for column in both.T], axis=1) / sizes[:, None]
+    left = both - (share[:, None] * means)[groups]
+    x_left, y_left = left[:, :p], left[:, p]
+    q, r = np.linalg.qr(x_left)
+    estimates = np.linalg.solve(r, q.T @ y_left)
+    residual = max(float(np.sum((y_left - x_left @ estimates) ** 2)) / (n - p), SMALLEST)
+    inverse = np.linalg.inv(r)
+    log_determinant = 2 * float(np.sum(np.log(np.abs(np.diagonal(r))))) + float(np.sum(np.log1p(sizes * ratio)))
+    log_likelihood = -0.5 * ((n - p) * (np.log(2 * np.pi * residual) + 1) + log_determinant)
+    status = ModelStatus.SINGULAR if ratio == 0 else ModelStatus.OK
+    return _Fit(estimates, residual * inverse @ inverse.T, ratio * residual, residual, float(log_likelihood), status)
+
+
+def _coefficients(names: Sequence[str], estimates: Array, covariance: Array, df: int, interval: float) -> pd.DataFrame:
+    se = np.sqrt(np.diagonal(covariance))
+    t = estimates / se
+    half = student.ppf((1 + interval) / 2, df) * se
+    return pd.DataFrame(
+        {
+            "term": list(names),
+            "estimate": estimates,
+            "se": se,
+            "df": df,
+            "t": t,
+            "p": 2 * student.sf(np.abs(t), df),
+            "low": estimates - half,
+            "high": estimates + half,
+        }
+    )
+
+
+def _terms(matrix: DesignMatrix, estimates: Array, covariance: Array, df: int) -> pd.DataFrame:
+    """Wald's F of each term, at the base of the others."""
+    rows = []
+    for name, places in matrix.terms.items():
+        own = list(places)
+        f = float(estimates[own] @ np.linalg.solve(covariance[np.ix_(own, own)], estimates[own])) / len(own)
+        rows.append({"term": name, "df1": len(own), "df2": df, "F": f, "p": float(fisher.sf(f, len(own), df))})
+    return pd.DataFrame(rows)

@@ -1,0 +1,150 @@
+"""Linear mixed models: published values, closed forms of balanced designs, recovery, bounds, refusals."""
+
+import re
+import warnings
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_analysis_anova import PUBLISHED, WITHIN, long_table
+from test_analysis_contrasts import drawn
+from test_analysis_contrasts import long_table as any_table
+
+from tactometry.analysis.contrasts import effects
+from tactometry.analysis.design import Design
+from tactometry.analysis.mixed_model import ModelStatus, mixed_model
+from tactometry.errors import InvalidParameter
+
+
+@pytest.fixture(scope="module")
+def published() -> pd.DataFrame:
+    table = long_table(np.array(PUBLISHED.split(), dtype=float).reshape(8, 12))
+    return table.assign(octave=np.log2(table["force"]))
+
+
+def test_published_model_with_force_as_covariate(published) -> None:
+    found = mixed_model(
+        published, dependent="y", factors=["freq"], covariates=["octave"], subject="subject", base={"freq": 120}
+    )
+    estimates = found.coefficients.set_index("term")["estimate"]
+    truth = {
+        "Intercept": 27.93333,
+        "freq = 60": 4.81250,
+        "freq = 240": -2.93750,
+        "freq = 480": -0.94167,
+        "octave": -0.82812,
+        "freq = 60 * octave": 0.48438,
+        "freq = 240 * octave": 0.35938,
+        "freq = 480 * octave": -0.20312,
+    }
+    assert estimates.to_dict() == pytest.approx(truth, abs=5e-6 + 5e-6)
+    assert found.residual_variance == pytest.approx(0.4317599, abs=2e-6)
+    assert found.participant_variance == pytest.approx(2.5767432, rel=1e-4)
+    assert found.log_likelihood == pytest.approx(-114.811057, abs=1e-4)
+    assert found.status is ModelStatus.OK
+
+
+def test_published_cell_means_model_and_its_closed_form(published) -> None:
+    """Balanced: the residual is the mean square of all errors, the variance that of the participants above it."""
+    found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject")
+    values = np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
+    design = Design(values, ("force", "freq"), ((0, 1, 2), (0, 1, 2, 3)), tuple(range(8)))
+    errors = sum(effect.ss_error for effect in effects(design)) / (7 * 11)
+    subjects = 12 * values.mean(axis=(1, 2)).var(ddof=1)
+    assert found.residual_variance == pytest.approx(errors, rel=1e-8)
+    assert found.participant_variance == pytest.approx((subjects - errors) / 12, rel=1e-6)
+    assert (found.residual_variance, found.participant_variance) == pytest.approx((0.4297891, 2.5768999), rel=1e-4)
+
+
+def test_one_factor_has_the_f_of_the_analysis_of_variance() -> None:
+    values = drawn((9, 4), np.random.default_rng())
+    row = mixed_model(any_table(values), dependent="y", factors=["force"], subject="subject").terms.iloc[0]
+    design = Design(values, ("force",), (tuple(range(4)),), tuple(range(9)))
+    (effect,) = effects(design)
+    if effect.ss_error / effect.df[1] < 4 * values.mean(axis=1).var(ddof=1):
+        assert row["F"] == pytest.approx(effect.f, rel=1e-6)
+    assert (row["df1"], row["df2"]) == effect.df
+
+
+def test_statsmodels_restricted_likelihood_is_nowhere_higher() -> None:
+    """And where its search ends at the maximum, the variances are alike: the covariance, not the parameter."""
+    from statsmodels.regression.mixed_linear_model import MixedLM
+
+    rng = np.random.default_rng()
+    n_alike = 0
+    for _ in range(12):
+        table = any_table(drawn((10, 3), rng)).iloc[rng.permutation(30)[:26]]
+        own = mixed_model(table, dependent="y", factors=["force"], subject="subject")
+        x = np.stack([np.ones(26), table["force"] == 1, table["force"] == 2], axis=1).astype(float)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            peer = MixedLM(table["y"].to_numpy(), x, table["subject"].to_numpy()).fit(reml=True)
+        assert own.log_likelihood >= peer.llf - 1e-8
+        if own.log_likelihood < peer.llf + 1e-6 and own.status is ModelStatus.OK:
+            n_alike += 1
+            assert own.participant_variance == pytest.approx(float(peer.cov_re[0, 0]), rel=0.02, abs=0.02)
+            assert own.coefficients["se"].to_numpy() == pytest.approx(peer.bse_fe, rel=0.02)
+    assert n_alike > 0
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+def test_unit_and_offset_do_not_matter(published, scale) -> None:
+    one = mixed_model(published, dependent="y", factors=["freq"], subject="subject")
+    moved = published.assign(y=published["y"] * scale + 3 * scale)
+    other = mixed_model(moved, dependent="y", factors=["freq"], subject="subject")
+    assert other.coefficients["t"].to_numpy()[1:] == pytest.approx(one.coefficients["t"].to_numpy()[1:], rel=1e-4)
+    assert other.participant_variance == pytest.approx(one.participant_variance * scale**2, rel=1e-3)
+
+
+def test_missing_cells_are_taken_and_the_truth_is_recovered() -> None:
+    rng = np.random.default_rng()
+    n, k, sd = 60, 4, 0.7
+    force = rng.uniform(0.5, 3.0, (n, k))
+    values = 20 - 1.5 * force + np.arange(k) + rng.normal(0, 2, (n, 1)) + rng.normal(0, sd, (n, k))
+    table = any_table(values).assign(measured=force.ravel())
+    kept = table[rng.random(len(table)) < 0.8]
+    found = mixed_model(kept, dependent="y", factors=["force"], covariates=["measured"], subject="subject",
+                        interactions=False)  # fmt: skip
+    rows = found.coefficients.set_index("term")
+    for term, truth in (("measured", -1.5), ("force = 1", 1.0), ("force = 3", 3.0)):
+        assert rows.loc[term, "estimate"] == pytest.approx(truth, abs=4.5 * rows.loc[term, "se"])
+    assert found.residual_variance == pytest.approx(sd**2, rel=4.5 * np.sqrt(2 / found.coefficients["df"][0]))
+    assert found.participant_variance == pytest.approx(4.0, rel=4.5 * np.sqrt(2 / (n - 1)) + 0.1)
+
+
+def test_participants_alike_are_a_singular_fit_and_no_error(recwarn) -> None:
+    values = drawn((8, 4), np.random.default_rng())
+    centred = values - values.mean(axis=1, keepdims=True)
+    found = mixed_model(any_table(centred), dependent="y", factors=["force"], subject="subject")
+    assert (found.status, found.participant_variance) == (ModelStatus.SINGULAR, 0.0)
+    assert "at its bound" in found.notes[0]
+    assert np.isfinite(found.coefficients.drop(columns="term").to_numpy(dtype=float)).all()
+    assert not recwarn.list
+
+
+def test_names_with_spaces_are_names(published) -> None:
+    renamed = published.rename(columns={"freq": "the frequency / Hz", "y": "log y"})
+    found = mixed_model(renamed, dependent="log y", factors=["the frequency / Hz"], subject="subject")
+    assert found.coefficients["term"][1] == "the frequency / Hz = 120"
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "message"),
+    [
+        ({}, {"factors": ["frec"]}, "mixed_model: found no column 'frec'; did you mean 'freq'?"),
+        ({}, {"factors": ["freq"], "base": {"freq": 61}}, "base: found freq = 61, expected one of 60, 120, 240, 480"),
+        ({"octave": np.inf}, {"covariates": ["octave"]}, "octave, row 0: found inf (y = 30.4, subject = P1), expected"),
+        ({"subject": "P1"}, {"factors": ["freq"]}, "subject: found 1 participant, expected at least 2"),
+        ({"octave": 3.0}, {"covariates": ["octave"]}, "octave: found that octave follows from the terms before it"),
+        ({}, {"factors": ["freq", "freq"]}, "mixed_model: found y, subject, freq, freq, expected each column once"),
+    ],
+)
+def test_refuses_what_it_cannot_fit(published, change, arguments, message) -> None:
+    with pytest.raises(InvalidParameter, match=re.escape(message)):
+        mixed_model(published.assign(**change), dependent="y", subject="subject", **arguments)
+
+
+def test_refuses_a_combination_of_levels_that_nobody_had(published) -> None:
+    table = published[~((published["freq"] == 480) & (published["force"] == 2))]
+    with pytest.raises(InvalidParameter, match=r"force \* freq: found that force = 2.0 \* freq = 480 follows from"):
+        mixed_model(table, dependent="y", factors=WITHIN, subject="subject")

@@ -1,0 +1,239 @@
+"""Paired comparisons, equivalence and tests on ranks: published values, peers, error rates, refusals."""
+
+import os
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+from test_analysis_anova import PUBLISHED, WITHIN, long_table
+from test_analysis_contrasts import drawn
+from test_analysis_contrasts import long_table as any_table
+
+from tactometry.analysis.design import UndefinedStatistic
+from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.nonparametric import aligned_rank_transform, art_contrasts, friedman
+from tactometry.analysis.post_hoc import dz_interval, evidence, pairs, rank_pairs
+from tactometry.errors import InvalidParameter
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+
+
+@pytest.fixture(scope="module")
+def published() -> pd.DataFrame:
+    return long_table(np.array(PUBLISHED.split(), dtype=float).reshape(8, 12))
+
+
+@pytest.fixture(scope="module")
+def found(published) -> pd.DataFrame:
+    return pairs(published, dependent="y", factor="freq", subject="subject").set_index(["a", "b"])
+
+
+# --- pairs
+
+
+@pytest.mark.parametrize(
+    ("pair", "t"),
+    [
+        ((60, 120), 28.5269),
+        ((60, 240), 33.4838),
+        ((60, 480), 46.8781),
+        ((120, 240), 17.4125),
+        ((120, 480), 5.7537),
+        ((240, 480), -8.4913),
+    ],
+)
+def test_published_pairs(found, pair, t) -> None:
+    assert -found.loc[pair, "t"] == pytest.approx(t, abs=5e-5)
+
+
+def test_published_holm_correction(found) -> None:
+    assert found.loc[(120, 480), "p_corr"] == pytest.approx(6.958e-4, rel=1e-3)
+    assert found.loc[(240, 480), "p_corr"] == pytest.approx(1.244e-4, rel=1e-3)
+
+
+@pytest.mark.parametrize(("correction", "p"), [("bonferroni", 0.004175), ("fdr_bh", 6.958e-4), ("none", 6.958e-4)])
+def test_published_other_corrections(published, correction, p) -> None:
+    table = pairs(published, dependent="y", factor="freq", subject="subject", correction=correction)
+    assert table.set_index(["a", "b"]).loc[(120, 480), "p_corr"] == pytest.approx(p, rel=1e-3)
+
+
+def test_adjusted_p_are_monotone_and_at_most_one(found) -> None:
+    ordered = found.sort_values("p_unc")
+    assert ordered["p_corr"].is_monotonic_increasing
+    assert (ordered["p_corr"] >= ordered["p_unc"]).all()
+    assert ordered["p_corr"].max() <= 1
+
+
+def test_pairs_equal_scipy_and_pingouin() -> None:
+    import pingouin
+
+    values = drawn((12, 2), np.random.default_rng())
+    row = pairs(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
+    peer = stats.ttest_rel(values[:, 1], values[:, 0])
+    assert row["t"] == pytest.approx(peer.statistic)
+    assert row["p_unc"] == pytest.approx(peer.pvalue)
+    assert (row["difference_low"], row["difference_high"]) == pytest.approx(tuple(peer.confidence_interval(0.95)))
+    assert row["bf10"] == pytest.approx(float(pingouin.bayesfactor_ttest(peer.statistic, 12, paired=True)))
+    assert row["dz"] == pytest.approx(row["t"] / np.sqrt(12))
+
+
+def test_pairs_at_each_level_of_another_factor_are_corrected_together(published) -> None:
+    table = pairs(published, dependent="y", factor="force", by="freq", subject="subject")
+    assert len(table) == 3 * 4
+    low = table.loc[table["p_unc"].idxmin()]
+    assert low["p_corr"] == pytest.approx(12 * low["p_unc"])
+    one = published[published["freq"] == 240]
+    alone = pairs(one, dependent="y", factor="force", subject="subject")
+    assert table[table["freq"] == 240]["t"].to_numpy() == pytest.approx(alone["t"].to_numpy())
+
+
+@pytest.mark.parametrize(("t", "n"), [(0.0, 5), (2.5, 10), (-46.9, 8), (300.0, 4), (1e-9, 200)])
+def test_the_interval_of_dz_leaves_out_a_fortieth_each(t, n) -> None:
+    low, high = dz_interval(t, n, 0.95)
+    assert low < t / np.sqrt(n) < high
+    assert stats.nct.sf(t, n - 1, low * np.sqrt(n)) == pytest.approx(0.025, abs=1e-6)
+    assert stats.nct.cdf(t, n - 1, high * np.sqrt(n)) == pytest.approx(0.025, abs=1e-6)
+
+
+def test_participants_that_differ_alike_have_a_difference_and_no_test(recwarn) -> None:
+    values = np.arange(5.0)[:, None] + np.array([0.0, 2.0, 2.0])
+    table = pairs(any_table(values), dependent="y", factor="force", subject="subject")
+    assert table["status"].tolist() == ["zero_error"] * 3
+    assert table["difference"].tolist() == [2.0, 2.0, 0.0]
+    assert table[["t", "p_unc", "p_corr", "bf10"]].isna().to_numpy().all()
+    assert not recwarn.list
+
+
+def test_rank_pairs_equal_scipy() -> None:
+    values = drawn((9, 3), np.random.default_rng())
+    table = rank_pairs(any_table(values), dependent="y", factor="force", subject="subject")
+    assert table["p_unc"].iloc[1] == pytest.approx(stats.wilcoxon(values[:, 2], values[:, 0]).pvalue)
+    assert table["r"].between(-1, 1).all()
+
+
+def test_refuses_a_correction_it_does_not_know(published) -> None:
+    with pytest.raises(
+        InvalidParameter, match=re.escape("correction: found 'holms', expected one of holm, bonferroni")
+    ):
+        pairs(published, dependent="y", factor="freq", subject="subject", correction="holms")
+
+
+def test_refuses_a_pair_with_a_hole(published) -> None:
+    with pytest.raises(UndefinedStatistic, match=r"1 missing cell, of P2"):
+        pairs(
+            published[(published["subject"] != "P2") | (published["freq"] != 60)],
+            dependent="y",
+            factor="freq",
+            subject="subject",
+        )
+
+
+@pytest.mark.parametrize("bf10", [0.001, 0.4, 1.0, 2.9, 3.1, 99.0, 1e9])
+def test_evidence_has_a_word(bf10) -> None:
+    assert evidence(bf10).endswith("no difference" if bf10 < 1 else "a difference")
+
+
+# --- equivalence
+
+
+def test_equivalence_equals_pingouin() -> None:
+    import pingouin
+
+    values = drawn((14, 2), np.random.default_rng())
+    row = equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=1.5).iloc[0]
+    peer = pingouin.tost(values[:, 1], values[:, 0], bound=1.5, paired=True)
+    assert row["p"] == pytest.approx(float(peer["pval"].iloc[0]), rel=1e-9)
+
+
+def test_equivalent_means_that_the_interval_lies_within_the_bound(published) -> None:
+    for bound in (0.3, 0.6, 0.9, 1.2, 1.5):
+        table = equivalence(published, dependent="y", factor="force", by="freq", subject="subject", bound=bound)
+        inside = (table["low"] > -bound) & (table["high"] < bound)
+        assert table["equivalent"].tolist() == inside.tolist()
+        assert table.attrs["p_all"] == table["p"].max()
+
+
+def test_at_the_bound_equivalence_is_claimed_as_often_as_alpha() -> None:
+    rng = np.random.default_rng()
+    n_studies = 4000 if SOAK else 400
+    claims = 0
+    for values in rng.normal(size=(n_studies, 12, 2)) + np.array([0.0, 1.0]) * 1.0:
+        table = equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=1.0)
+        claims += bool(table["equivalent"].iloc[0])
+    assert claims / n_studies <= 0.05 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
+
+
+@pytest.mark.parametrize("bound", [0.0, -1.0, np.nan, np.inf])
+def test_refuses_a_bound_that_is_none(published, bound) -> None:
+    with pytest.raises(InvalidParameter, match="bound: found .*, expected a difference above 0, in the unit of y"):
+        equivalence(published, dependent="y", factor="force", subject="subject", bound=bound)
+
+
+def test_participants_that_differ_alike_are_judged_by_the_difference() -> None:
+    values = np.arange(5.0)[:, None] + np.array([0.0, 2.0])
+    claims = [
+        equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=bound)["equivalent"][0]
+        for bound in (1.0, 3.0)
+    ]
+    assert claims == [False, True]
+
+
+# --- ranks
+
+
+@pytest.mark.parametrize(("effect", "f"), [("force", 29.8928), ("freq", 147.579), ("force * freq", 1.6551)])
+def test_published_aligned_rank_transform(published, effect, f) -> None:
+    table = aligned_rank_transform(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
+    assert table.loc[effect, "F"] == pytest.approx(f, rel=4e-6, abs=5e-5)
+    assert table.loc[effect, "f_stripped"] <= 0.35
+    assert table.loc["force * freq", "p_unc"] == pytest.approx(0.156131, rel=1e-3)
+
+
+def test_published_friedman_of_frequency(published) -> None:
+    row = friedman(published, dependent="y", factor="freq", subject="subject").iloc[0]
+    assert (row["Q"], row["W"]) == pytest.approx((24.0, 1.0))
+
+
+def test_friedman_counts_ties_as_ties() -> None:
+    """P1's means at 1 N and 2 N are both 25.625, which sums of decimals hide."""
+    table = long_table(np.array(PUBLISHED.split(), dtype=float).reshape(8, 12))
+    row = friedman(table, dependent="y", factor="force", subject="subject").iloc[0]
+    means = np.array([float(x) for x in PUBLISHED.split()]).reshape(8, 3, 4)
+    exact = [[sum(round(100 * x) for x in cell) for cell in row] for row in means]
+    peer = stats.friedmanchisquare(*np.array(exact).T)
+    assert exact[0][1] == exact[0][2]
+    assert (row["Q"], row["p_unc"]) == pytest.approx((peer.statistic, peer.pvalue))
+
+
+def test_friedman_refuses_values_that_are_all_tied() -> None:
+    with pytest.raises(UndefinedStatistic, match="all ranks are tied"):
+        friedman(any_table(np.arange(4.0)[:, None] + np.zeros(3)), dependent="y", factor="force", subject="subject")
+
+
+def test_ranks_do_not_mind_outliers_nor_unit(published) -> None:
+    wild = published.assign(y=published["y"].where(published.index != 7, 1e6))
+    found = aligned_rank_transform(wild, dependent="y", within=WITHIN, subject="subject").set_index("Source")
+    assert found.loc["freq", "p_unc"] < 1e-3
+    scaled = published.assign(y=1e-9 * published["y"] + 1)
+    one, other = (
+        aligned_rank_transform(t, dependent="y", within=WITHIN, subject="subject")["F"] for t in (published, scaled)
+    )
+    assert other.to_numpy() == pytest.approx(one.to_numpy(), rel=0.02)
+
+
+def test_contrasts_of_one_factor_are_those_of_its_aligned_ranks(published) -> None:
+    one = published.groupby(["subject", "freq"], as_index=False)["y"].mean()
+    table = art_contrasts(one, dependent="y", within=["freq"], contrast=["freq"], subject="subject")
+    wide = one.pivot(index="subject", columns="freq", values="y").to_numpy()
+    ranks = stats.rankdata(np.round(wide - wide.mean(0) + wide.mean(0) - wide.mean(), 8).ravel()).reshape(8, 4)
+    assert abs(table["t"].iloc[0]) == pytest.approx(abs(stats.ttest_rel(ranks[:, 1], ranks[:, 0]).statistic))
+
+
+def test_contrasts_of_joined_factors_name_both_levels(published) -> None:
+    table = art_contrasts(published, dependent="y", within=WITHIN, contrast=WITHIN, subject="subject")
+    assert len(table) == 12 * 11 / 2
+    assert {"0.5, 60", "2.0, 480"} <= set(table["a"]) | set(table["b"])
+    with pytest.raises(InvalidParameter, match="contrast: found 'frec', .*did you mean 'freq'"):
+        art_contrasts(published, dependent="y", within=WITHIN, contrast=["frec"], subject="subject")
