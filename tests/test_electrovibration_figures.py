@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import Bump, Grating, Print, Skin, electrostatic_force_n, figures
+from tactometry.stimuli.electrovibration import Bump, Grating, Print, Skin, Velvet, electrostatic_force_n, figures
 
 ALL = [
     lambda: figures.input_against_position({"square": Grating(4e-3), "bump": Bump(0.02, 4e-3)}),
@@ -27,6 +27,18 @@ def test_a_figure_renders_and_names_its_units(draw, tmp_path) -> None:
     assert path.stat().st_size > 5000
     labels = " ".join(ax.get_xlabel() + ax.get_ylabel() for ax in figure.axes)
     assert "(" in labels
+
+
+def test_the_input_against_position_is_the_root_of_the_share_times_the_carrier() -> None:
+    velvet = Velvet()
+    figure = figures.input_against_position({"velvet": velvet, "grating": Grating(4e-3)}, voltage_v=80.0)
+    for ax, share in zip(figure.axes, (velvet.force_share_along, Grating(4e-3).force_share), strict=True):
+        carrier, envelope = ax.get_lines()
+        x_m = envelope.get_xdata() * 1e-3
+        np.testing.assert_allclose(envelope.get_ydata(), 80 * np.sqrt(share(x_m)), atol=1e-12)
+        expected_v = envelope.get_ydata() * np.sin(2 * np.pi * 100 * x_m / 0.05)
+        np.testing.assert_allclose(carrier.get_ydata(), expected_v, atol=1e-9)
+    assert "carrier of 100 Hz" in figure.axes[-1].get_xlabel()
 
 
 def test_force_against_area_is_the_force_of_each_law() -> None:

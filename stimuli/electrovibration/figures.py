@@ -11,11 +11,13 @@ from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, 
 from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n_at, force_form
 from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.played_texture import share_along
 from tactometry.stimuli.electrovibration.sine import Sine
 from tactometry.stimuli.electrovibration.skin import Skin
 from tactometry.stimuli.electrovibration.step import Step
 from tactometry.stimuli.electrovibration.texture import Texture
 from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
+from tactometry.stimuli.electrovibration.velvet import Velvet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +29,7 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)
 
 
 def input_against_position(
-    textures: Mapping[str, Texture],
+    textures: Mapping[str, Texture | Velvet],
     *,
     length_m: float = 0.04,
     speed_m_per_s: float = 0.05,
@@ -41,13 +43,16 @@ def input_against_position(
     x_m = np.linspace(0, length_m, 8001)
     figure, axes = _panels(len(textures), 1, (7.0, 1.0 + 1.3 * len(textures)), sharex="all")
     for ax, (name, texture), colour in zip(axes, textures.items(), cycle(COLOURS), strict=False):
-        envelope_v = voltage_v * np.sqrt(texture.force_share(x_m))
+        envelope_v = voltage_v * np.sqrt(share_along(texture, x_m))
         carrier = np.sin(2 * np.pi * carrier_hz * x_m / speed_m_per_s)
         ax.plot(1e3 * x_m, envelope_v * carrier, color="0.6", linewidth=0.5)
         ax.plot(1e3 * x_m, envelope_v, color=colour, linewidth=1.8)
         ax.set(ylabel="voltage (V)", ylim=(-1.15 * voltage_v, 1.15 * voltage_v))
         ax.set_title(name, loc="left", fontsize=9)
-    axes[-1].set_xlabel(f"finger position (mm), sliding at {1e3 * speed_m_per_s:g} mm/s")
+    axes[-1].set_xlabel(
+        f"finger position (mm), sliding at {1e3 * speed_m_per_s:g} mm/s; "
+        f"carrier of {carrier_hz:g} Hz (thin), envelope (thick)"
+    )
     return figure
 
 

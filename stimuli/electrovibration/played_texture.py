@@ -149,8 +149,7 @@ class PlayedTexture:
         """(n_samples,) share of the force that the finger is to meet."""
         path = np.array(self.path_m)
         known = path if self.sensor is None else self.sensor.reported_m(path, self.rate_hz)
-        along = self.texture.force_share_along if isinstance(self.texture, Velvet) else self.texture.force_share
-        return along(known)
+        return share_along(self.texture, known)
 
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""
@@ -158,6 +157,15 @@ class PlayedTexture:
         shape = np.sqrt(self.force_share) * np.sin(2 * np.pi * self.carrier_hz * t_s)
         samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
+
+
+def share_along(texture: Texture | Velvet, path_m: Real) -> Real:
+    """Share of the force along positions (n_times,) in the order in which a finger reaches them.
+
+    >>> share_along(Grating(2e-3), np.array([0.5e-3, 1.5e-3])).tolist()
+    [1.0, 0.0]
+    """
+    return texture.force_share_along(path_m) if isinstance(texture, Velvet) else texture.force_share(path_m)
 
 
 def finest_period_m(texture: Texture | Velvet) -> float | None:
