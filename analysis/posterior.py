@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from tactometry.analysis.counts import Array, Counts, Which
+from tactometry.analysis.counts import Array, Bools, Counts, Which
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from tactometry.analysis.mode import Mode
 from tactometry.analysis.overdispersion import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
@@ -22,7 +23,7 @@ from tactometry.psychometric import Shape, log_mixture
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
 FINAL_NODES = (37, 27)
-RATE_NODES = 6
+RATE_NODES = 10
 INTERIOR_RATE_NODES = 12
 """A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
 SEARCH_NODES = (13, 11, 5, 5)
@@ -47,6 +48,11 @@ class Marginals:
     threshold: Array
     width: Array
     overdispersion: Array
+
+    def put(self, places: NDArray[np.int64], other: "Marginals", which: Bools) -> None:
+        """Write those of another into some places of this one."""
+        for name in ("mean", "threshold", "width", "overdispersion"):
+            getattr(self, name)[places] = getattr(other, name)[which]
 
 
 @dataclass(frozen=True)
@@ -74,8 +80,8 @@ def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: 
     low, high = boxes.low, boxes.high
     return Marginals(
         mean,
-        _quantiles(threshold, low[:, THRESHOLD], high[:, THRESHOLD], shares),
-        np.exp(_quantiles(log_width, low[:, LOG_WIDTH], high[:, LOG_WIDTH], shares)),
+        quantiles(threshold, low[:, THRESHOLD], high[:, THRESHOLD], shares),
+        np.exp(quantiles(log_width, low[:, LOG_WIDTH], high[:, LOG_WIDTH], shares)),
         eta,
     )
 
@@ -90,8 +96,8 @@ def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[
     along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
     end = min(LARGEST, 1.3 * float(tried[kept].max(initial=0.005)))
-    points, weights = _gauss(ETA_NODES)
-    nodes = end * (points + 1) / 2
+    unit, weights = rate_rule(ETA_NODES)
+    nodes = end * unit
     return nodes, weights * np.exp(log_prior_of(nodes))
 
 
@@ -164,6 +170,12 @@ def _gauss(n: int) -> tuple[Array, Array]:
     return points, weights
 
 
+def rate_rule(n: int) -> tuple[Array, Array]:
+    """Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
+    points, weights = _gauss(n)
+    return (points + 1) / 2, weights
+
+
 def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
     """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
     nodes, weights = [], []
@@ -171,8 +183,7 @@ def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Arr
         if place not in prior.free:
             unit, weight = np.zeros(1), np.ones(1)
         elif place in (LAPSE, GUESS):
-            points, weight = _gauss(RATE_NODES if low[place] == 0 else INTERIOR_RATE_NODES)
-            unit = (points + 1) / 2
+            unit, weight = rate_rule(RATE_NODES if low[place] == 0 else INTERIOR_RATE_NODES)
         else:
             unit = np.linspace(0, 1, FINAL_NODES[place])
             weight = np.ones(FINAL_NODES[place])
@@ -257,7 +268,7 @@ def _marginal_densities(
     return mean, along[THRESHOLD], along[LOG_WIDTH], float((along_eta * etas[0]).sum() / along_eta.sum())
 
 
-def _quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
+def quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
     """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`,
     by the integral of their cubic splines."""
     n_nodes = density.shape[1]
@@ -268,4 +279,4 @@ def _quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
     return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
 
 
-__all__ = ["Marginals", "marginals"]
+__all__ = ["Marginals", "marginals", "quantiles", "rate_rule"]

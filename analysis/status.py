@@ -6,7 +6,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
-from scipy.stats import beta, chi2
+from scipy.special import betaincinv
+from scipy.stats import chi2
 
 from tactometry.analysis.counts import Array, Counts
 from tactometry.analysis.likelihood import (
@@ -116,8 +117,8 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
     [0.509, 0.9134]
     """
     tail = (1 - interval) / 2
-    low = 0.0 if k == 0 else float(beta.ppf(tail, k, n - k + 1))
-    high = 1.0 if k == n else float(beta.ppf(1 - tail, k + 1, n - k))
+    low = 0.0 if k == 0 else float(betaincinv(k, n - k + 1, tail))
+    high = 1.0 if k == n else float(betaincinv(k + 1, n - k, 1 - tail))
     return low, high
 
 

@@ -18,8 +18,8 @@ from tactometry.analysis.likelihood import (
 )
 from tactometry.analysis.mode import Mode, find_mode
 from tactometry.analysis.overdispersion import find_overdispersed_mode
-from tactometry.analysis.posterior import marginals
 from tactometry.analysis.prior import Prior
+from tactometry.analysis.shared_grid import batched_marginals
 from tactometry.analysis.status import NOTES, Status, proportion_interval, statuses
 from tactometry.analysis.step import best_step
 from tactometry.errors import InvalidParameter, nearest
@@ -330,7 +330,7 @@ class _Fitting:
         sets, prior = self.counts[chosen], self.prior[chosen]
         if estimates.eta is not None and self.method == "posterior":
             prior = replace(prior, overdispersion=estimates.eta[chosen])
-        found = marginals(self.curve, sets, prior, mode[chosen], self.interval)
+        found = batched_marginals(self.curve, sets, prior, mode[chosen], self.interval)
         estimates.threshold[chosen], estimates.width[chosen] = found.threshold, found.width
         if self.method == "posterior":
             estimates.theta[chosen] = found.mean
