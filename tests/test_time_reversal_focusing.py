@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -226,6 +226,7 @@ def test_audible_filter_costs_hardly_any_amplitude_and_drops_the_audible_part(le
     assert after[:, audible].sum() < 1e-3 * before[:, audible].sum()
 
 
+@example(f_min=0.0, width=100.0, flank=5e-324, x=0.25, y=0.125)
 @settings(max_examples=25, deadline=None)
 @given(st.floats(0.0, 20e3), st.floats(100.0, 5e3), st.floats(0.0, 2e3), st.floats(0.02, 0.27), st.floats(0.02, 0.19))
 def test_any_band_and_position_is_finite_reciprocal_and_focuses(f_min, width, flank, x, y):

@@ -167,7 +167,7 @@ def _step(above_hz: FloatArray, flank_hz: float) -> FloatArray:
     """0 below 0, 1 above the flank, a raised cosine between."""
     if flank_hz == 0:
         return np.asarray(above_hz >= 0, float)
-    return np.asarray((1 - np.cos(math.pi * np.clip(above_hz / flank_hz, 0, 1))) / 2)
+    return np.asarray((1 - np.cos(math.pi * np.clip(above_hz, 0, flank_hz) / flank_hz)) / 2)
 
 
 def _fast_length(n: int) -> int:
