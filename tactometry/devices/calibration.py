@@ -1,0 +1,98 @@
+"""From the counts of a sensor to newton: a factor, a polynomial or a table."""
+
+import math
+from dataclasses import dataclass
+from datetime import date
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.devices.measured import Measured
+from tactometry.errors import InvalidParameter
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForceCalibration:
+    """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample.
+
+    Parameters
+    ----------
+    newtons_per_count : float, optional
+        With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
+    polynomial : tuple of float, optional
+        Coefficients of rising power, N, N per count and so on.
+    table_counts, table_forces_n : tuple of float, optional
+        Rising counts and the force of each; straight lines between them.
+    count_low, count_high : float, optional
+        Where the sensor saturates.
+    measured_on, measured_by, max_age_days
+        When and by whom, and how old it may be.
+
+    Examples
+    --------
+    >>> ForceCalibration(newtons_per_count=0.01, zero_count=100.0).force_n(np.array([100.0, 350.0])).tolist()
+    [0.0, 2.5]
+    >>> ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(0.0, 1.0)).force_n(np.array([5.0, 11.0])).tolist()
+    [0.5, nan]
+    """
+
+    newtons_per_count: float | None = None
+    zero_count: float = 0.0
+    polynomial: tuple[float, ...] | None = None
+    table_counts: tuple[float, ...] | None = None
+    table_forces_n: tuple[float, ...] | None = None
+    count_low: float = -math.inf
+    count_high: float = math.inf
+    measured_on: date | None = None
+    measured_by: str | None = None
+    max_age_days: int | None = None
+
+    def __post_init__(self) -> None:
+        forms = (self.newtons_per_count, self.polynomial, self.table_counts)
+        if sum(form is not None for form in forms) != 1:
+            raise InvalidParameter(
+                "ForceCalibration: found none or more than one of newtons_per_count, polynomial and table_counts, "
+                "expected exactly one"
+            )
+        if self.newtons_per_count is not None and not 0 < abs(self.newtons_per_count) < math.inf:
+            raise InvalidParameter(
+                f"ForceCalibration.newtons_per_count: found {self.newtons_per_count}, expected a finite number but 0"
+            )
+        if self.polynomial is not None and (len(self.polynomial) < 2 or not np.isfinite(self.polynomial).all()):
+            raise InvalidParameter(
+                f"ForceCalibration.polynomial: found {self.polynomial}, expected at least two finite numbers"
+            )
+        if self.table_counts is not None:
+            _check_table(self.table_counts, self.table_forces_n or ())
+        if not self.count_low < self.count_high:
+            raise InvalidParameter(
+                f"ForceCalibration.count_low: found {self.count_low}, expected below count_high, {self.count_high}"
+            )
+
+    @property
+    def measured(self) -> Measured:
+        return Measured(self.measured_on, self.measured_by, self.max_age_days)
+
+    def force_n(self, counts: FloatArray) -> FloatArray:
+        """(n_samples,) counts to newton; NaN outside of what is known."""
+        known = (counts >= self.count_low) & (counts <= self.count_high)
+        return np.where(known, self._force_n(counts), np.nan)
+
+    def _force_n(self, counts: FloatArray) -> FloatArray:
+        if self.table_counts is not None and self.table_forces_n is not None:
+            return np.interp(counts, self.table_counts, self.table_forces_n, left=np.nan, right=np.nan)
+        if self.polynomial is not None:
+            return np.asarray(np.polynomial.polynomial.polyval(counts, self.polynomial))
+        return (counts - self.zero_count) * (self.newtons_per_count or math.nan)
+
+
+def _check_table(counts: tuple[float, ...], forces_n: tuple[float, ...]) -> None:
+    if len(counts) != len(forces_n) or len(counts) < 2 or not np.isfinite([counts, forces_n]).all():
+        raise InvalidParameter(
+            f"ForceCalibration.table_counts: found {len(counts)} counts and {len(forces_n)} table_forces_n, expected "
+            "as many of both, at least two, all finite"
+        )
+    if np.any(np.diff(counts) <= 0):
+        raise InvalidParameter("ForceCalibration.table_counts: found counts that do not rise, expected rising ones")

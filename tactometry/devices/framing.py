@@ -1,0 +1,107 @@
+"""Frames of samples on a serial line, each with a checksum: a pure parser, and the encoder of an emulator.
+
+A frame, all little-endian:
+
+======  ====  ===========================================================
+offset  type  what
+======  ====  ===========================================================
+0       2s    ``A5 5A``
+2       u8    n_channels, 1 to 32
+3       u8    0
+4       u32   counter, one more for each frame, modulo 2**32
+8       u32   time of the sample on the device's clock, us, modulo 2**32
+12      i32   value of each channel, counts
+...     u32   CRC-32 (zlib's) of all bytes of the frame before it
+======  ====  ===========================================================
+"""
+
+import struct
+import zlib
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+SYNC: Final = b"\xa5\x5a"
+MOST_CHANNELS: Final = 32
+_HEAD: Final = struct.Struct("<2sBBII")
+_CHECKSUM: Final = struct.Struct("<I")
+
+
+class Frame(NamedTuple):
+    """One sample of all channels; `time_us` is the device's."""
+
+    counter: int
+    time_us: int
+    values: tuple[int, ...]
+
+
+def frame_bytes(n_channels: int) -> int:
+    """
+    >>> frame_bytes(1), frame_bytes(3)
+    (20, 28)
+    """
+    return _HEAD.size + 4 * n_channels + _CHECKSUM.size
+
+
+def encode_frame(frame: Frame) -> bytes:
+    """The bytes that a device sends for a sample."""
+    n = len(frame.values)
+    head = _HEAD.pack(SYNC, n, 0, frame.counter % 2**32, frame.time_us % 2**32)
+    body = head + struct.pack(f"<{n}i", *frame.values)
+    return body + _CHECKSUM.pack(zlib.crc32(body))
+
+
+@dataclass(frozen=True)
+class Framing:
+    """What is left of a stream of bytes once its frames were taken out.
+
+    Whatever lies between, a frame that came whole is found; a frame with a wrong byte never is, but for one in 2**32.
+
+    Parameters
+    ----------
+    n_channels : int
+        Of every frame of this device.
+    rest : bytes
+        Not yet a whole frame.
+    n_skipped : int
+        Bytes that belonged to none.
+
+    Examples
+    --------
+    >>> sent = encode_frame(Frame(7, 1000, (-5,)))
+    >>> framing, frames = Framing(n_channels=1).after(b"noise" + sent[:9])
+    >>> framing.after(sent[9:])[1]
+    [Frame(counter=7, time_us=1000, values=(-5,))]
+    """
+
+    n_channels: int
+    rest: bytes = b""
+    n_skipped: int = 0
+
+    def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
+        """Take in bytes: the new state, and the frames that are whole by now."""
+        stream, at, n_skipped, frames = self.rest + data, 0, self.n_skipped, []
+        n_frame = frame_bytes(self.n_channels)
+        while (found := self._candidate(stream, at)) + n_frame <= len(stream):
+            frame = _decode(stream[found : found + n_frame])
+            n_skipped += found - at + (frame is None)
+            at = found + (1 if frame is None else n_frame)
+            if frame is not None:
+                frames.append(frame)
+        return Framing(self.n_channels, stream[found:], n_skipped + found - at), frames
+
+    def _candidate(self, stream: bytes, at: int) -> int:
+        """Where the next frame may begin: at its opening bytes, or at what is left of the stream of them."""
+        opening = SYNC + bytes([self.n_channels, 0])
+        found = stream.find(opening, at)
+        if found >= 0:
+            return found
+        kept = next((n for n in (3, 2, 1) if stream.endswith(opening[:n])), 0)
+        return max(at, len(stream) - kept)
+
+
+def _decode(frame: bytes) -> Frame | None:
+    body = frame[: -_CHECKSUM.size]
+    if zlib.crc32(body) != _CHECKSUM.unpack(frame[-_CHECKSUM.size :])[0]:
+        return None
+    _, n, _, counter, time_us = _HEAD.unpack_from(body)
+    return Frame(counter, time_us, struct.unpack_from(f"<{n}i", body, _HEAD.size))

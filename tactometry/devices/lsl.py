@@ -1,0 +1,103 @@
+"""A stream of Lab Streaming Layer (extra: lsl)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tactometry.devices.reader import Block, now_s
+from tactometry.errors import DeviceFailed
+
+LONGEST_SEARCH_S = 5.0
+WAIT_S = 0.05
+MOST_SAMPLES = 4096
+
+
+@dataclass(frozen=True)
+class LslSettings:
+    """The outlet by its name; `rate_hz` is what its head must state."""
+
+    stream: str
+    rate_hz: float
+    n_channels: int = 1
+
+    def source(self) -> "LslSource":
+        return LslSource(self)
+
+
+class LslSource:
+    """An inlet whose stamps are the outlet's, corrected by LSL's clock exchange and moved to our clock.
+
+    An outlet that dies raises `DeviceFailed`; another of the same name may be opened then.
+    """
+
+    def __init__(self, settings: LslSettings) -> None:
+        self.name = f"lsl {settings.stream}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._inlet: Any = None
+        self._correction_s: float | None = None
+        self._searched = False
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"clock_correction_s": self._correction_s}
+
+    def open(self) -> None:
+        pylsl = _library()
+        search_s = 1.0 if self._searched else LONGEST_SEARCH_S
+        self._searched = True
+        found = pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s)
+        if not found:
+            raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected its outlet to run")
+        self._check(found[0])
+        inlet = pylsl.StreamInlet(found[0], max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
+        try:
+            inlet.open_stream(timeout=LONGEST_SEARCH_S)
+            self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
+            inlet.flush()
+        except (pylsl.util.LostError, pylsl.util.TimeoutError) as error:
+            raise DeviceFailed(f"{self.name}: the outlet does not answer ({error}), expected one that runs") from None
+        self._offset_s = _offset_s(pylsl)
+        self._inlet = inlet
+
+    def _check(self, info: Any) -> None:
+        found = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
+        for name, value in found.items():
+            expected = getattr(self._settings, name)
+            if value != expected:
+                raise DeviceFailed(
+                    f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
+                )
+
+    def receive(self) -> Block | None:
+        pylsl = _library()
+        try:
+            samples, stamps_s = self._inlet.pull_chunk(timeout=WAIT_S, max_samples=MOST_SAMPLES, min_samples=1)
+        except pylsl.util.LostError:
+            raise DeviceFailed(f"{self.name}: the outlet is gone") from None
+        if not stamps_s:
+            return None
+        return Block(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
+
+    def close(self) -> None:
+        inlet, self._inlet = self._inlet, None
+        if inlet is not None:
+            inlet.close_stream()
+
+
+def _offset_s(pylsl: Any) -> float:
+    """Our clock minus LSL's, both steady, by the quickest of some readings."""
+    readings = []
+    for _ in range(20):
+        before_s, theirs_s, after_s = now_s(), pylsl.local_clock(), now_s()
+        readings.append((after_s - before_s, (before_s + after_s) / 2 - theirs_s))
+    return float(min(readings)[1])
+
+
+def _library() -> Any:
+    try:
+        import pylsl
+    except (ImportError, RuntimeError) as error:
+        raise DeviceFailed(f"lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'") from None
+    return pylsl

@@ -1,0 +1,151 @@
+"""One thread per sensor: it takes samples as they come, so that drawing never starves it."""
+
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import DeviceFailed
+
+FloatArray = NDArray[np.float64]
+
+RETRY_S = 0.2
+"""A device that went away is looked for this often."""
+KEPT_S = 60.0
+"""A listener that does not read loses what is older."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) as the device counts."""
+
+    times_s: FloatArray
+    values: FloatArray
+
+
+class Source(Protocol):
+    """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def rate_hz(self) -> float:
+        """The nominal rate."""
+
+    @property
+    def n_channels(self) -> int: ...
+
+    def open(self) -> None:
+        """Raises `DeviceFailed` if the device is not there."""
+
+    def receive(self) -> Block | None:
+        """The next samples; waits for at most about 0.1 s, then None. Raises `DeviceFailed` if the device went away."""
+
+    def close(self) -> None:
+        """May be called more than once."""
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        """Counts of what was damaged or lost, and the drift of the clock."""
+
+
+class Listener:
+    """What one part of the program has not read yet."""
+
+    def __init__(self) -> None:
+        self._blocks: deque[Block] = deque()
+
+    def put(self, block: Block) -> None:
+        self._blocks.append(block)
+        while self._blocks[0].times_s[-1] < block.times_s[-1] - KEPT_S:
+            self._blocks.popleft()
+
+    def read(self, n_channels: int) -> Block:
+        """All samples since the last call, in order; never waits."""
+        blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
+        if not blocks:
+            return Block(np.empty(0), np.empty((0, n_channels)))
+        return Block(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
+
+
+class Reader:
+    """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self._listeners: list[Listener] = []
+        self._n_open = 0
+        self._ending = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._n_samples = 0
+        self._n_outages = 0
+        self._failure: str | None = None
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self._failure}
+        return {**self.source.facts(), **counts}
+
+    def listen(self) -> Listener:
+        """Another listener; it hears what comes from now on."""
+        self._listeners = [*self._listeners, Listener()]
+        return self._listeners[-1]
+
+    def open(self) -> None:
+        """Begin to read; the second of two that share a reader changes nothing.
+
+        Raises
+        ------
+        DeviceFailed
+            If the device is not there.
+        """
+        if self._n_open == 0:
+            self.source.open()
+            self._ending.clear()
+            self._thread = threading.Thread(target=self._run, name=f"reader of {self.source.name}", daemon=True)
+            self._thread.start()
+        self._n_open += 1
+
+    def close(self) -> None:
+        """End the thread when the last of those who opened has closed."""
+        self._n_open = max(0, self._n_open - 1)
+        if self._n_open == 0 and self._thread is not None:
+            self._ending.set()
+            self._thread.join()
+            self._thread = None
+            self.source.close()
+
+    def _run(self) -> None:
+        while not self._ending.is_set():
+            try:
+                self._take(self.source.receive())
+            except DeviceFailed as error:
+                self._failure = str(error)
+                self._n_outages += 1
+                self.source.close()
+                self._find_again()
+
+    def _take(self, block: Block | None) -> None:
+        if block is None or block.times_s.size == 0:
+            return
+        self._n_samples += block.times_s.size
+        self._failure = None
+        for listener in self._listeners:
+            listener.put(block)
+
+    def _find_again(self) -> None:
+        while not self._ending.wait(RETRY_S):
+            try:
+                self.source.open()
+            except DeviceFailed as error:
+                self._failure = str(error)
+            else:
+                return
+
+
+def now_s() -> float:
+    """Our clock."""
+    return time.perf_counter()

@@ -1,0 +1,69 @@
+"""A recorded file as a sensor: its samples come again, as they came."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.devices.reader import Block, now_s
+from tactometry.errors import DeviceFailed
+
+STEP_S = 0.005
+
+
+@dataclass(frozen=True)
+class RecordedSettings:
+    """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts."""
+
+    path: str
+    rate_hz: float
+    n_channels: int = 1
+
+    def source(self) -> "RecordedSource":
+        return RecordedSource(self)
+
+
+class RecordedSource:
+    """Hands out each sample at its time after opening; after the last one the sensor is silent."""
+
+    def __init__(self, settings: RecordedSettings) -> None:
+        self.name = f"recorded {settings.path}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._n_read = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
+
+    def open(self) -> None:
+        table = _table(Path(self._settings.path), self.n_channels)
+        self._times_s, self._values = table[:, 0] - table[0, 0] + now_s(), table[:, 1:]
+        self._n_read = 0
+
+    def receive(self) -> Block | None:
+        time.sleep(STEP_S)
+        first, self._n_read = self._n_read, int(np.searchsorted(self._times_s, now_s(), side="right"))
+        return Block(self._times_s[first : self._n_read], self._values[first : self._n_read])
+
+    def close(self) -> None:
+        pass
+
+
+def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
+    try:
+        with path.open(encoding="utf-8") as file:
+            header = file.readline().strip().split(",")
+            table = np.loadtxt(file, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        raise DeviceFailed(f"{path}: cannot be read as a recording ({error}), expected a CSV file") from None
+    if header[0] != "time_s" or table.shape[1:] != (n_channels + 1,) or len(table) == 0:
+        raise DeviceFailed(
+            f"{path}: found the columns {', '.join(header)} and {len(table)} rows, expected time_s and {n_channels} "
+            "channels, with at least one row"
+        )
+    if not np.isfinite(table[:, 0]).all() or np.any(np.diff(table[:, 0]) <= 0):
+        raise DeviceFailed(f"{path}: found times that do not rise, expected rising ones")
+    return np.asarray(table)

@@ -1,0 +1,82 @@
+"""A sensor on a serial line, in the frames of `devices.framing` (extra: serial)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from tactometry.devices.counted import CountedSamples
+from tactometry.devices.framing import Framing
+from tactometry.devices.reader import Block, now_s
+from tactometry.errors import DeviceFailed
+
+WAIT_S = 0.05
+
+
+@dataclass(frozen=True)
+class SerialSettings:
+    """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states."""
+
+    port: str
+    rate_hz: float
+    n_channels: int = 1
+    baud: int = 921_600
+
+    def source(self) -> "SerialSource":
+        return SerialSource(self)
+
+
+class SerialSource:
+    """Frames from a line; a line that is unplugged raises `DeviceFailed`, and may be opened again."""
+
+    def __init__(self, settings: SerialSettings) -> None:
+        self.name = f"serial {settings.port}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._line: Any = None
+        self._n_skipped = 0
+        self._n_lost = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        skipped, lost, drift = self._n_skipped, self._n_lost, None
+        if self._line is not None:
+            skipped, lost, drift = skipped + self._framing.n_skipped, lost + self._samples.n_lost, self._samples.drift
+        return {"n_bytes_skipped": skipped, "n_lost": lost, "clock_drift": drift}
+
+    def open(self) -> None:
+        serial = _library()
+        try:
+            line = serial.Serial()
+            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, WAIT_S
+            line.exclusive = True
+            line.open()
+            line.reset_input_buffer()
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot open the line ({' '.join(str(error).split())}), expected a device to read"
+            ) from None
+        self._framing, self._samples, self._line = Framing(self.n_channels), CountedSamples(1e-6), line
+
+    def receive(self) -> Block | None:
+        serial = _library()
+        try:
+            data = self._line.read(max(1, self._line.in_waiting))
+        except (serial.SerialException, OSError, TypeError) as error:
+            raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
+        arrival_s = now_s()
+        self._framing, frames = self._framing.after(data)
+        return self._samples.block(frames, arrival_s) if frames else None
+
+    def close(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            self._n_skipped += self._framing.n_skipped
+            self._n_lost += self._samples.n_lost
+            line.close()
+
+
+def _library() -> Any:
+    try:
+        import serial
+    except ImportError:
+        raise DeviceFailed("serial line: found no pyserial; pip install 'tactometry[serial]'") from None
+    return serial

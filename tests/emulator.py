@@ -1,0 +1,77 @@
+"""A force sensor in a process of its own: `python emulator.py serial FD | udp PORT | lsl NAME`, 1 kHz.
+
+Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
+processes of a machine share, modulo 2**31; channel 2 is the force in counts, `--force`.
+"""
+
+import argparse
+import os
+import socket
+import sys
+import time
+
+from tactometry.devices.framing import Frame, encode_frame
+from tactometry.devices.udp import BEGIN, END, RECORD
+
+RATE_HZ = 1000.0
+LSL_CLOCKS = {}
+
+
+def samples(force):
+    """(n, time_us, values) when they are due; a late sample keeps the time at which it was due."""
+    begin_s, n = time.perf_counter(), 0
+    while True:
+        due_s = begin_s + n / RATE_HZ
+        time.sleep(max(0.0, due_s - time.perf_counter()))
+        time_us = round(due_s * 1e6)
+        yield n, due_s, (n, time_us % 2**31, force)
+        n += 1
+
+
+def run_serial(target, force):
+    for n, due_s, values in samples(force):
+        os.write(int(target), encode_frame(Frame(n, round(due_s * 1e6) % 2**32, values)))
+
+
+def run_udp(target, force):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", int(target)))
+        print("ready", flush=True)
+        asked, address = line.recvfrom(64)
+        assert asked == BEGIN
+        line.setblocking(False)
+        for n, _, values in samples(force):
+            line.sendto(RECORD.pack(n % 2**32, 7 * n % 2**32, 0, *values, 0, 0, 0), address)
+            if n % 100 == 0 and ended(line):
+                return
+
+
+def ended(line):
+    try:
+        return line.recv(64) == END
+    except BlockingIOError:
+        return False
+
+
+def run_lsl(target, force):
+    import pylsl
+
+    info = pylsl.StreamInfo(target, "Force", 3, RATE_HZ, pylsl.cf_double64, f"{target}-{os.getpid()}")
+    outlet = pylsl.StreamOutlet(info)
+    offset_s = pylsl.local_clock() - time.perf_counter()
+    print("ready", flush=True)
+    outlet.wait_for_consumers(30)
+    for _, due_s, values in samples(force):
+        outlet.push_sample(list(map(float, values)), due_s + offset_s)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("kind", choices=["serial", "udp", "lsl"])
+    parser.add_argument("target")
+    parser.add_argument("--force", type=int, default=100)
+    asked = parser.parse_args()
+    try:
+        {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked.target, asked.force)
+    except (BrokenPipeError, OSError) as gone:
+        sys.exit(str(gone))

@@ -1,0 +1,168 @@
+"""Frames of a serial line through noise; counters; clocks; calibrations; speed."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.clock_map import BIN_S, N_BINS, ClockMap
+from tactometry.devices.counted import CountedSamples
+from tactometry.devices.framing import Frame, Framing, encode_frame, frame_bytes
+from tactometry.devices.position_sensor import mean_speed_m_per_s
+from tactometry.devices.udp import RECORD, records
+from tactometry.errors import InvalidParameter
+
+words = st.integers(0, 2**32 - 1)
+frames = st.builds(Frame, words, words, st.tuples(*[st.integers(-(2**31), 2**31 - 1)] * 2))
+noise = st.binary(max_size=30) | st.binary(max_size=4).map(lambda tail: b"\xa5\x5a\x02\x00" + tail)
+
+
+def parsed(pieces):
+    framing, found = Framing(n_channels=2), []
+    for piece in pieces:
+        framing, more = framing.after(piece)
+        found += more
+    return framing, found
+
+
+@given(st.lists(st.tuples(noise, frames), max_size=8), st.lists(st.integers(0, 400), max_size=12))
+def test_every_whole_frame_is_found_however_it_is_torn_and_whatever_lies_between(sent, cuts):
+    stream = b"".join(before + encode_frame(frame) for before, frame in sent)
+    edges = sorted({0, len(stream), *(cut for cut in cuts if cut < len(stream))})
+    framing, found = parsed([stream[a:b] for a, b in pairwise(edges)])
+    assert found == [frame for _, frame in sent]
+    assert framing.n_skipped + len(framing.rest) == len(stream) - frame_bytes(2) * len(found)
+
+
+@given(st.lists(frames, min_size=3, max_size=8), st.data())
+def test_a_frame_that_lost_a_byte_is_lost_alone(sent, data):
+    torn = data.draw(st.integers(0, len(sent) - 1))
+    where = data.draw(st.integers(0, frame_bytes(2) - 1))
+    bytes_of = [encode_frame(frame) for frame in sent]
+    bytes_of[torn] = bytes_of[torn][:where] + bytes_of[torn][where + 1 :]
+    _, found = parsed([b"".join(bytes_of), bytes(frame_bytes(2))])
+    assert found == [frame for n, frame in enumerate(sent) if n != torn]
+
+
+@given(st.binary(max_size=3000))
+def test_garbage_as_of_a_wrong_baud_rate_is_no_frame(garbage):
+    framing, found = parsed([garbage])
+    assert found == []
+    assert framing.n_skipped + len(framing.rest) == len(garbage)
+    assert len(framing.rest) < frame_bytes(2)
+
+
+def test_frames_of_another_number_of_channels_are_not_taken():
+    _, found = parsed([encode_frame(Frame(1, 2, (3,)))] * 20)
+    assert found == []
+
+
+@given(st.binary(max_size=80).filter(lambda data: len(data) % RECORD.size))
+def test_a_datagram_of_another_length_holds_no_record(datagram):
+    assert records(datagram) == []
+
+
+# --- counters and clocks
+
+
+def test_lost_samples_are_counted_over_the_wrap():
+    samples = CountedSamples(1e-6)
+    block = samples.block([(2**32 - 2, 2**32 - 1000, (1,)), (1, 2000, (2,))], 5.0)
+    assert samples.n_lost == 2
+    assert np.diff(block.times_s) == pytest.approx(3e-3, abs=1e-9)
+
+
+def test_a_device_that_starts_again_loses_nothing():
+    samples = CountedSamples(1e-6)
+    samples.block([(5000, 9_000_000, (1,))], 5.0)
+    block = samples.block([(0, 0, (1,))], 6.0)
+    assert samples.n_lost == 0
+    assert block.times_s[-1] == pytest.approx(6.0, abs=1e-9)
+
+
+@given(st.lists(st.floats(0, 0.05), min_size=20, max_size=200), st.floats(-1e4, 1e4))
+def test_no_sample_is_stamped_after_it_arrived_nor_before_it_was_taken(delays_s, offset_s):
+    clocks = ClockMap()
+    for n, delay_s in enumerate(delays_s):
+        device_s = n * 0.01
+        clocks = clocks.after(device_s, device_s + offset_s + delay_s)
+        assert clocks.ours_s(device_s) <= device_s + offset_s + delay_s + 1e-9
+        assert clocks.ours_s(device_s) >= device_s + offset_s - 1e-9
+
+
+@pytest.mark.parametrize("drift", [-1e-4, 0.0, 1e-4])
+def test_a_drifting_clock_is_followed(drift):
+    clocks = ClockMap()
+    for n in range(20_000):
+        clocks = clocks.after(n * 1e-3, n * 1e-3 * (1 + drift) + 7.0)
+    assert clocks.drift == pytest.approx(drift, abs=1e-8)
+    assert clocks.ours_s(20.0) == pytest.approx(20.0 * (1 + drift) + 7.0, abs=abs(drift) * BIN_S * N_BINS + 1e-9)
+
+
+def test_times_that_are_no_numbers_are_refused():
+    with pytest.raises(InvalidParameter, match="found times nan and 1.0, expected finite"):
+        ClockMap().after(math.nan, 1.0)
+    with pytest.raises(InvalidParameter, match="found no sample yet"):
+        ClockMap().ours_s(1.0)
+
+
+# --- calibrations
+
+
+def test_three_forms_say_the_same():
+    counts = np.array([0.0, 50.0, 200.0])
+    factor = ForceCalibration(newtons_per_count=0.02, zero_count=50.0).force_n(counts)
+    polynomial = ForceCalibration(polynomial=(-1.0, 0.02)).force_n(counts)
+    table = ForceCalibration(table_counts=(0.0, 200.0), table_forces_n=(-1.0, 3.0)).force_n(counts)
+    assert np.allclose(factor, polynomial, rtol=1e-12)
+    assert np.allclose(factor, table, rtol=1e-12)
+
+
+def test_what_a_sensor_cannot_tell_is_lost():
+    table = ForceCalibration(table_counts=(0.0, 200.0), table_forces_n=(0.0, 3.0))
+    assert np.isnan(table.force_n(np.array([-1.0, 201.0]))).all()
+    factor = ForceCalibration(newtons_per_count=0.1, count_low=-10.0, count_high=10.0)
+    assert np.isnan(factor.force_n(np.array([-11.0, 10.5, np.nan]))).all()
+
+
+@pytest.mark.parametrize(
+    ("form", "message"),
+    [
+        ({}, "found none or more than one of newtons_per_count, polynomial and table_counts"),
+        ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none or more than one"),
+        ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite number but 0"),
+        ({"polynomial": (1.0,)}, "polynomial: found .*expected at least two"),
+        ({"table_counts": (0.0, 1.0)}, "found 2 counts and 0 table_forces_n"),
+        ({"table_counts": (1.0, 1.0), "table_forces_n": (0.0, 1.0)}, "found counts that do not rise"),
+        ({"newtons_per_count": 1.0, "count_low": 2.0, "count_high": 1.0}, "count_low: found 2.0, expected below"),
+    ],
+)
+def test_a_calibration_has_one_sound_form(form, message):
+    with pytest.raises(InvalidParameter, match=message):
+        ForceCalibration(**form)
+
+
+# --- speed
+
+
+def test_a_slide_back_and_forth_has_the_speed_of_its_way():
+    times_s = np.arange(4000) / 1000
+    positions_m = np.abs((times_s * 0.05 + 0.05) % 0.2 - 0.1)[:, None]
+    assert mean_speed_m_per_s(times_s, positions_m) == pytest.approx(0.05, rel=0.01)
+
+
+def test_noise_of_a_resting_finger_is_slow():
+    rng = np.random.default_rng(1)
+    at_rest_m = 2e-5 * rng.standard_normal((4000, 2))
+    assert mean_speed_m_per_s(np.arange(4000) / 1000, at_rest_m) < 1e-3
+
+
+def test_too_few_positions_have_no_speed():
+    assert mean_speed_m_per_s(np.empty(0), np.empty((0, 2))) is None
+    assert mean_speed_m_per_s(np.zeros(1), np.zeros((1, 2))) is None
+    with pytest.raises(InvalidParameter, match="found .* stamps and .* positions"):
+        mean_speed_m_per_s(np.array([1.0, 0.0]), np.zeros((2, 2)))

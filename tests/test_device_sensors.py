@@ -1,0 +1,282 @@
+"""Sensors of real kinds, each emulated in another process: nothing is lost, and what goes away comes back."""
+
+import importlib.util
+import os
+import socket
+import subprocess
+import sys
+import time
+import uuid
+from pathlib import Path
+
+import emulator
+import numpy as np
+import pytest
+from conftest import SOAK
+
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.lsl import LslSettings
+from tactometry.devices.reader import Reader
+from tactometry.devices.recorded import RecordedSettings
+from tactometry.devices.serial_line import SerialSettings
+from tactometry.devices.streamed import streamed_force, streamed_position
+from tactometry.devices.udp import UdpSettings
+from tactometry.errors import DeviceFailed
+
+LISTENED_S = 600.0 if SOAK else 20.0
+KINDS = ("serial", "udp", "lsl")
+LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
+
+
+class Emulator:
+    """A sensor in a process of its own, and what reads it."""
+
+    def __init__(self, kind, folder, force=100):
+        self.kind, self.folder, self.force = kind, folder, force
+        self.port = folder / "force"
+        self.name = f"force-{uuid.uuid4().hex[:8]}"
+        self.process = self.master = None
+        self.udp_port = free_port()
+        self.plug()
+        settings = {
+            "serial": SerialSettings(str(self.port), 1000.0, 3),
+            "udp": UdpSettings("127.0.0.1", 1000.0, port=self.udp_port),
+            "lsl": LslSettings(self.name, 1000.0, 3),
+        }
+        self.reader = Reader(settings[kind].source())
+
+    def plug(self):
+        target = {"serial": self.pty, "udp": lambda: str(self.udp_port), "lsl": lambda: self.name}[self.kind]()
+        command = [sys.executable, emulator.__file__, self.kind, target, "--force", str(self.force)]
+        passed = [self.master] if self.kind == "serial" else []
+        self.process = subprocess.Popen(command, pass_fds=passed, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        if self.kind != "serial":
+            assert self.process.stdout.readline() == b"ready\n"
+
+    def pty(self):
+        import tty
+
+        self.master, slave = os.openpty()
+        tty.setraw(slave)
+        self.port.unlink(missing_ok=True)
+        self.port.symlink_to(os.ttyname(slave))
+        os.close(slave)
+        return str(self.master)
+
+    def unplug(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        if self.master is not None:
+            os.close(self.master)
+            self.master = None
+            self.port.unlink()
+
+    def close(self):
+        self.reader.close()
+        if self.process.poll() is None:
+            self.unplug()
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        return line.getsockname()[1]
+
+
+def available(kind):
+    library = LIBRARIES.get(kind)
+    return library is None or importlib.util.find_spec(library) is not None
+
+
+def wait_for(what, longest_s=20.0):
+    end_s = time.monotonic() + longest_s
+    while not what():
+        assert time.monotonic() < end_s, "it did not happen"
+        time.sleep(0.01)
+
+
+def collected(sensor, until):
+    """Times and values of a sensor up to the moment at which `until` says so."""
+    times_s, values = [], []
+    end_s = time.monotonic() + 30
+    while not until(times_s):
+        assert time.monotonic() < end_s, "the sensor is silent"
+        block = sensor.read()
+        times_s += block[0].tolist()
+        values += block[1].tolist()
+        time.sleep(0.005)
+    return np.array(times_s), np.array(values)
+
+
+@pytest.fixture(scope="module")
+def heard(tmp_path_factory):
+    """All kinds at once for 20 s, 10 minutes at full size: (block, facts) of each."""
+    emulators = {kind: Emulator(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS if available(kind)}
+    listeners = {kind: each.reader.listen() for kind, each in emulators.items()}
+    for each in emulators.values():
+        each.reader.open()
+    time.sleep(LISTENED_S)
+    blocks = {kind: (listener.read(3), emulators[kind].reader.facts()) for kind, listener in listeners.items()}
+    for each in emulators.values():
+        each.close()
+    return blocks
+
+
+@pytest.fixture(params=KINDS)
+def stream(request, heard):
+    if request.param not in heard:
+        pytest.skip(f"no {LIBRARIES[request.param]}: extra {request.param}")
+    return heard[request.param]
+
+
+def test_no_sample_of_a_stream_is_lost(stream):
+    block, facts = stream
+    counters = block.values[:, 0]
+    assert np.all(np.diff(counters) == 1)
+    kept_s = min(LISTENED_S, 55.0)
+    assert len(counters) >= 1000 * kept_s - 1500
+    assert facts["n_outages"] == 0
+    assert facts.get("n_lost", 0) == 0
+    assert facts["failure"] is None
+
+
+def test_stamps_are_those_of_the_sample(stream):
+    """The emulator's time is that of this machine's clock: the stamp is not earlier, and late by the way's delay."""
+    block, _ = stream
+    taken_us = np.round(block.values[:, 1])
+    late_s = ((block.times_s * 1e6 - taken_us + 2**30) % 2**31 - 2**30) / 1e6
+    assert np.all(late_s[1000:] > -2e-3)
+    assert np.median(late_s) < 0.02
+    assert np.all(np.diff(block.times_s)[1000:] >= 0)
+
+
+@pytest.fixture
+def plugged(request, tmp_path):
+    emulators = []
+
+    def plug(kind, **more):
+        if not available(kind):
+            pytest.skip(f"no {LIBRARIES[kind]}: extra {kind}")
+        emulators.append(Emulator(kind, tmp_path, **more))
+        return emulators[-1]
+
+    yield plug
+    for each in emulators:
+        each.close()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_unplugged_falls_silent_and_comes_back(plugged, kind):
+    device = plugged(kind, force=250)
+    force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
+    force.open()
+    _, forces_n = collected(force, lambda times: len(times) > 200)
+    assert np.allclose(forces_n, 2.5)
+    device.unplug()
+    unplugged_s = time.perf_counter()
+    time.sleep(0.5)
+    late_s, _ = force.read()
+    assert np.all(late_s <= unplugged_s + 0.01)
+    assert force.read()[0].size == 0
+    device.plug()
+    again_s, forces_n = collected(force, lambda times: len(times) > 200)
+    assert again_s[0] > unplugged_s + 0.5
+    assert np.allclose(forces_n, 2.5)
+    if kind != "udp":
+        assert device.reader.facts()["n_outages"] >= 1
+    force.close()
+    force.close()
+
+
+def test_force_and_position_share_a_stream(plugged):
+    device = plugged("serial")
+    force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
+    position = streamed_position(device.reader, (0, 0), 1e-3)
+    force.open()
+    position.open()
+    _, positions_m = collected(position, lambda times: len(times) > 100)
+    assert np.allclose(np.diff(positions_m, axis=0), 1e-3)
+    force.close()
+    position.read()
+    collected(position, lambda times: len(times) > 100)
+    position.close()
+    assert device.reader._thread is None
+
+
+def test_noise_on_the_line_costs_no_sound_frame(plugged):
+    device = plugged("serial")
+    device.reader.open()
+    force = device.reader.listen()
+    wait_for(lambda: force.read(3).times_s.size)
+    rng = np.random.default_rng(0)
+    for _ in range(30):
+        os.write(device.master, rng.bytes(40))
+        time.sleep(0.01)
+    counters = force.read(3).values[:, 0]
+    facts = device.reader.facts()
+    assert len(counters) > 100
+    assert np.all(np.diff(counters) >= 1)
+    assert facts["n_bytes_skipped"] > 30 * 30
+    assert facts["n_lost"] == np.sum(np.diff(counters) - 1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (SerialSettings("no/such/line", 1000.0), "serial no/such/line: cannot open the line .*expected a device"),
+        (UdpSettings("no.such.host.invalid", 1000.0), "cannot reach the sensor .*expected its address"),
+        (RecordedSettings("no/such/file.csv", 1000.0), "cannot be read as a recording"),
+    ],
+)
+def test_what_is_not_there_is_named(settings, message):
+    with pytest.raises(DeviceFailed, match=message):
+        Reader(settings.source()).open()
+
+
+@pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
+def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monkeypatch):
+    monkeypatch.setattr("tactometry.devices.lsl.LONGEST_SEARCH_S", 2.0)
+    with pytest.raises(DeviceFailed, match="found no such stream in 2 s, expected its outlet to run"):
+        LslSettings("nobody sends this", 1000.0).source().open()
+    device = plugged("lsl")
+    with pytest.raises(DeviceFailed, match="with n_channels 3, expected 1; correct the bench file"):
+        LslSettings(device.name, 1000.0, 1).source().open()
+    with pytest.raises(DeviceFailed, match="with rate_hz 1000, expected 500"):
+        LslSettings(device.name, 500.0, 3).source().open()
+
+
+def recording(path: Path, text):
+    path.write_text(text, encoding="utf-8")
+    return RecordedSettings(str(path), 100.0).source()
+
+
+def test_a_recording_comes_again_in_its_own_time(tmp_path):
+    rows = "".join(f"{7 + n / 100},{n}\n" for n in range(30))
+    force = streamed_force(
+        Reader(recording(tmp_path / "f.csv", "time_s,count\n" + rows)), 0, ForceCalibration(newtons_per_count=1.0)
+    )
+    begin_s = time.perf_counter()
+    force.open()
+    times_s, forces_n = collected(force, lambda times: len(times) == 30)
+    end_s = time.perf_counter()
+    force.close()
+    assert forces_n.tolist() == list(range(30))
+    assert np.allclose(np.diff(times_s), 0.01)
+    assert begin_s <= times_s[0]
+    assert times_s[-1] <= end_s
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("t,x\n0,1\n", "found the columns t, x and 1 rows, expected time_s and 1 channels"),
+        ("time_s,x\n", "and 0 rows, expected"),
+        ("time_s,x\n1,2\n0,3\n", "found times that do not rise"),
+        ("time_s,x\n1,a\n", "cannot be read as a recording"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:loadtxt")
+def test_a_recording_that_is_none_is_refused(tmp_path, text, message):
+    with pytest.raises(DeviceFailed, match=message):
+        recording(tmp_path / "f.csv", text).open()
