@@ -44,11 +44,16 @@ def _group(part: pd.DataFrame, dependent: str, interval: float) -> dict[str, obj
     if n_below or n_above:
         row |= _bounded(part, known, n_below, n_above)
     elif len(known):
-        row |= _mean_with_interval(np.array(known, dtype=np.float64), interval)
+        row |= mean_with_interval(np.array(known, dtype=np.float64), interval)
     return row | {"text": _text(row, len(part))}
 
 
-def _mean_with_interval(values: Array, interval: float) -> dict[str, object]:
+def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
+    """Mean of one value at least, with SD and t-interval of two.
+
+    >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
+    {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
+    """
     n, mean = len(values), float(values.mean())
     if n < 2:
         return {"mean": mean}

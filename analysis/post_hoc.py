@@ -30,6 +30,9 @@ class Pair:
     def differences(self) -> Array:
         return self.values[1] - self.values[0]
 
+    def turned(self) -> "Pair":
+        return Pair(self.names[::-1], self.by, self.values[::-1])
+
 
 def pairs(
     table: pd.DataFrame,
@@ -38,10 +41,12 @@ def pairs(
     factor: str,
     subject: str,
     by: str | None = None,
+    reference: object = None,
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Paired t-tests between all levels of `factor`, at each level of `by` if given, all corrected together.
+    """Paired t-tests between all levels of `factor`, or of all others against `reference`, at each level of `by` if
+    given; all corrected together.
 
     Each pair has its own error: pooling it would ask for sphericity. Other columns are averaged over.
 
@@ -64,6 +69,8 @@ def pairs(
     [[1.0, 2.0, 1.75, 3.656, 0.035, 1.828]]
     """
     compared = compare(table, dependent, factor, subject, by, "pairs")
+    if reference is not None:
+        compared = _against(compared, reference, factor)
     result = pd.DataFrame([_row(pair, by, interval) for pair in compared])
     return result.assign(p_corr=_corrected(result["p_unc"], correction)).reindex(columns=_order(result))
 
@@ -88,6 +95,16 @@ def compare(table: pd.DataFrame, dependent: str, factor: str, subject: str, by: 
     factors = [factor] if by is None else [factor, by]
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
     return [pair for place in range(1 if by is None else len(design.levels[1])) for pair in _pairs_at(design, place)]
+
+
+def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
+    """The pairs that hold the reference, which comes first."""
+    levels = {name for pair in compared for name in pair.names}
+    if reference not in levels:
+        names = ", ".join(sorted(map(str, levels)))
+        raise InvalidParameter(f"reference: found {factor} = {reference}, expected one of {names}")
+    kept = [pair for pair in compared if reference in pair.names]
+    return [pair if pair.names[0] == reference else pair.turned() for pair in kept]
 
 
 def _pairs_at(design: Design, place: int) -> list[Pair]:

@@ -1,0 +1,254 @@
+"""AttrakDiff: published scores, consistency, word pairs, portfolio, comparisons of patterns, refusals."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.analysis.attrakdiff import (
+    consistency,
+    cronbach_alpha,
+    item_scores,
+    portfolio,
+    region,
+    scores,
+    summary,
+    word_pairs,
+)
+from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope
+from tactometry.errors import InvalidParameter
+from tactometry.questionnaire import load
+
+FORM = load("attrakdiff")
+ITEMS = [item.id for item in FORM.items]
+DIMENSIONS = ["PQ", "HQI", "HQS", "ATT", "HQ"]
+PATTERNS = ("P0", *THESIS)
+
+
+def one_person(raw) -> pd.DataFrame:
+    return pd.DataFrame({"participant": "P01", "item": ITEMS, "response": raw})
+
+
+def raw_of(item: str, score: float) -> float:
+    return 4 - score if FORM.item(item).reversed else 4 + score
+
+
+def study(rng, n=12, effect=None) -> pd.DataFrame:
+    """Answers of whole steps; `effect` maps a pattern to what it adds to every score."""
+    rows = []
+    for person in range(n):
+        own = rng.normal(0, 0.7)
+        for pattern in PATTERNS:
+            for item in ITEMS:
+                score = np.clip(round(own + (effect or {}).get(pattern, 0.0) + rng.normal(0, 1.0)), -3, 3)
+                rows.append((f"P{person:02d}", pattern, "attrakdiff", "rating", item, raw_of(item, score)))
+    return pd.DataFrame(rows, columns=["participant", "pattern", "procedure", "task", "item", "response"])
+
+
+@pytest.fixture(scope="module")
+def answers() -> pd.DataFrame:
+    high = {name: 1.2 if frequency == "high" else 0.6 for name, (frequency, _) in THESIS.items()}
+    return study(np.random.default_rng(), effect=high)
+
+
+@pytest.fixture(scope="module")
+def scored(answers) -> pd.DataFrame:
+    return scores(answers)
+
+
+# --- scores
+
+
+@pytest.mark.parametrize(
+    ("raw", "expected"),
+    [(4, [0, 0, 0, 0, 0]), (7, [-3 / 7, 3 / 7, -3 / 7, -3 / 7, 0]), (1, [3 / 7, -3 / 7, 3 / 7, 3 / 7, 0])],
+)
+def test_the_same_answer_everywhere_has_the_published_scores(raw, expected) -> None:
+    assert scores(one_person(raw))[DIMENSIONS].iloc[0].tolist() == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_best_answers_score_three() -> None:
+    best = scores(one_person([raw_of(item, 3) for item in ITEMS]))
+    assert best[DIMENSIONS].iloc[0].tolist() == [3.0] * 5
+    assert best.attrs == {"questionnaire": "attrakdiff", "within": []}
+
+
+@given(st.lists(st.integers(1, 7), min_size=28, max_size=28), st.randoms(use_true_random=False))
+@settings(max_examples=30)
+def test_the_order_of_the_answers_does_not_matter(raw, random) -> None:
+    table = one_person(raw)
+    order = random.sample(range(28), 28)
+    one, other = scores(table)[DIMENSIONS], scores(table.iloc[order])[DIMENSIONS]
+    assert other.to_numpy() == pytest.approx(one.to_numpy())
+
+
+def test_answers_as_text_are_read_and_empty_ones_are_missing() -> None:
+    table = one_person([str(raw_of(item, 2)) for item in ITEMS])
+    gaps = table.assign(response=table["response"].where(~table["item"].isin(["PQ1", "PQ2", "ATT1"]), ""))
+    found = scores(gaps).iloc[0]
+    assert (found["PQ"], found["ATT"], found["n_answered"]) == (2.0, 2.0, 25.0)
+    lost = gaps.assign(response=gaps["response"].where(gaps["item"] != "PQ3", ""))
+    assert pd.isna(scores(lost)["PQ"].iloc[0])
+    assert scores(lost)["HQ"].iloc[0] == 2.0
+
+
+def test_answers_given_twice_are_averaged() -> None:
+    twice = pd.concat([one_person([raw_of(i, s) for i in ITEMS]) for s in (1, 2)])
+    assert scores(twice)[DIMENSIONS].iloc[0].tolist() == pytest.approx([1.5] * 5)
+
+
+def test_conditions_are_the_columns_between_trial_and_procedure() -> None:
+    table = one_person(4).assign(trial=1, pattern="P3", procedure="attrakdiff", task="rating")
+    ordered = table[["participant", "trial", "pattern", "procedure", "task", "item", "response"]]
+    assert list(scores(ordered).columns[:2]) == ["participant", "pattern"]
+    assert list(scores(table.assign(hand="left"), within=["hand"]).columns[:2]) == ["participant", "hand"]
+
+
+def test_the_short_form_is_read_by_its_name() -> None:
+    mini = load("attrakdiff-mini")
+    table = pd.DataFrame({"participant": "P1", "item": [i.id for i in mini.items], "response": 4})
+    assert scores(table.assign(procedure="attrakdiff-mini"))["PQ"].tolist() == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t.drop(columns="item"), "scores: found no column 'item'"),
+        (lambda t: t.iloc[:0], "scores: found no row, expected answers to a questionnaire"),
+        (lambda t: t.assign(item="PQ9"), "item, row 0: found 'PQ9', no item of attrakdiff; did you mean 'PQ"),
+        (lambda t: t.assign(response=8), f"response, row 0: found 8 for {ITEMS[0]}, expected 1 to 7 or nothing"),
+        (lambda t: t.assign(response="good"), f"response, row 0: found 'good' for {ITEMS[0]}, expected 1 to 7"),
+        (lambda t: t.assign(response=3.5, row=99), f"response, row 99: found 3.5 for {ITEMS[0]}, expected 1 to 7"),
+    ],
+)
+def test_refuses_what_is_no_answer(change, message) -> None:
+    with pytest.raises(InvalidParameter, match=re.escape(message)):
+        scores(change(one_person(4)))
+
+
+def test_refuses_two_questionnaires_together() -> None:
+    table = pd.concat([one_person(4).assign(procedure=name) for name in ("attrakdiff", "sus")])
+    with pytest.raises(InvalidParameter, match="procedure: found attrakdiff, sus, expected one questionnaire"):
+        scores(table)
+
+
+# --- over participants
+
+
+def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> None:
+    from scipy.stats import t
+
+    row = summary(scored).set_index(["pattern", "dimension"]).loc[("P3", "PQ")]
+    own = scored[scored["pattern"] == "P3"]["PQ"]
+    half = t.ppf(0.975, 11) * own.std() / np.sqrt(12)
+    assert (row["mean"], row["mean_high"] - row["mean"]) == pytest.approx((own.mean(), half))
+    assert row["n"] == 12
+
+
+def test_word_pairs_are_in_order_between_their_words(answers) -> None:
+    profile = word_pairs(item_scores(answers))
+    assert len(profile) == 7 * 28
+    first = profile.iloc[0]
+    assert (first["pattern"], first["item"], first["negative"], first["positive"]) == (
+        "P0",
+        "PQ1",
+        "Technical",
+        "Human",
+    )
+    assert profile["dimension"].iloc[:28].tolist() == ["PQ"] * 7 + ["HQI"] * 7 + ["HQS"] * 7 + ["ATT"] * 7
+    means = profile[profile["pattern"] == "P2"].groupby("dimension")["mean"].mean()
+    own = summary(scores(answers)).query("pattern == 'P2'").set_index("dimension")["mean"]
+    assert means["PQ"] == pytest.approx(own["PQ"])
+
+
+def test_the_portfolio_names_regions_and_holds_a_rectangle(scored) -> None:
+    found = portfolio(scored)
+    assert list(found["pattern"]) == list(PATTERNS)
+    assert ((found["PQ_low"] < found["PQ"]) & (found["PQ"] < found["PQ_high"])).all()
+    assert [region(p, h) for p, h in zip(found["PQ"], found["HQ"], strict=True)] == found["region"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("pq", "hq", "name"),
+    [(0, 0, "neutral"), (-1, 1, "neutral"), (1.01, 0, "task-oriented"), (0, 1.01, "self-oriented"), (None, 1, None)],
+)
+def test_regions_are_split_at_one(pq, hq, name) -> None:
+    assert region(pq, hq) == name
+
+
+# --- consistency
+
+
+def test_alpha_equals_pingouin(answers) -> None:
+    import pingouin
+
+    wide = item_scores(answers).query("pattern == 'P1'").pivot(index="participant", columns="item", values="score")
+    items = list(FORM.items_of("HQ"))
+    theirs, (low, high) = pingouin.cronbach_alpha(wide[items])
+    row = consistency(item_scores(answers)).set_index(["pattern", "dimension"]).loc[("P1", "HQ")]
+    assert row["alpha"] == pytest.approx(theirs, rel=1e-9)
+    assert (row["alpha_low"], row["alpha_high"]) == pytest.approx((low, high), abs=6e-4)
+
+
+def test_alpha_of_parallel_items_is_that_of_spearman_and_brown() -> None:
+    rng = np.random.default_rng()
+    values = rng.normal(size=(20_000, 1)) + rng.normal(size=(20_000, 7))
+    assert cronbach_alpha(values) == pytest.approx(7 * 0.5 / (1 + 6 * 0.5), abs=0.01)
+
+
+def test_alpha_without_participants_or_variance_says_why() -> None:
+    few = consistency(item_scores(one_person(5)))
+    assert few["alpha"].isna().all()
+    assert set(few["note"]) == {"fewer than two items or three participants who answered them all"}
+    alike = pd.concat([one_person(5).assign(participant=f"P{n}") for n in range(4)])
+    assert set(consistency(item_scores(alike))["note"]) == {"participants do not differ in this score"}
+
+
+# --- patterns
+
+
+def test_frequency_by_envelope_leaves_the_single_focus_out(scored) -> None:
+    found = frequency_by_envelope(scored).set_index(["dimension", "Source"])
+    assert len(found) == 5 * 3
+    assert found.loc[("ATT", "frequency"), "ddof2"] == 11
+    assert found.loc[("ATT", "frequency"), "p_unc"] < 0.01
+    low = scored[scored["pattern"].isin(["P1", "P2", "P3"])].groupby("participant")["ATT"].mean()
+    high = scored[scored["pattern"].isin(["P4", "P5", "P6"])].groupby("participant")["ATT"].mean()
+    t = (high - low).mean() / ((high - low).std() / np.sqrt(12))
+    assert found.loc[("ATT", "frequency"), "F"] == pytest.approx(t**2)
+
+
+def test_every_pattern_is_compared_with_the_single_focus(scored) -> None:
+    found = against_reference(scored).query("dimension == 'HQ'")
+    assert found["a"].tolist() == ["P0"] * 6
+    assert found["b"].tolist() == list(THESIS)
+    own = scored.pivot(index="participant", columns="pattern", values="HQ")
+    assert found["difference"].iloc[3] == pytest.approx((own["P4"] - own["P0"]).mean())
+    assert (found["p_corr"] >= found["p_unc"]).all()
+
+
+def test_a_participant_without_a_score_is_left_out_by_name(answers) -> None:
+    gone = (answers["participant"] == "P03") & (answers["pattern"] == "P2") & answers["item"].str.startswith("PQ")
+    found = frequency_by_envelope(scores(answers[~gone]))
+    assert set(found[found["dimension"] == "PQ"]["left_out"]) == {"P03"}
+    assert set(found[found["dimension"] == "ATT"]["left_out"]) == {""}
+    assert found[found["dimension"] == "PQ"]["ddof2"].iloc[0] == 10
+
+
+def test_answers_that_are_all_alike_have_a_note_and_no_f() -> None:
+    table = pd.concat(
+        [one_person(4).assign(participant=f"P{n}", pattern=pattern) for n in range(4) for pattern in PATTERNS]
+    )
+    found = frequency_by_envelope(scores(table))
+    assert found["note"].str.contains("found the same value everywhere").all()
+
+
+def test_refuses_patterns_that_are_not_there(scored) -> None:
+    part = scored[scored["pattern"] != "P0"]
+    with pytest.raises(InvalidParameter, match="pattern: found no P0 among P1, P2, P3, P4, P5, P6, expected it"):
+        against_reference(part)
+    with pytest.raises(InvalidParameter, match="pattern: found no column 'patern'; did you mean 'pattern'"):
+        frequency_by_envelope(scored, pattern="patern")
