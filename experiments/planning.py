@@ -25,8 +25,7 @@ def plan(experiment: Experiment, number: int) -> list[PlannedBlock]:
     n_trials = n_stimuli if rate == 0 else round(n_stimuli / (1 - 1 / max(round(1 / rate), 2)))
     blocks = experiment.blocks(number, stream(0, "plan"))
     return [
-        PlannedBlock(n, dict(block.condition.factors), block.procedure.name, n_trials)
-        for n, block in enumerate(blocks, 1)
+        PlannedBlock(n, block.factors, block.tracks[0].procedure.name, n_trials) for n, block in enumerate(blocks, 1)
     ]
 
 

@@ -12,11 +12,12 @@ from tactometry.dataset import cell as cell_text
 from tactometry.errors import InvalidParameter, TactometryError, nearest
 from tactometry.experiments.study import Study
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.protocols.block import Block, Condition, Track, session
+from tactometry.protocols.block import Block, Condition, Track
 from tactometry.protocols.constant_stimuli import ConstantStimuli
 from tactometry.protocols.forced_choice import ForcedChoice
 from tactometry.protocols.order import counterbalanced
 from tactometry.protocols.procedure import Procedure
+from tactometry.protocols.session import session
 from tactometry.protocols.staircase import Staircase
 from tactometry.protocols.task import Task
 from tactometry.protocols.touch import Pressing, Sliding, Touch
@@ -103,9 +104,8 @@ class Experiment:
     def _block(self, cell: Mapping[str, float | str], rng: np.random.Generator) -> Block:
         condition = next(condition for condition in self.conditions if condition.factors == cell)
         return Block(
-            condition,
+            (Track(condition, _shuffled(self.procedure, rng)),),
             self.task,
-            _shuffled(self.procedure, rng),
             self.study.task.catch_rate,
             self.study.task.n_attempts,
         )

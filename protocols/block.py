@@ -1,52 +1,118 @@
-"""A block: one procedure on one condition, until it is finished; and a session: blocks in their order."""
+"""A block: procedures on their conditions, alone or interleaved, until all are finished; and the sessions of blocks."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 
 from tactometry.protocols.procedure import Procedure
-from tactometry.protocols.task import Outcome, Presentation, Task
+from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
 from tactometry.protocols.touch import Touch
 from tactometry.request import Record, Show
 from tactometry.run import Course
 from tactometry.trial import Trial
 
+T = TypeVar("T")
+FEEDBACK_S = 0.7
+"""How long a page says right or wrong (unverified default)."""
+
 
 @dataclass(frozen=True)
 class Condition:
-    """What stays the same in a block: its factors, the stimulus (by name) and how it is touched."""
+    """What stays the same in a track: its factors, the stimulus (by name) and how it is touched."""
 
     factors: Mapping[str, float | str]
     stimulus: str
     level_unit: str
     touch: Touch
     speed_m_per_s: float | None = None
-
-
-@dataclass(frozen=True)
-class Block:
-    """A condition with its procedure. `catch_rate` is the part of presentations without stimulus; `n_attempts` invalid
-    attempts in a row end the block as aborted."""
-
-    condition: Condition
-    task: Task
-    procedure: Procedure
-    catch_rate: float = 0.0
-    n_attempts: int = 5
+    alternatives: tuple[Alternative, ...] = ()
 
 
 @dataclass(frozen=True)
 class Track:
-    """How a block's procedure stood at its end."""
+    """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart."""
 
-    block: Block
+    condition: Condition
     procedure: Procedure
+    name: str | None = None
     aborted: bool = False
 
     @property
     def ended(self) -> str | None:
         return "aborted" if self.aborted else self.procedure.ended
+
+
+@runtime_checkable
+class FixedOrder(Protocol):
+    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
+
+    def skipped(self) -> Self: ...
+
+
+@dataclass(frozen=True)
+class Block:
+    """Tracks that are presented together, and how.
+
+    Parameters
+    ----------
+    tracks : tuple of Track
+        More than one are interleaved: each trial draws one of the unfinished tracks (``random``), or each round
+        presents all of them once, in random order (``balanced``).
+    task : Task
+        What is asked in a trial.
+    catch_rate : float
+        The part of a track's presentations without stimulus, where the task takes them.
+    n_attempts : int
+        A presentation that is not valid comes again: at the end of the block if the procedure's order is fixed, else
+        when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
+    feedback : bool
+        Say right or wrong after each answer.
+    practice : bool
+        Mark the rows as practice.
+    rest_after : int or None
+        So many valid trials lie between two rests.
+    longest_s : float or None
+        A block that lasts longer ends; what is unfinished is aborted.
+    """
+
+    tracks: tuple[Track, ...]
+    task: Task
+    catch_rate: float = 0.0
+    n_attempts: int = 5
+    interleaving: Literal["random", "balanced"] = "random"
+    feedback: bool = False
+    practice: bool = False
+    rest_after: int | None = None
+    longest_s: float | None = None
+
+    @property
+    def factors(self) -> dict[str, float | str]:
+        """The factors that all tracks share."""
+        first, *others = (track.condition.factors for track in self.tracks)
+        return {name: level for name, level in first.items() if all(other.get(name) == level for other in others)}
+
+    @property
+    def instructions(self) -> str:
+        return f"instructions_{self.task.name}"
+
+    @property
+    def page(self) -> str:
+        return "practice" if self.practice else "block"
+
+    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
+        return run_block(self, number, first_trial, rng)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A presentation: of which track, under which number, at which level (None: a catch trial)."""
+
+    track: int
+    trial: int
+    level: float | None
+    attempt: int = 1
 
 
 def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool]:
@@ -65,76 +131,160 @@ def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool
         yield from (n == caught for n in range(n_group))
 
 
-def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[Track, int]]:
-    """Present until the procedure has finished; gives its end and the number of the next trial."""
-    procedure, trial = block.procedure, first_trial
-    catches = catch_schedule(block.catch_rate if block.task.takes_catch_trials else 0.0, rng)
-    while not procedure.finished:
-        catch = next(catches)
-        level = None if catch else procedure.level
-        outcome = yield from _attempts(block, number, trial, level, rng)
-        trial += 1
-        if not outcome.valid:
-            return Track(block, procedure, aborted=True), trial
-        if not catch:
-            procedure = procedure.after(bool(outcome.correct), _delivered(outcome))
-    return Track(block, procedure), trial
+def turns(interleaving: str, rng: np.random.Generator) -> Callable[[Sequence[int]], int]:
+    """Who is next of those that are open: any, or (balanced) each once in every round.
+
+    >>> turn = turns("balanced", np.random.default_rng(1))
+    >>> sorted(turn((0, 1, 2)) for _ in range(3)), turn((2,))
+    ([0, 1, 2], 2)
+    """
+    left: list[int] = []
+
+    def turn(open_: Sequence[int]) -> int:
+        nonlocal left
+        if interleaving == "random":
+            return open_[int(rng.integers(len(open_)))] if len(open_) > 1 else open_[0]
+        left = [n for n in left if n in open_] or [open_[int(n)] for n in rng.permutation(len(open_))]
+        return left.pop(0)
+
+    return turn
 
 
-def _delivered(outcome: Outcome) -> float | None:
-    return None if outcome.stimulus is None else outcome.stimulus.level_delivered
+@dataclass(frozen=True)
+class Standing:
+    """How a block stands: its tracks, the presentations that must come again, and what ends it."""
+
+    block: Block
+    tracks: tuple[Track, ...]
+    next_trial: int
+    again: tuple[Asked, ...] = ()
+    in_a_row: Mapping[int, int] = field(default_factory=dict)
+    begun_s: float | None = None
+    n_valid: int = 0
+
+    def open(self) -> list[int]:
+        """The tracks that have something left to present."""
+        return [n for n, track in enumerate(self.tracks) if not track.aborted and self._has_more(n, track)]
+
+    def _has_more(self, index: int, track: Track) -> bool:
+        owed = isinstance(track.procedure, FixedOrder) and any(asked.track == index for asked in self.again)
+        return owed or not track.procedure.finished
+
+    def due(self, index: int) -> Asked | None:
+        """The presentation of a track that comes again now: in an adaptive track at once, else when all have been."""
+        procedure = self.tracks[index].procedure
+        owed = (asked for asked in self.again if asked.track == index)
+        return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
+
+    def after(self, asked: Asked, outcome: Outcome) -> "Standing":
+        """The standing after a presentation."""
+        begun_s = outcome.onset_s if self.begun_s is None else self.begun_s
+        told = replace(self, again=tuple(each for each in self.again if each.trial != asked.trial), begun_s=begun_s)
+        told = replace(told, next_trial=max(self.next_trial, asked.trial + 1))
+        told = told._kept(asked, outcome) if outcome.valid else told._put_back(asked)
+        late = self.block.longest_s is not None and outcome.onset_s - begun_s > self.block.longest_s
+        return replace(told, tracks=tuple(map(_stopped, told.tracks))) if late else told
+
+    def _kept(self, asked: Asked, outcome: Outcome) -> "Standing":
+        tracks, track = self.tracks, self.tracks[asked.track]
+        presented_later = isinstance(track.procedure, FixedOrder) and asked.attempt > 1
+        if asked.level is not None and not presented_later:
+            tracks = told(tracks, asked.track, outcome)
+        in_a_row = {**self.in_a_row, asked.track: 0}
+        return replace(self, tracks=tracks, in_a_row=in_a_row, n_valid=self.n_valid + 1)
+
+    def _put_back(self, asked: Asked) -> "Standing":
+        n_in_a_row = self.in_a_row.get(asked.track, 0) + 1
+        track = self.tracks[asked.track]
+        if max(n_in_a_row, asked.attempt) >= self.block.n_attempts:
+            track = replace(track, aborted=True)
+        elif isinstance(track.procedure, FixedOrder) and asked.attempt == 1 and asked.level is not None:
+            track = replace(track, procedure=track.procedure.skipped())
+        return replace(
+            self,
+            tracks=_with(self.tracks, asked.track, track),
+            again=(*self.again, replace(asked, attempt=asked.attempt + 1)),
+            in_a_row={**self.in_a_row, asked.track: n_in_a_row},
+        )
 
 
-def _attempts(block: Block, number: int, trial: int, level: float | None, rng: np.random.Generator) -> Course[Outcome]:
-    shown = Presentation(block.condition.stimulus, level, block.condition.touch)
-    outcome = Outcome((), None)
-    for attempt in range(1, block.n_attempts + 1):
-        outcome = yield from block.task.trial(shown, rng)
-        yield Record(trial_row(block, number, trial, level, outcome, attempt))
-        if outcome.valid:
-            break
+def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:
+    return (*values[:index], value, *values[index + 1 :])
+
+
+def _stopped(track: Track) -> Track:
+    return track if track.procedure.finished else replace(track, aborted=True)
+
+
+def told(tracks: tuple[Track, ...], index: int, outcome: Outcome) -> tuple[Track, ...]:
+    """The tracks after one of them has learnt what came of its level."""
+    delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
+    track = tracks[index]
+    return _with(tracks, index, replace(track, procedure=track.procedure.after(bool(outcome.success), delivered)))
+
+
+def run_block(
+    block: Block, number: int, first_trial: int, rng: np.random.Generator
+) -> Course[tuple[tuple[Track, ...], int]]:
+    """Present until every track has finished; gives how the tracks stand then, and the number of the next trial."""
+    standing = Standing(block, block.tracks, first_trial)
+    catch_rate = block.catch_rate if block.task.takes_catch_trials else 0.0
+    catches = [catch_schedule(catch_rate, rng) for _ in block.tracks]
+    turn = turns(block.interleaving, rng)
+    while open_ := standing.open():
+        index = turn(open_)
+        asked = standing.due(index)
+        if asked is None:
+            level = None if next(catches[index]) else standing.tracks[index].procedure.level
+            asked = Asked(index, standing.next_trial, level)
+        outcome = yield from _presented(block, number, asked, standing.tracks[index], rng)
+        standing = standing.after(asked, outcome)
+        if block.rest_after and outcome.valid and standing.open() and standing.n_valid % block.rest_after == 0:
+            yield Show("rest")
+    return standing.tracks, standing.next_trial
+
+
+def _presented(block: Block, number: int, asked: Asked, track: Track, rng: np.random.Generator) -> Course[Outcome]:
+    condition = track.condition
+    shown = Presentation(condition.stimulus, asked.level, condition.touch, condition.alternatives)
+    outcome = yield from block.task.trial(shown, rng)
+    for reply in outcome.replies or (Reply(),):
+        yield Record(trial_row(block, number, asked, track, outcome, reply))
+    correct = outcome.replies[0].correct if outcome.valid else None
+    if block.feedback and correct is not None:
+        yield Show("right" if correct else "wrong", duration_s=FEEDBACK_S)
     return outcome
 
 
-def trial_row(block: Block, number: int, trial: int, level: float | None, outcome: Outcome, attempt: int) -> Trial:
-    """The row of one attempt."""
-    felt, choice, condition = outcome.stimulus or outcome.touches[0], outcome.choice, block.condition
+def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: Outcome, reply: Reply) -> Trial:
+    """The row of a reply."""
+    felt = outcome.stimulus or next(iter(outcome.touches), None)
     return Trial(
         block=number,
-        trial=trial,
-        factors=condition.factors,
-        procedure=block.procedure.name,
-        level=level,
-        level_unit=condition.level_unit,
+        trial=asked.trial,
+        factors={**track.condition.factors, **outcome.factors},
+        procedure=outcome.rule or track.procedure.name,
+        level=asked.level,
+        level_unit=track.condition.level_unit,
         task=block.task.name,
-        response=choice.option if choice is not None else None,
-        correct=outcome.correct,
-        onset_s=outcome.touches[0].onset_s,
-        latency_s=choice.latency_s if choice is not None else None,
-        force_mean_n=felt.force_mean_n,
-        force_sd_n=felt.force_sd_n,
-        force_in_band=felt.force_in_band,
+        response=reply.response,
+        correct=reply.correct,
+        onset_s=outcome.onset_s,
+        latency_s=reply.latency_s,
+        force_mean_n=felt.force_mean_n if felt else None,
+        force_sd_n=felt.force_sd_n if felt else None,
+        force_in_band=felt.force_in_band if felt else None,
         valid=outcome.valid,
-        timestamp_utc=choice.timestamp_utc if choice is not None else None,
-        attempt=attempt,
-        catch=(level is None) if block.task.takes_catch_trials else None,
-        level_delivered=felt.level_delivered,
-        speed_target_m_per_s=condition.speed_m_per_s,
-        speed_mean_m_per_s=felt.speed_mean_m_per_s,
+        timestamp_utc=reply.timestamp_utc,
+        track=track.name,
+        attempt=asked.attempt,
+        catch=(asked.level is None) if block.task.takes_catch_trials else None,
+        item=reply.item,
+        level_delivered=felt.level_delivered if felt and asked.level is not None else None,
+        speed_target_m_per_s=track.condition.speed_m_per_s,
+        speed_mean_m_per_s=felt.speed_mean_m_per_s if felt else None,
         target=outcome.target,
+        standard_level=outcome.standard_level,
+        item_b=reply.item_b,
+        practice=block.practice,
     )
-
-
-def session(blocks: Sequence[Block], rng: np.random.Generator) -> Course[tuple[Track, ...]]:
-    """All blocks in their order, with a page before each, the tasks' instructions first, and a last page."""
-    yield Show("welcome", {"n_blocks": len(blocks)})
-    for name in dict.fromkeys(block.task.name for block in blocks):
-        yield Show(f"instructions_{name}")
-    tracks: list[Track] = []
-    trial = 1
-    for number, block in enumerate(blocks, 1):
-        yield Show("block", {"block": number, "n_blocks": len(blocks), **block.condition.factors})
-        track, trial = yield from run_block(block, number, trial, rng)
-        tracks.append(track)
-    yield Show("end")
-    return tuple(tracks)

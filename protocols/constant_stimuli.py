@@ -73,4 +73,8 @@ class ConstantStimuli:
         del delivered
         checked_response(response, "ConstantStimuli")
         refuse_finished(finished=self.finished, procedure="ConstantStimuli")
+        return self.skipped()
+
+    def skipped(self) -> Self:
+        """The next presentation; the present one is left to the block, which comes back to it."""
         return replace(self, n_done=self.n_done + 1)

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.task import Outcome, Presentation
-from tactometry.request import Choose, Chosen, Touched
+from tactometry.protocols.intervals import felt_in_turn, nth
+from tactometry.protocols.task import Outcome, Presentation, reply
+from tactometry.request import Choose, Chosen
 from tactometry.run import Course
 
 
@@ -32,14 +33,14 @@ class ForcedChoice:
             raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals}, expected 2, 3 or 4")
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
-        intervals = range(1, self.n_intervals + 1)
+        intervals = tuple(range(1, self.n_intervals + 1))
         target = int(rng.integers(1, self.n_intervals + 1))
-        touches: list[Touched] = []
-        for interval in intervals:
-            level = shown.level if interval == target else None
-            touches.append((yield shown.touch.request(shown.stimulus, level, interval)))
-            if not touches[-1].valid:
-                return Outcome(tuple(touches), touches[target - 1] if target <= interval else None, target=target)
-        choice: Chosen = yield Choose("which_interval", tuple(intervals), tuple(str(n) for n in intervals))
-        correct = choice.option == target if choice.valid else None
-        return Outcome(tuple(touches), touches[target - 1], choice, correct, target)
+        levels = [shown.level if interval == target else None for interval in intervals]
+        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
+        stimulus = nth(touches, target)
+        if not touches[-1].valid:
+            return Outcome(touches, stimulus, target=target)
+        choice: Chosen = yield Choose("which_interval", intervals, tuple(map(str, intervals)))
+        correct = choice.option == target
+        told = reply(choice, choice.option, correct=correct)
+        return Outcome(touches, stimulus, (told,), success=correct, target=target)

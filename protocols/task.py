@@ -1,37 +1,99 @@
 """What a trial is: how it is presented, and what is asked."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from tactometry.protocols.touch import Touch
-from tactometry.request import Chosen, Touched
+from tactometry.request import Adjusted, Chosen, Filled, Rated, Touched
 from tactometry.run import Course
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What came of one presentation. `response` is None if a touch or the answer was not valid."""
+class Alternative:
+    """One of the stimuli that a trial has to choose among: its name, what the participant reads, its factors."""
 
-    touches: tuple[Touched, ...]
-    stimulus: Touched | None
-    choice: Chosen | None = None
-    correct: bool | None = None
-    target: int | None = None
-
-    @property
-    def valid(self) -> bool:
-        return all(touch.valid for touch in self.touches) and self.choice is not None and self.choice.valid
+    stimulus: str
+    label: str
+    factors: Mapping[str, float | str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Presentation:
-    """A stimulus at a level; None is a catch trial."""
+    """A stimulus at a level; None is a catch trial. Some tasks choose among `alternatives` instead."""
 
     stimulus: str
     level: float | None
     touch: Touch = field(repr=False)
+    alternatives: tuple[Alternative, ...] = ()
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What a row says of an answer; without a response the question was not put, or left open."""
+
+    response: float | None = None
+    correct: bool | None = None
+    onset_s: float | None = None
+    latency_s: float | None = None
+    timestamp_utc: str | None = None
+    valid: bool = True
+    item: str | None = None
+    item_b: str | None = None
+
+
+def reply(
+    answer: Chosen | Rated | Adjusted | Filled,
+    response: float | None,
+    *,
+    correct: bool | None = None,
+    item: str | None = None,
+    item_b: str | None = None,
+) -> Reply:
+    """The reply of an answer; one that the experimenter declared invalid is not scored."""
+    valid = answer.valid if isinstance(answer, Chosen) else True
+    return Reply(
+        response,
+        correct if valid else None,
+        answer.onset_s,
+        answer.latency_s,
+        answer.timestamp_utc,
+        valid,
+        item,
+        item_b,
+    )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one presentation, a row for each reply.
+
+    `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told; `factors` are those
+    that the trial itself chose; `rule` stands in the column `procedure` in place of the procedure's name.
+    """
+
+    touches: tuple[Touched, ...]
+    stimulus: Touched | None = None
+    replies: tuple[Reply, ...] = ()
+    success: bool | None = None
+    target: int | None = None
+    standard_level: float | None = None
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+    rule: str | None = None
+
+    @property
+    def valid(self) -> bool:
+        """Whether every touch held its conditions and every answer counts."""
+        asked = bool(self.replies) and all(each.valid for each in self.replies)
+        return asked and all(touch.valid for touch in self.touches)
+
+    @property
+    def onset_s(self) -> float:
+        """The onset of the first stimulus, or of the first question where nothing was felt."""
+        onsets_s = [touch.onset_s for touch in self.touches] + [each.onset_s or 0.0 for each in self.replies]
+        return onsets_s[0]
 
 
 class Task(Protocol):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.protocols.task import Outcome, Presentation
+from tactometry.protocols.task import Outcome, Presentation, reply
 from tactometry.request import Choose, Chosen, Touched
 from tactometry.run import Course
 
@@ -23,4 +23,4 @@ class YesNo:
             return Outcome((touch,), touch)
         choice: Chosen = yield Choose("felt", (0, 1), ("no", "yes"))
         correct = choice.option == (shown.level is not None)
-        return Outcome((touch,), touch, choice, correct if choice.valid else None)
+        return Outcome((touch,), touch, (reply(choice, choice.option, correct=correct),), success=correct)

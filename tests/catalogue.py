@@ -24,10 +24,12 @@ from tactometry.protocols import (
     QuestPlus,
     Sliding,
     Staircase,
+    Track,
     WeightedStaircase,
     YesNo,
+    session,
 )
-from tactometry.protocols.block import run_block, session
+from tactometry.protocols.block import run_block
 from tactometry.rigs.console import Console
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
@@ -123,7 +125,7 @@ def block(task, procedure, touch="slide", stimulus="amplitude_modulated"):
     """A block of the catalogue's parts, by their names."""
     condition = Condition({"frequency_hz": 240.0}, stimulus, "dB re 1 V", TOUCHES[touch])
     catch_rate = 0.25 if TASKS[task].takes_catch_trials else 0.0
-    return Block(condition, TASKS[task], PROCEDURES[procedure], catch_rate)
+    return Block((Track(condition, PROCEDURES[procedure]),), TASKS[task], catch_rate)
 
 
 def _one_block(task, procedure):

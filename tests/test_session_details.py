@@ -266,26 +266,39 @@ class Clipping:
 def test_a_procedure_learns_the_level_that_was_delivered():
     memory = Memory()
     course = run_block(catalogue.block("yes_no", "staircase_1_up_1_down"), 1, 1, np.random.default_rng(1))
-    track, _ = run(course, Clipping(), memory)
+    (track,), _ = run(course, Clipping(), memory)
     delivered = [trial.level_delivered for trial in memory.trials if not trial.catch]
     assert list(track.procedure.levels) == delivered
     assert all(trial.level_delivered == trial.level - 3.0 for trial in memory.trials if not trial.catch)
 
 
-def test_an_invalid_touch_is_recorded_and_asked_again():
+def test_an_invalid_touch_of_a_staircase_is_asked_again_at_once():
     memory = Memory()
-    track, _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=2), memory)
+    course = run_block(catalogue.block("yes_no", "staircase_1_up_1_down"), 1, 1, np.random.default_rng(1))
+    run(course, Clipping(n_lost=2), memory)
     first = [(trial.trial, trial.attempt, trial.valid, trial.response is None) for trial in memory.trials[:3]]
     assert first == [(1, 1, False, True), (1, 2, False, True), (1, 3, True, False)]
     assert len({trial.level for trial in memory.trials[:3]}) == 1
+
+
+def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block():
+    memory = Memory()
+    (track,), next_trial = run(one_block(np.random.default_rng(1)), Clipping(n_lost=2), memory)
+    lost, again = memory.trials[:2], memory.trials[-2:]
+    assert [(trial.trial, trial.attempt, trial.valid) for trial in lost] == [(1, 1, False), (2, 1, False)]
+    assert [(trial.trial, trial.attempt, trial.valid) for trial in again] == [(1, 2, True), (2, 2, True)]
+    assert [trial.level for trial in again] == [trial.level for trial in lost]
     assert track.ended == "trials"
+    assert next_trial == 1 + len({trial.trial for trial in memory.trials})
+    felt = sorted(trial.level for trial in memory.trials if trial.valid and not trial.catch)
+    assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].order)
 
 
 def test_a_block_of_which_no_touch_is_valid_is_aborted():
     memory = Memory()
-    track, _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=10**6), memory)
+    (track,), _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=10**6), memory)
     assert track.ended == "aborted"
-    assert [trial.attempt for trial in memory.trials] == [1, 2, 3, 4, 5]
+    assert [trial.trial for trial in memory.trials] == [1, 2, 3, 4, 5]
 
 
 def test_catch_trials_come_at_any_place_of_their_group():
@@ -341,9 +354,9 @@ class Refusing(Clipping):
 def test_an_answer_that_was_declared_invalid_is_not_scored_and_asked_again(task):
     memory = Memory()
     run(run_block(catalogue.block(task, "constant_stimuli"), 1, 1, np.random.default_rng(1)), Refusing(), memory)
-    first, second = memory.trials[:2]
+    first, second = memory.trials[0], memory.trials[-1]
     assert (first.valid, first.correct, first.attempt) == (False, None, 1)
-    assert (second.valid, second.attempt, second.level) == (True, 2, first.level)
+    assert (second.valid, second.attempt, second.trial, second.level) == (True, 2, first.trial, first.level)
 
 
 def test_a_censored_run_with_reversals_has_no_threshold():

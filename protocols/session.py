@@ -1,0 +1,90 @@
+"""A session: blocks and questionnaires in their order."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from tactometry.protocols.block import Track
+from tactometry.protocols.rating import filled_in
+from tactometry.protocols.task import Reply
+from tactometry.questionnaire import Questionnaire
+from tactometry.request import Done, Record, Show
+from tactometry.run import Course
+from tactometry.trial import Trial
+
+
+class Part(Protocol):
+    """A block, or whatever else has a place in a session."""
+
+    @property
+    def instructions(self) -> str:
+        """The message that says what to do, once for all parts of its kind."""
+
+    @property
+    def page(self) -> str:
+        """The message before this part."""
+
+    @property
+    def factors(self) -> Mapping[str, float | str]: ...
+
+    def course(
+        self, number: int, first_trial: int, rng: np.random.Generator
+    ) -> Course[tuple[tuple[Track, ...], int]]: ...
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """A questionnaire on its own: a row for each item, all of one trial."""
+
+    form: Questionnaire
+    shuffled: bool = False
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+
+    instructions = "instructions_rating"
+    page = "block"
+
+    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
+        for reply in (yield from filled_in(self.form, rng, shuffled=self.shuffled)):
+            yield Record(self._row(number, first_trial, reply))
+        return (), first_trial + 1
+
+    def _row(self, number: int, trial: int, reply: Reply) -> Trial:
+        return Trial(
+            block=number,
+            trial=trial,
+            factors=self.factors,
+            procedure=self.form.name,
+            level=None,
+            level_unit="",
+            task="rating",
+            response=reply.response,
+            onset_s=reply.onset_s,
+            latency_s=reply.latency_s,
+            timestamp_utc=reply.timestamp_utc,
+            item=reply.item,
+            practice=False,
+        )
+
+
+def session(
+    parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None
+) -> Course[tuple[Track, ...]]:
+    """All parts in their order, with a page before each, the instructions first, and a last page.
+
+    No part begins later than `longest_s` after the start.
+    """
+    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
+    for name in dict.fromkeys(part.instructions for part in parts):
+        yield Show(name)
+    tracks: list[Track] = []
+    trial = 1
+    for number, part in enumerate(parts, 1):
+        shown: Done = yield Show(part.page, {"block": number, "n_blocks": len(parts), **part.factors})
+        if longest_s is not None and shown.at_s - begun.at_s > longest_s:
+            break
+        ended, trial = yield from part.course(number, trial, rng)
+        tracks += ended
+    yield Show("end")
+    return tuple(tracks)
