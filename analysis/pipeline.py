@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis import cells, group, words
+from tactometry.analysis import apa, cells, group, words
 from tactometry.analysis.anova import MAX_FACTORS, repeated_measures
 from tactometry.analysis.complete import largest_complete
 from tactometry.analysis.table import ColumnMap, Trials, read_trials
@@ -160,7 +160,7 @@ def _outcome(table: pd.DataFrame, factors: Sequence[str], task: str, dependent: 
         cross=group.cross_table(together, factors),
         anova=anova,
         notes=tuple(notes),
-        sentences=() if anova is None else tuple(words.anova_sentences(anova)),
+        sentences=() if anova is None else tuple(apa.anova_sentences(anova)),
     )
 
 

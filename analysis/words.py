@@ -40,31 +40,6 @@ def _plain(value: object) -> object:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def p_text(p: float) -> str:
-    """
-    >>> p_text(0.03141), p_text(1e-9)
-    ('p = .031', 'p < .001')
-    """
-    return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
-
-
-def anova_sentences(anova: pd.DataFrame) -> list[str]:
-    """F, corrected degrees of freedom where a correction exists, p and generalised eta squared for each
-    effect."""
-    return [_anova_sentence(anova, row) for _, row in anova.iterrows() if pd.notna(row["F"])]
-
-
-def _anova_sentence(anova: pd.DataFrame, row: "pd.Series[float]") -> str:
-    first = row["ddof1"] if "ddof1" in anova.columns else row["DF"]
-    second = row["ddof2"] if "ddof2" in anova.columns else anova["DF"].iloc[-1]
-    corrected = first > 1 and pd.notna(row.get("p_GG_corr"))
-    epsilon = float(row["eps"]) if corrected else 1.0
-    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if corrected else f"{first:.0f}, {second:.0f}"
-    p = p_text(float(row["p_GG_corr"] if corrected else row["p_unc"]))
-    how = f" (Greenhouse-Geisser, epsilon = {epsilon:.2f})" if corrected else ""
-    return f"{row['Source']}: F({degrees}) = {row['F']:.2f}, {p}, generalised eta squared = {row['ng2']:.3f}{how}"
-
-
 def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choices: int) -> tuple[str, ...]:
     """What a reader must know before the numbers."""
     return (

@@ -1,0 +1,168 @@
+"""Results as sentences in the form of the American Psychological Association, made from the numbers."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.mixed_model import MixedModel
+from tactometry.analysis.post_hoc import evidence
+
+INTERVAL_OF_ETA = "90 %"
+
+
+def p_text(p: float) -> str:
+    """
+    >>> p_text(0.03141), p_text(1e-9), p_text(0.9999)
+    ('p = .031', 'p < .001', 'p > .999')
+    """
+    if p < 0.001:
+        return "p < .001"
+    return "p > .999" if p > 0.9995 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def share_text(x: float) -> str:
+    """A number that cannot pass 1, without its leading zero.
+
+    >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
+    ('.845', '-.043', '1.000')
+    """
+    return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
+
+
+def anova_sentences(anova: pd.DataFrame) -> list[str]:
+    """For each effect F, corrected degrees of freedom where there is a correction, p, partial eta squared with its
+    interval and generalised eta squared.
+
+    >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_unc": 2e-6, "p_GG_corr": 6e-6, "eps": 0.9}
+    >>> size = {"np2": 0.845, "np2_low": 0.616, "np2_high": 0.892, "ng2": 0.106}
+    >>> print(*anova_sentences(pd.DataFrame([row | size])))
+    force: F(1.80, 12.60) = 38.12, p < .001, partial eta squared = .845, 90 % CI [.616, .892],
+    generalised eta squared = .106 (Greenhouse-Geisser, epsilon = 0.90)
+    """
+    return [_anova_sentence(anova, row) for _, row in anova.iterrows() if pd.notna(row.get("F"))]
+
+
+def _anova_sentence(anova: pd.DataFrame, row: "pd.Series[float]") -> str:
+    first = row["ddof1"] if pd.notna(row.get("ddof1")) else row["DF"]
+    second = row["ddof2"] if pd.notna(row.get("ddof2")) else anova["DF"].iloc[-1]
+    corrected = pd.notna(row.get("p_GG_corr")) and first > 1 and row["eps"] < 1
+    epsilon = float(row["eps"]) if corrected else 1.0
+    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if corrected else f"{first:.0f}, {second:.0f}"
+    p = p_text(float(row["p_GG_corr"] if corrected else row["p_unc"]))
+    how = f" (Greenhouse-Geisser, epsilon = {epsilon:.2f})" if corrected else ""
+    size = (
+        f"partial eta squared = {share_text(row['np2'])}, {INTERVAL_OF_ETA} CI [{share_text(row['np2_low'])}, "
+        f"{share_text(row['np2_high'])}], generalised eta squared = {share_text(row['ng2'])}"
+    )
+    return f"{row['Source']}: F({degrees}) = {row['F']:.2f}, {p}, {size}{how}"
+
+
+def permutation_sentences(tested: pd.DataFrame) -> list[str]:
+    """
+    >>> table = pd.DataFrame({"Source": ["a * b"], "F": [1.2], "p_permutation": [0.25], "n_permutations": [512]})
+    >>> permutation_sentences(table)
+    ['a * b: permutation test of 512 changes of signs, F = 1.20, p = .250']
+    """
+    return [
+        f"{row['Source']}: permutation test of {row['n_permutations']} changes of signs, F = {row['F']:.2f}, "
+        f"{p_text(row['p_permutation'])}"
+        for _, row in tested.iterrows()
+    ]
+
+
+def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm") -> list[str]:
+    """One for each paired comparison of `pairs`.
+
+    >>> row = {"a": 60, "b": 120, "difference": -4.8125, "difference_low": -5.21, "difference_high": -4.41, "df": 7}
+    >>> row |= {"t": -28.527, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
+    >>> print(*pair_sentences(pd.DataFrame([row]), "dB"))
+    120 less 60: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001 (Holm),
+    dz = -10.09, BF10 = 4.3e+05, extreme evidence for a difference
+    """
+    return [_pair_sentence(row, unit, correction) for _, row in compared.iterrows()]
+
+
+def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
+    name = f"{row['b']} less {row['a']}: {row['difference']:.2f}{' ' + unit if unit else ''}"
+    if row["status"] != "ok":
+        return f"{name} in every participant: no test, as there is no error"
+    return (
+        f"{name}, 95 % CI [{row['difference_low']:.2f}, {row['difference_high']:.2f}], t({row['df']:.0f}) = "
+        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), dz = {row['dz']:.2f}, BF10 = {row['bf10']:.2g}, "
+        f"{evidence(row['bf10'])}"
+    )
+
+
+def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
+    """One for each pair of `equivalence`, and one for all of them together.
+
+    >>> row = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
+    >>> table = pd.DataFrame([row])
+    >>> table.attrs |= {"p_all": 0.001, "bound": 1.0, "alpha": 0.05}
+    >>> print(*equivalence_sentences(table, "dB"), sep=chr(10))
+    1.0 and 0.5 are equivalent within +-1 dB: difference 0.02 dB, 90 % CI [-0.30, 0.35], TOST p = .001
+    all 1 pairs are equivalent within +-1 dB, largest TOST p = .001
+    """
+    unit = f" {unit}" if unit else ""
+    level = f"{1 - 2 * tested.attrs['alpha']:.0%}".replace("%", " %")
+    bound = f"+-{tested.attrs['bound']:g}{unit}"
+    each = [
+        f"{row['b']} and {row['a']} {'are' if row['equivalent'] else 'were not shown to be'} equivalent within "
+        f"{bound}: difference {row['difference']:.2f}{unit}, {level} CI [{row['low']:.2f}, {row['high']:.2f}], TOST "
+        f"{p_text(row['p'])}"
+        for _, row in tested.iterrows()
+    ]
+    verdict = "are" if tested.attrs["p_all"] < tested.attrs["alpha"] else "were not all shown to be"
+    all_of_them = f"all {len(tested)} pairs" if verdict == "are" else f"the {len(tested)} pairs"
+    return [*each, f"{all_of_them} {verdict} equivalent within {bound}, largest TOST {p_text(tested.attrs['p_all'])}"]
+
+
+def friedman_sentence(tested: pd.DataFrame) -> str:
+    """
+    >>> friedman_sentence(pd.DataFrame([{"Source": "force", "W": 0.95, "ddof1": 2, "Q": 7.6, "p_unc": 0.022, "n": 4}]))
+    "force: Friedman chi2(2, n = 4) = 7.60, p = .022, Kendall's W = .950"
+    """
+    row = tested.iloc[0]
+    return (
+        f"{row['Source']}: Friedman chi2({row['ddof1']}, n = {row['n']}) = {row['Q']:.2f}, {p_text(row['p_unc'])}, "
+        f"Kendall's W = {share_text(row['W'])}"
+    )
+
+
+def rank_sentences(tested: pd.DataFrame) -> list[str]:
+    """One for each effect of `aligned_rank_transform`."""
+    return [
+        f"{row['Source']}: aligned rank transform, F({row['ddof1'] * row['eps']:.2f}, {row['ddof2'] * row['eps']:.2f}) "
+        f"= {row['F']:.2f}, {p_text(row['p_GG_corr'])}"
+        for _, row in tested.iterrows()
+    ]
+
+
+def model_sentences(model: MixedModel) -> list[str]:
+    """The terms of a mixed model, its slopes, and its variances as standard deviations."""
+    terms = [
+        f"{row['term']}: F({row['df1']}, {row['df2']}) = {row['F']:.2f}, {p_text(row['p'])}"
+        for _, row in model.terms.iterrows()
+    ]
+    sds = np.sqrt([model.participant_variance, model.residual_variance])
+    return [
+        *terms,
+        f"standard deviation between participants {sds[0]:.2f}, residual {sds[1]:.2f} ({model.n} values of "
+        f"{model.n_participants} participants)",
+        *model.notes,
+    ]
+
+
+def alpha_sentences(found: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    """Cronbach's alpha of each row of `consistency`."""
+    sentences = []
+    for _, row in found.iterrows():
+        place = "".join(f"{row[name]} " for name in factors) + str(row["dimension"])
+        if pd.isna(row["alpha"]):
+            sentences.append(f"{place}: no Cronbach's alpha ({row['note']})")
+        else:
+            ends = f"[{share_text(row['alpha_low'])}, {share_text(row['alpha_high'])}]"
+            sentences.append(f"{place}: Cronbach's alpha = {share_text(row['alpha'])}, 95 % CI {ends}, n = {row['n']}")
+    return sentences

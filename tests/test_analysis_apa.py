@@ -1,0 +1,110 @@
+"""Sentences made from numbers, and the assumptions that are printed with them."""
+
+import numpy as np
+import pytest
+from scipy import stats
+from test_analysis_contrasts import drawn, long_table
+
+from tactometry.analysis.anova import permutation_test, repeated_measures
+from tactometry.analysis.apa import (
+    anova_sentences,
+    equivalence_sentences,
+    friedman_sentence,
+    model_sentences,
+    p_text,
+    pair_sentences,
+    permutation_sentences,
+    rank_sentences,
+    share_text,
+)
+from tactometry.analysis.assumptions import checks
+from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.mixed_model import mixed_model
+from tactometry.analysis.nonparametric import aligned_rank_transform, friedman
+from tactometry.analysis.post_hoc import pairs
+
+ARGUMENTS = {"dependent": "y", "subject": "subject"}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return long_table(drawn((9, 3, 2), np.random.default_rng()))
+
+
+@pytest.mark.parametrize(
+    ("p", "text"),
+    [(0.0004, "p < .001"), (0.001, "p = .001"), (0.05, "p = .050"), (0.99949, "p = .999"), (1.0, "p > .999")],
+)
+def test_a_chance_has_three_digits_and_no_leading_zero(p, text) -> None:
+    assert p_text(p) == text
+
+
+@pytest.mark.parametrize(("x", "text"), [(0.5, ".500"), (-0.25, "-.250"), (1.0, "1.000"), (10.5, "10.500")])
+def test_a_share_has_no_leading_zero(x, text) -> None:
+    assert share_text(x) == text
+
+
+def test_the_sentence_of_an_effect_holds_its_numbers(table) -> None:
+    found = repeated_measures(table, within=["force", "freq"], **ARGUMENTS)
+    first, second, _ = anova_sentences(found)
+    row = found.iloc[0]
+    assert first.startswith(f"force: F({2 * row['eps']:.2f}, {16 * row['eps']:.2f}) = {row['F']:.2f}, ")
+    assert p_text(row["p_GG_corr"]) in first
+    assert f"epsilon = {row['eps']:.2f}" in first
+    assert second.startswith("freq: F(1, 8) = ")
+    assert "Greenhouse" not in second
+
+
+def test_every_result_has_its_sentence(table) -> None:
+    within = ["force", "freq"]
+    told = [
+        *permutation_sentences(permutation_test(table, within=within, **ARGUMENTS)),
+        *pair_sentences(pairs(table, factor="force", **ARGUMENTS), "dB"),
+        *equivalence_sentences(equivalence(table, factor="force", bound=50.0, **ARGUMENTS), "dB"),
+        friedman_sentence(friedman(table, factor="force", **ARGUMENTS)),
+        *rank_sentences(aligned_rank_transform(table, within=within, **ARGUMENTS)),
+        *model_sentences(mixed_model(table, factors=within, **ARGUMENTS)),
+    ]
+    assert all("nan" not in sentence and "None" not in sentence for sentence in told)
+    assert sum("p " in sentence for sentence in told) >= len(told) - 2
+    assert any("pairs are equivalent within +-50 dB" in sentence for sentence in told)
+
+
+def test_claims_that_do_not_hold_are_not_made() -> None:
+    values = np.random.default_rng().normal(size=(8, 2)) + np.array([0, 5.0])
+    told = equivalence_sentences(equivalence(long_table(values), factor="force", bound=0.5, **ARGUMENTS))
+    assert all("not" in sentence for sentence in told)
+
+
+def test_differences_without_error_are_said_so() -> None:
+    values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
+    (told,) = pair_sentences(pairs(long_table(values), factor="force", **ARGUMENTS))
+    assert told == "1 less 0: 2.00 in every participant: no test, as there is no error"
+
+
+# --- assumptions
+
+
+def test_normality_is_that_of_the_residuals() -> None:
+    values = drawn((8, 3), np.random.default_rng())
+    row = checks(long_table(values), within="force", **ARGUMENTS).iloc[0]
+    left = values - values.mean(0) - values.mean(1, keepdims=True) + values.mean()
+    peer = stats.shapiro(left.ravel())
+    assert (row["statistic"], row["p"]) == pytest.approx((peer.statistic, peer.pvalue), rel=1e-6)
+
+
+def test_an_outlier_is_counted_and_contradicts_normality() -> None:
+    values = np.random.default_rng().normal(size=(30, 3))
+    values[4, 1] += 40
+    found = checks(long_table(values), within="force", **ARGUMENTS)
+    assert found["holds"].tolist()[0] is False
+    assert found["statistic"].iloc[-1] >= 1
+    assert "contradicted" in found["text"][0]
+
+
+def test_what_cannot_be_tested_is_said_with_its_reason() -> None:
+    found = checks(long_table(drawn((5, 6, 2), np.random.default_rng())), within=["force", "freq"], **ARGUMENTS)
+    texts = found["text"].tolist()
+    assert texts[1] == "sphericity of force: not tested, the error matrix is singular"
+    assert texts[2] == "sphericity of freq: not tested, two levels are always spherical"
+    assert found["holds"].tolist()[1] is None

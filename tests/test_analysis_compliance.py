@@ -1,0 +1,140 @@
+"""Applied force per condition, time in band, and rules of exclusion stated before the data."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tactometry.analysis.compliance import (
+    Exclusion,
+    applied,
+    force_of_participants,
+    force_table,
+    has_force,
+    read_exclusion,
+)
+from tactometry.analysis.table import read_trials
+from tactometry.errors import InvalidFile, InvalidParameter
+
+COLUMNS = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,latency_s"
+COLUMNS += ",force_mean_n,force_sd_n,force_in_band,valid,catch"
+
+
+def trials(tmp_path, rows):
+    """Rows of participant, target, mean force, time in band, valid, catch, response, latency."""
+    lines = [COLUMNS]
+    for n, (code, target, mean, band, valid, catch, response, latency) in enumerate(rows, 1):
+        level = "" if catch else "20"
+        lines.append(
+            f"{code},1,s,1,{n},{target},c,{level},V,yes_no,{response},,{latency},{mean},0.05,{band},{valid},{catch}"
+        )
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return read_trials(path)
+
+
+@pytest.fixture
+def some(tmp_path):
+    rows = [
+        ("P1", 0.5, 0.52, 0.9, 1, 0, 1, 0.5),
+        ("P1", 0.5, 0.60, 0.7, 1, 0, 0, 0.2),
+        ("P1", 3, 2.4, 1.0, 1, 0, 1, 9.0),
+        ("P1", 3, 9.9, 0.1, 0, 0, 1, 1.0),
+        ("P1", 3, "", "", 1, 1, 1, 1.0),
+        ("P2", 0.5, 0.50, 1.0, 1, 0, 1, 1.0),
+        ("P2", 3, 3.2, 0.85, 1, 0, 1, 1.0),
+        ("P2", 3, 3.4, 0.95, 1, 1, 0, 1.0),
+    ]
+    return trials(tmp_path, rows)
+
+
+def test_the_force_of_a_participant_is_that_of_used_trials(some) -> None:
+    own = force_of_participants(some).set_index(["participant", "force_n"])
+    assert has_force(some)
+    assert own.loc[("P1", 0.5), "force_mean_n"] == pytest.approx(0.56)
+    assert own.loc[("P1", 0.5), "force_deviation_n"] == pytest.approx(0.06)
+    assert own.loc[("P1", 3.0), "force_mean_n"] == pytest.approx(2.4)
+    assert own.loc[("P2", 3.0), "force_in_band"] == pytest.approx(0.9)
+    assert own["n_trials"].tolist() == [2, 1, 1, 2]
+
+
+def test_the_table_has_means_over_participants(some) -> None:
+    table = force_table(force_of_participants(some), ["force_n"])
+    row = table.iloc[1]
+    assert (row["mean"], row["sd"], row["n"], row["n_trials"]) == (
+        pytest.approx(2.85),
+        pytest.approx(np.std([2.4, 3.3], ddof=1)),
+        2,
+        3,
+    )
+    assert row["text"] == "2.85 ± 0.64 N, 95% in band"
+    assert row["mean_low"] < 2.4
+    assert row["mean_high"] > 3.3
+
+
+def test_one_participant_has_a_mean_without_an_interval(some) -> None:
+    own = force_of_participants(some)
+    table = force_table(own[own["participant"] == "P2"], ["force_n"])
+    assert table["sd"].isna().all()
+    assert table["text"].tolist() == ["0.50 N, 100% in band", "3.30 N, 90% in band"]
+
+
+@pytest.mark.parametrize(
+    ("rules", "lost"),
+    [
+        ({}, []),
+        ({"force_in_band_min": 0.8}, [("P1", "force_in_band_min", 0.8, 2)]),
+        ({"force_deviation_ratio_max": 0.15}, [("P1", "force_deviation_ratio_max", 0.15, 3)]),
+        ({"latency_min_s": 0.3}, [("P1", "latency_min_s", 0.3, 1)]),
+        ({"latency_max_s": 5.0}, [("P1", "latency_max_s", 5.0, 1)]),
+        ({"false_alarm_rate_max": 0.25}, [("P1", "false_alarm_rate_max", 0.25, 5)]),
+        ({"invalid_ratio_max": 0.1}, [("P1", "invalid_ratio_max", 0.1, 5)]),
+        ({"invalid_ratio_max": 0.2}, []),
+    ],
+)  # fmt: skip
+def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
+    kept, table = applied(some, Exclusion(**rules))
+    assert [tuple(row) for row in table.itertuples(index=False)] == lost
+    if lost and lost[0][1] in ("false_alarm_rate_max", "invalid_ratio_max"):
+        assert set(kept.rows["participant"]) == {"P2"}
+    assert len(kept.rows) >= 8 - sum(row[3] for row in lost)
+
+
+def test_a_force_that_was_not_measured_breaks_no_rule(some) -> None:
+    kept, _ = applied(some, Exclusion(force_in_band_min=0.99, force_deviation_ratio_max=0.0))
+    assert kept.rows["force_mean_n"].isna().sum() == 1
+
+
+def test_rules_are_read_from_a_file(tmp_path) -> None:
+    file = tmp_path / "rules.toml"
+    file.write_text("force_in_band_min = 0.8\nlatency_max_s = 10\n")
+    assert read_exclusion(file).stated() == {"force_in_band_min": 0.8, "latency_max_s": 10}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("force_in_band_mni = 0.8", "force_in_band_mni: found an unknown key, expected one of force_in_band_min"),
+        ("force_in_band_min = 80", "force_in_band_min: found 80.0, expected a number from 0 to 1"),
+        ("latency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
+        ("latency_max_s = nan", "latency_max_s: found nan, expected a number from 0"),
+        ("latency_min_s = 2\nlatency_max_s = 1", "latency_max_s: found 1.0, expected more than latency_min_s, 2.0"),
+        ("latency_max_s = 'long'", "latency_max_s: found 'long', expected a number"),
+        ("= 3", "found no valid TOML"),
+    ],
+)
+def test_rules_that_are_none_are_refused(tmp_path, text, message) -> None:
+    file = tmp_path / "rules.toml"
+    file.write_text(text)
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        read_exclusion(file)
+
+
+def test_a_rule_names_the_column_that_it_needs(some) -> None:
+    from dataclasses import replace
+
+    without = replace(some, rows=some.rows.drop(columns="latency_s"))
+    with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule needs"):
+        applied(without, Exclusion(latency_max_s=3.0))
+    assert isinstance(applied(without, Exclusion())[1], pd.DataFrame)
