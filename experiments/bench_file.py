@@ -1,15 +1,27 @@
-"""Bench files: the screen, the output and the limits of one bench, strictly read."""
+"""Bench files: the screen, the output, the sensors and the limits of one bench, strictly read."""
 
 import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
+from typing import Any
 
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.gain import Gain
+from tactometry.devices.guarded import Guarded
+from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
+from tactometry.devices.output import NullSettings
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import StreamedSensor, streamed_force, streamed_position
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
 from tactometry.limits import Limits
+from tactometry.load import Load
 from tactometry.quantity import as_si
 from tactometry.strict import build
 
-OUTPUTS = ("null",)
+RAMP_S = 0.005
+"""Of a signal that does not begin and end at rest by itself (unverified default)."""
 
 
 @dataclass(frozen=True)
@@ -31,17 +43,53 @@ class Screen:
 
 
 @dataclass(frozen=True)
-class OutputTable:
-    """The output by kind; `null` renders and checks every signal and emits none."""
+class OutputPart:
+    """The output, what its numbers become, what it drives, and the ramps of its signals."""
 
-    kind: str = "null"
+    settings: OutputSettings = field(default_factory=NullSettings)
+    gain: Gain = field(default_factory=Gain)
+    load: Load | None = None
+    ramp_s: float = RAMP_S
 
     def __post_init__(self) -> None:
-        if self.kind not in OUTPUTS:
+        if not 0 <= self.ramp_s <= 1:
+            raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
+
+
+@dataclass(frozen=True)
+class ForcePart:
+    """The force: one channel (from 0) of a sensor of the file."""
+
+    sensor: str
+    calibration: ForceCalibration
+    channel: int = 0
+
+
+@dataclass(frozen=True)
+class PositionPart:
+    """The finger's position: one channel (from 0) of a sensor of the file for each axis."""
+
+    sensor: str
+    channels: tuple[int, ...]
+    metres_per_count: float
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise InvalidParameter("PositionPart.channels: found none, expected at least one")
+        if not 0 < abs(self.metres_per_count) < float("inf"):
             raise InvalidParameter(
-                f"OutputTable.kind: found {self.kind!r}, expected one of {', '.join(OUTPUTS)}"
-                f"{nearest(self.kind, OUTPUTS)}"
+                f"PositionPart.metres_per_count: found {self.metres_per_count}, expected a finite number but 0"
             )
+
+
+@dataclass(frozen=True)
+class Devices:
+    """The devices of a bench, none of them open."""
+
+    output: Guarded
+    force: StreamedSensor | None
+    position: StreamedSensor | None
+    readers: Mapping[str, Reader]
 
 
 @dataclass(frozen=True)
@@ -49,17 +97,57 @@ class BenchFile:
     """One bench. Its limits stand beside those of the study: the tighter one holds."""
 
     screen: Screen = field(default_factory=Screen)
-    output: OutputTable = field(default_factory=OutputTable)
+    output: OutputPart = field(default_factory=OutputPart)
     limits: Limits | None = None
+    sensors: Mapping[str, SensorSettings] = field(default_factory=dict)
+    force: ForcePart | None = None
+    position: PositionPart | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("force", "position"):
+            part = getattr(self, name)
+            if part is not None and part.sensor not in self.sensors:
+                raise InvalidParameter(
+                    f"{name}.sensor: found {part.sensor!r}, expected one of the file's sensors "
+                    f"({', '.join(self.sensors) or 'it has none'}){nearest(part.sensor, self.sensors)}"
+                )
 
     def limits_with(self, study: Limits) -> Limits:
         """The tighter of both limits."""
-        if self.limits is None:
-            return study
-        return Limits(
-            min(study.voltage_peak_v, self.limits.voltage_peak_v),
-            min(study.duration_s, self.limits.duration_s),
+        return study if self.limits is None else study.tighter(self.limits)
+
+    def devices(self, study: Limits, today: date) -> Devices:
+        """The devices, to be opened by the bench.
+
+        Raises
+        ------
+        DeviceFailed
+            If a calibration is older than the file allows, or a channel is not one of its sensor.
+        LimitExceeded
+            If the output is connected to something and the file states no limits of its own.
+        """
+        self.output.gain.measured.check("output.gain", today)
+        driver = self.output.settings.driver(self.output.gain)
+        limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
+        readers = {name: Reader(each.source()) for name, each in self.sensors.items()}
+        return Devices(
+            Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
         )
+
+    def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
+        if self.force is None:
+            return None
+        self.force.calibration.measured.check("force", today)
+        reader = readers[self.force.sensor]
+        _check_channels("force.channel", (self.force.channel,), reader)
+        return streamed_force(reader, self.force.channel, self.force.calibration)
+
+    def _position(self, readers: Mapping[str, Reader]) -> StreamedSensor | None:
+        if self.position is None:
+            return None
+        reader = readers[self.position.sensor]
+        _check_channels("position.channels", self.position.channels, reader)
+        return streamed_position(reader, self.position.channels, self.position.metres_per_count)
 
 
 def load_bench(path: Path | None) -> BenchFile:
@@ -73,10 +161,91 @@ def load_bench(path: Path | None) -> BenchFile:
     if path is None:
         return BenchFile()
     try:
-        return build(BenchFile, as_si(tomllib.loads(path.read_text("utf-8")), ""), "")
+        return parse_bench(tomllib.loads(path.read_text("utf-8")))
     except OSError as error:
         raise InvalidFile(f"{path}: cannot read the bench file ({error.strerror}), expected a readable file") from None
     except TactometryError as error:
         raise InvalidFile(f"{path}, {error}") from None
     except (ValueError, RecursionError) as error:
         raise InvalidFile(f"{path}: found no valid TOML ({error}), expected a bench file") from None
+
+
+def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
+    """A bench from the tables of its file.
+
+    Raises
+    ------
+    InvalidParameter
+        If anything is unknown, missing or impossible; the sentence opens with the key path.
+
+    Examples
+    --------
+    >>> bench = parse_bench({"output": {"kind": "file", "folder": "played"}, "limits": {"voltage_peak_v": "2 kV"}})
+    >>> bench.limits.voltage_peak_v
+    2000.0
+    """
+    table = as_si(dict(tables), "")
+    assert isinstance(table, dict)
+    for key in table:
+        if key not in _PARTS:
+            raise InvalidParameter(
+                f"{key}: found an unknown key, expected one of {', '.join(_PARTS)}{nearest(key, _PARTS)}"
+            )
+        if not isinstance(table[key], dict):
+            raise InvalidParameter(f"{key}: found {table[key]!r}, expected a table")
+    return BenchFile(**{key: _PARTS[key](table[key], key) for key in table})
+
+
+def _screen(table: dict[str, Any], path: str) -> Screen:
+    return build(Screen, table, path)
+
+
+def _limits(table: dict[str, Any], path: str) -> Limits:
+    return build(Limits, table, path)
+
+
+def _output(table: dict[str, Any], path: str) -> OutputPart:
+    own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s")}
+    kept = {key: table[key] for key in ("ramp_s",) if key in table}
+    device = settings(OUTPUTS, {"kind": "null", **own}, path)
+    gain = build(Gain, table.get("gain", {}), f"{path}.gain")
+    load = build(Load, table["load"], f"{path}.load") if "load" in table else None
+    if own.get("kind") == "packed":
+        kept = {"ramp_s": 0.0, **kept}
+    return build(OutputPart, kept, path, hidden=("settings", "gain", "load"), settings=device, gain=gain, load=load)
+
+
+def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorSettings]:
+    for name, inner in table.items():
+        if not isinstance(inner, dict):
+            raise InvalidParameter(f"{path}.{name}: found {inner!r}, expected a table")
+    return {name: settings(SENSORS, inner, f"{path}.{name}") for name, inner in table.items()}
+
+
+def _force(table: dict[str, Any], path: str) -> ForcePart:
+    own = {key: value for key, value in table.items() if key in ("sensor", "channel")}
+    calibration = build(ForceCalibration, {key: table[key] for key in table if key not in own}, path)
+    return build(ForcePart, own, path, calibration=calibration)
+
+
+def _position(table: dict[str, Any], path: str) -> PositionPart:
+    return build(PositionPart, table, path)
+
+
+_PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
+    "screen": _screen,
+    "output": _output,
+    "limits": _limits,
+    "sensors": _sensors,
+    "force": _force,
+    "position": _position,
+}
+
+
+def _check_channels(where: str, channels: tuple[int, ...], reader: Reader) -> None:
+    for channel in channels:
+        if not 0 <= channel < reader.source.n_channels:
+            raise InvalidParameter(
+                f"{where}: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of "
+                f"{reader.source.name}"
+            )

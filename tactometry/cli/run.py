@@ -61,23 +61,30 @@ def command(
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from datetime import date
+
     from tactometry.experiments.recording import RigKind
-    from tactometry.rigs.bench import open_bench
+    from tactometry.rigs.bench import Bench, open_bench
 
     del who
     screen, study = bench.screen, experiment.study
-    return RigKind(
-        "bench",
-        lambda seed: open_bench(
+
+    def make(seed: int) -> Bench:
+        del seed
+        devices = bench.devices(study.limits, date.today())
+        return open_bench(
             experiment.bank,
             bench.limits_with(study.limits),
             study.texts,
             language=screen.language,
             fullscreen=screen.fullscreen,
             size=(screen.width_px, screen.height_px),
+            output=devices.output,
+            sensor=devices.force,
             display_height_m=screen.height_m,
-        ),
-    )
+        )
+
+    return RigKind("bench", make)
 
 
 def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tactometry.devices.gain import Gain
 from tactometry.errors import DeviceFailed, LimitExceeded
 from tactometry.limits import Limits
 from tactometry.signal import Signal
@@ -57,9 +58,16 @@ class NullOutput:
     name: str = "null"
     n_channels: int | None = None
     rate_hz: float | None = None
+    connected: bool = False
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
 
     def open(self) -> None:
         pass
+
+    def final(self, signal: Signal) -> Signal:
+        return signal
 
     def play(self, signal: Signal) -> float:
         del signal
@@ -70,6 +78,15 @@ class NullOutput:
 
     def close(self) -> None:
         pass
+
+
+@dataclass(frozen=True)
+class NullSettings:
+    """Nothing to set."""
+
+    def driver(self, gain: Gain) -> NullOutput:
+        del gain
+        return NullOutput()
 
 
 def check_playable(signal: Signal, output: Output) -> None:

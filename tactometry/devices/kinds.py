@@ -1,0 +1,58 @@
+"""Every kind of device, by the name that a bench file uses: what its table holds, imported when it is named."""
+
+from collections.abc import Mapping
+from typing import Any, Final, Protocol
+
+from tactometry.devices.gain import Gain
+from tactometry.devices.guarded import Driver
+from tactometry.devices.reader import Source
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.strict import build
+from tactometry.target import resolve
+
+OUTPUTS: Final = {
+    "null": "tactometry.devices.output:NullSettings",
+    "file": "tactometry.devices.file_output:FileSettings",
+    "packed": "tactometry.devices.packed_output:PackedSettings",
+    "audio": "tactometry.devices.audio:AudioSettings",
+    "ni": "tactometry.devices.ni:NiSettings",
+}
+SENSORS: Final = {
+    "lsl": "tactometry.devices.lsl:LslSettings",
+    "serial": "tactometry.devices.serial_line:SerialSettings",
+    "udp": "tactometry.devices.udp:UdpSettings",
+    "recorded": "tactometry.devices.recorded:RecordedSettings",
+}
+
+
+class OutputSettings(Protocol):
+    """The table of an output."""
+
+    def driver(self, gain: Gain) -> Driver: ...
+
+
+class SensorSettings(Protocol):
+    """The table of a sensor."""
+
+    def source(self) -> Source: ...
+
+
+def settings(kinds: Mapping[str, str], table: Mapping[str, Any], path: str) -> Any:
+    """The settings of the kind that a table names.
+
+    Raises
+    ------
+    InvalidParameter
+        If the kind is unknown, or does not know what the table holds; `path` opens the sentence.
+
+    Examples
+    --------
+    >>> settings(OUTPUTS, {"kind": "file", "folder": "played"}, "output")
+    FileSettings(folder='played', format='npz', n_channels=None, rate_hz=None)
+    """
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise InvalidParameter(
+            f"{path}.kind: found {kind!r}, expected one of {', '.join(kinds)}{nearest(str(kind), kinds)}"
+        )
+    return build(resolve(kinds[kind]), {key: value for key, value in table.items() if key != "kind"}, path)

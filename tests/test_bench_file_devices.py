@@ -1,0 +1,194 @@
+"""What a bench file says of devices: read strictly, imported when named, refused when old."""
+
+import subprocess
+import sys
+from datetime import date
+
+import numpy as np
+import pytest
+
+from tactometry.devices.audio import AudioSettings
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.gain import Gain
+from tactometry.devices.lsl import LslSettings
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
+from tactometry.experiments.bench_file import RAMP_S, BenchFile, load_bench
+from tactometry.limits import Limits
+from tactometry.load import Load
+from tactometry.signal import Signal
+
+STUDY = Limits(200.0)
+TODAY = date(2026, 11, 21)
+WHOLE = """
+[screen]
+height_m = "29.8 cm"
+
+[output]
+kind = "audio"
+rate_hz = "192 kHz"
+channels = [0, 1]
+device = "interface"
+
+[output.gain]
+volts_per_unit = 2.0
+amplifier_gain = 50.0
+measured_on = 2026-11-01
+measured_by = "ZG"
+max_age_days = 90
+
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+leak_resistance_ohm = "10 Mohm"
+
+[limits]
+voltage_peak_v = 100.0
+current_peak_a = "1 mA"
+duty = 0.5
+session_s = "1 h"
+
+[sensors.hand]
+kind = "lsl"
+stream = "force"
+rate_hz = "1 kHz"
+n_channels = 3
+
+[force]
+sensor = "hand"
+channel = 2
+polynomial = [-0.5, 0.01]
+measured_on = 2026-10-01
+measured_by = "ZG"
+max_age_days = 60
+
+[position]
+sensor = "hand"
+channels = [0, 1]
+metres_per_count = 1e-6
+"""
+
+
+def read(tmp_path, text):
+    path = tmp_path / "bench.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_bench(path)
+
+
+def test_a_whole_bench_is_read_with_its_units(tmp_path):
+    bench = read(tmp_path, WHOLE)
+    assert bench.screen.height_m == pytest.approx(0.298)
+    assert bench.output.settings == AudioSettings(192e3, (0, 1), "interface")
+    assert bench.output.gain == Gain(2.0, 50.0, date(2026, 11, 1), "ZG", 90)
+    assert bench.output.load == Load("electrode", 1e-9, 1e7)
+    assert bench.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
+    assert bench.sensors == {"hand": LslSettings("force", 1000.0, 3)}
+    assert bench.force.calibration == ForceCalibration(
+        polynomial=(-0.5, 0.01), measured_on=date(2026, 10, 1), measured_by="ZG", max_age_days=60
+    )
+    assert bench.position.channels == (0, 1)
+
+
+def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
+    devices = read(tmp_path, WHOLE).devices(STUDY, TODAY)
+    assert devices.output.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
+    assert devices.output.load.capacitance_f == 1e-9
+    assert (devices.output.n_channels, devices.output.rate_hz) == (2, 192e3)
+    assert devices.force.name == devices.position.name == "lsl force"
+    assert list(devices.readers) == ["hand"]
+
+
+def test_without_a_file_the_bench_is_null_with_the_limits_of_the_study():
+    devices = load_bench(None).devices(STUDY, TODAY)
+    assert devices.output.name == "null"
+    devices.output.play(Signal(np.full((1, 3), 199.0), 1e3, "V"))
+    with pytest.raises(LimitExceeded, match="voltage_peak_v"):
+        devices.output.play(Signal(np.full((1, 3), 201.0), 1e3, "V"))
+    assert devices.force is None
+
+
+def test_a_connected_output_needs_limits_of_its_own(tmp_path):
+    limits = WHOLE[WHOLE.index("[limits]") : WHOLE.index("[sensors")]
+    output = read(tmp_path, WHOLE.replace(limits, "")).devices(STUDY, TODAY).output
+    with pytest.raises(LimitExceeded, match="found no limits.*state them in the bench.*nothing was played"):
+        output.open()
+
+
+@pytest.mark.parametrize(
+    ("today", "message"),
+    [
+        (date(2027, 3, 1), "output.gain: found a calibration of 2026-11-01, 120 days old, expected at most 90"),
+        (date(2026, 12, 20), "force: found a calibration of 2026-10-01, 80 days old, expected at most 60"),
+    ],
+)
+def test_an_old_calibration_is_a_failed_device(tmp_path, today, message):
+    with pytest.raises(DeviceFailed, match=f"^{message}.*nothing was played") as refused:
+        read(tmp_path, WHOLE).devices(STUDY, today)
+    assert refused.value.exit_status == 3
+
+
+def test_packed_streams_have_no_ramps(tmp_path):
+    board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n'
+    assert read(tmp_path, board).output.ramp_s == 0.0
+    assert BenchFile().output.ramp_s == RAMP_S
+    assert read(tmp_path, '[output]\nramp_s = "1 ms"\n').output.ramp_s == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('kind = "audio"', 'kind = "adio"'), "output.kind: found 'adio', expected one of null, file, .*mean 'audio'"),
+        (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, recorded"),
+        (('kind = "lsl"\n', ""), "sensors.hand.kind: found None, expected one of lsl"),
+        (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
+        (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
+        (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),
+        (('"1 mA"', '"1 mV"'), "limits.current_peak_a: found '1 mV', expected a number in A"),
+        (('"1 nF"', '"1 nf"'), "output.load.capacitance_f: found '1 nf', expected a number in F"),
+        (("duty = 0.5", "duty = 2"), "limits.duty: found 2.0, expected at most 1"),
+        (
+            ('kind = "electrode"', 'kind = "finger"'),
+            "output.load.kind: found 'finger', expected one of electrode, piezo",
+        ),
+        (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
+        (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
+        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
+        (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: found 'soon'"),
+        (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
+        (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
+        (("metres_per_count = 1e-6", "metres_per_count = 0"), "position.metres_per_count: found 0.0, expected"),
+        (
+            ("channels = [0, 1]\nmetres", "channels = []\nmetres"),
+            "position.channels: found none, expected at least one",
+        ),
+    ],
+)
+def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
+    assert change[0] in WHOLE
+    with pytest.raises(InvalidFile, match=f"bench.toml[,:] {message}"):
+        read(tmp_path, WHOLE.replace(*change))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("channel = 2", "channel = 3"), "force.channel: found 3, expected from 0 to 2, a channel of lsl force"),
+        (("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"), "position.channels: found -1, expected from 0"),
+    ],
+)
+def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
+    assert change[0] in WHOLE
+    with pytest.raises(InvalidParameter, match=message):
+        read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
+
+
+def test_reading_a_bench_file_loads_no_device_library(tmp_path):
+    (tmp_path / "bench.toml").write_text(WHOLE, encoding="utf-8")
+    script = (
+        "import sys, datetime, pathlib; from tactometry.experiments.bench_file import load_bench\n"
+        "from tactometry.limits import Limits\n"
+        "load_bench(pathlib.Path('bench.toml')).devices(Limits(1.0), datetime.date(2026, 11, 21))\n"
+        "print({'sounddevice', 'pylsl', 'serial', 'nidaqmx'} & set(sys.modules))\n"
+        "print([name for name in sys.modules if name.startswith('tactometry.devices.') and 'ni' in name.split('.')])"
+    )
+    result = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert result.stdout.split("\n")[:2] == ["set()", "[]"]
