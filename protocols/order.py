@@ -1,10 +1,14 @@
-"""Orders of conditions that are a pure function of the participant's number."""
+"""Orders of conditions that are a pure function of the participant's number and a seed."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TypeVar
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
-from tactometry.errors import InvalidParameter
+import numpy as np
+
+from tactometry.errors import InvalidParameter, nearest
 
 T = TypeVar("T")
 
@@ -29,12 +33,124 @@ def williams_square(n: int) -> list[list[int]]:
     return rows + [row[::-1] for row in rows] if n % 2 and n > 1 else rows
 
 
+def nth_permutation(n: int, row: int) -> list[int]:
+    """Permutation number `row` (modulo n!) of 0..n-1, in lexicographic order: complete counterbalancing.
+
+    >>> [nth_permutation(3, row) for row in range(6)]
+    [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
+    """
+    left, order, row = list(range(n)), [], row % math.factorial(n)
+    for n_left in range(n, 0, -1):
+        index, row = divmod(row, math.factorial(n_left - 1))
+        order.append(left.pop(index))
+    return order
+
+
+def _williams(n: int, row: int, rng: np.random.Generator) -> list[int]:
+    del rng
+    square = williams_square(n)
+    return square[row % len(square)]
+
+
+def _complete(n: int, row: int, rng: np.random.Generator) -> list[int]:
+    del rng
+    return nth_permutation(n, row)
+
+
+def _random(n: int, row: int, rng: np.random.Generator) -> list[int]:
+    del row
+    return [int(k) for k in rng.permutation(n)]
+
+
+def _fixed(n: int, row: int, rng: np.random.Generator) -> list[int]:
+    del row, rng
+    return list(range(n))
+
+
+ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
+    "williams": _williams,
+    "complete": _complete,
+    "random": _random,
+    "fixed": _fixed,
+}
+"""The order of n levels for a row: balanced for carry-over, every order in turn, drawn, as in the file."""
+
+Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
+
+
+@dataclass(frozen=True)
+class Crossing(Generic[T]):
+    """Factors with their levels, the slowest first, and the rule of order of each.
+
+    Parameters
+    ----------
+    factors : mapping of str to sequence
+        The levels of each factor.
+    rules : mapping of str to str
+        One of `ORDERS` for each factor; those that are not named are fixed.
+    nested : mapping
+        Of a factor, then one of its levels, then a faster factor: the levels that this one has there.
+
+    Raises
+    ------
+    InvalidParameter
+        If a rule is unknown, or balances a factor whose nested levels differ in number.
+    """
+
+    factors: Mapping[str, Sequence[T]]
+    rules: Mapping[str, str] = field(default_factory=dict)
+    nested: Nested[T] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, rule in self.rules.items():
+            if rule not in ORDERS:
+                raise InvalidParameter(
+                    f"orders.{name}: found {rule!r}, expected one of {', '.join(ORDERS)}{nearest(rule, ORDERS)}"
+                )
+            sizes = self._sizes(name)
+            if rule in ("williams", "complete") and len(sizes) > 1:
+                raise InvalidParameter(
+                    f"orders.{name}: found a {rule} order over an unequal design "
+                    f"({' or '.join(map(str, sizes))} levels), expected the same number of levels everywhere; make them equal, or take random or fixed"
+                )
+
+    def _sizes(self, name: str) -> list[int]:
+        inner = [by_factor for by_level in self.nested.values() for by_factor in by_level.values()]
+        return sorted({len(self.factors[name]), *(len(levels[name]) for levels in inner if name in levels)})
+
+    def cells(self, row: int, rng: np.random.Generator) -> list[dict[str, T]]:
+        """All combinations in the order of a row (from 0).
+
+        Each faster factor takes its next row whenever it starts anew, so that carry-over is balanced within a
+        participant too.
+        """
+        ordered = self._inner(list(self.factors), {}, row, rng)
+        return [{name: cell[name] for name in self.factors} for cell in ordered]
+
+    def _inner(
+        self, names: Sequence[str], outer: Mapping[str, T], row: int, rng: np.random.Generator
+    ) -> Iterator[dict[str, T]]:
+        if not names:
+            yield dict(outer)
+            return
+        name, *faster = names
+        levels = self._levels(name, outer)
+        order = ORDERS[self.rules.get(name, "fixed")](len(levels), row, rng)
+        for position, index in enumerate(order):
+            yield from self._inner(faster, {**outer, name: levels[index]}, row * len(order) + position, rng)
+
+    def _levels(self, name: str, outer: Mapping[str, T]) -> Sequence[T]:
+        given = (
+            self.nested[factor].get(level, {}).get(name) for factor, level in outer.items() if factor in self.nested
+        )
+        return next((levels for levels in given if levels is not None), self.factors[name])
+
+
 def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[str], number: int) -> list[dict[str, T]]:
     """All combinations of `factors` in the order of participant `number` (from 1).
 
     Factors named in `outer_first` change their order with the participant by a Williams square, the first slowest;
-    each further one takes its next row whenever it starts anew, so that carry-over is balanced within a session too.
-    Factors that are not named follow, in their given order.
+    factors that are not named follow, in their given order.
 
     Raises
     ------
@@ -44,22 +160,9 @@ def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[st
     if number < 1:
         raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
     names = [*outer_first, *(name for name in factors if name not in outer_first)]
-    return [{name: cell[name] for name in factors} for cell in _nested(factors, names, set(outer_first), number - 1)]
-
-
-def _nested(
-    factors: Mapping[str, Sequence[T]], names: Sequence[str], balanced: set[str], row: int
-) -> Iterator[dict[str, T]]:
-    if not names:
-        yield {}
-        return
-    name, *inner = names
-    values = factors[name]
-    rows = williams_square(len(values)) if name in balanced else [list(range(len(values)))]
-    order = rows[row % len(rows)]
-    for position, index in enumerate(order):
-        for rest in _nested(factors, inner, balanced, row * len(order) + position):
-            yield {name: values[index], **rest}
+    crossing = Crossing({name: factors[name] for name in names}, dict.fromkeys(outer_first, "williams"))
+    cells = crossing.cells(number - 1, np.random.default_rng(0))
+    return [{name: cell[name] for name in factors} for cell in cells]
 
 
 def crossed(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
