@@ -93,8 +93,8 @@ def test_a_law_without_a_gap_refuses_one() -> None:
         with pytest.raises(InvalidParameter) as caught:
             electrostatic_force_n([1.0], rate_hz=1.0, skin=Skin(gap_m=1e-6), area_m2=AREA_M2, law=law)
         assert str(caught.value) == (
-            f"law: found {law} with Skin.gap_m above 0, which it has no term for; expected 0, or the law interface "
-            "or sc_layer"
+            f"law: found {law} with Skin.gap_m other than 0.0, which it has no term for; expected 0.0, or the law "
+            "interface or sc_layer"
         )
 
 

@@ -41,6 +41,7 @@ PLAIN = [
     Trapezoid(rise_s=0.0, high_s=4e-3, fall_s=2e-3, low_s=0.0, low_ratio=-1.0),
     Sampled((0.0, 1.0, -3.0, 2.0, 0.0), rate_hz=100.0),
     WithOffset(Triangle(frequency_hz=60.0, ramp_s=0.0), ratio=0.2),
+    WithOffset(Step(onset_s=0.1, duration_s=0.5), ratio=0.2),
 ]
 STEPS = [Step(duration_s=0.5), Step(onset_s=0.1, rise_s=0.05, fall_s=0.2, duration_s=0.5)]
 
@@ -85,6 +86,22 @@ def lowest_force_hz(waveform: Waveform, skin: Skin) -> float:
     force_n = electrostatic_force_n(signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=1e-4, law="sc_layer")
     parts = components(force_n, signal.rate_hz)
     return float(parts.frequencies_hz[parts.amplitudes > 0.05 * parts.amplitudes.max()].min())
+
+
+@pytest.mark.parametrize(
+    ("waveform", "ratio", "force_hz"),
+    [
+        (Sine(frequency_hz=60.0), 0.0, 120.0),
+        (Sine(frequency_hz=60.0), 0.5, 60.0),
+        (AmplitudeModulated(frequency_hz=240.0), 0.5, 240.0),
+        (Square(frequency_hz=60.0), -1.0, 60.0),
+        (Step(duration_s=0.5), 0.5, 0.0),
+    ],
+)
+def test_an_offset_brings_the_frequency_of_the_voltage_into_the_force(
+    waveform: Waveform, ratio: float, force_hz: float
+) -> None:
+    assert WithOffset(waveform, ratio).force_frequency_hz == force_hz
 
 
 def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:

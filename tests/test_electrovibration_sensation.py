@@ -1,5 +1,7 @@
 """From samples to a sensation level: thresholds of the model, contact, cache."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -102,6 +104,24 @@ def test_doubling_the_voltage_quadruples_the_force() -> None:
 @pytest.mark.parametrize("touch", [Contact(1.5, 0.0), Contact(0.0, 0.05), Contact(0.0, 0.0)])
 def test_nothing_is_felt_at_rest_or_without_contact(touch: Contact) -> None:
     assert MODEL.sensation_db(sine(120.0).at(40.0), touch) == -np.inf
+
+
+@pytest.mark.parametrize("frequency_hz", [6_000.0, 9_900.0])
+def test_the_force_of_a_fast_sine_does_not_alias_into_what_is_felt(frequency_hz: float) -> None:
+    coarse, fine = (Sine(frequency_hz=frequency_hz, rate_hz=rate_hz).at(40.0) for rate_hz in (20e3, 200e3))
+    assert MODEL.sensation_db(coarse, TOUCH) < 0
+    assert MODEL.sensation_db(fine, TOUCH) < 0
+
+
+@pytest.mark.parametrize("n_more", [0, 1])
+@pytest.mark.parametrize("carrier_hz", [2_000.0, 7_000.0, 9_700.0])
+def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float, n_more: int) -> None:
+    duration_s, tone = 1.0 + n_more / 20e3, AmplitudeModulated(frequency_hz=240.0, modulation="full")
+    levels_db = [
+        MODEL.sensation_db(replace(tone, carrier_hz=carrier_hz, rate_hz=r, duration_s=duration_s).at(20.0), TOUCH)
+        for r in (20e3, 200e3)
+    ]
+    assert levels_db[0] == pytest.approx(levels_db[1], abs=0.1)
 
 
 def test_silence_is_not_felt() -> None:

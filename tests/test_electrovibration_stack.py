@@ -4,7 +4,7 @@ energy."""
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
@@ -37,7 +37,11 @@ def test_two_leaky_layers_after_a_step() -> None:
     np.testing.assert_allclose(solved.at(t_s), expected_v, rtol=1e-12)
 
 
+LIKE_AND_UNLIKE = [Layer(0.004718329575630888, 1.0, 1.75), Layer(0.004718329575630888)]
+
+
 @given(layers=st.lists(leaky, min_size=1, max_size=5), body_ohm=st.sampled_from([0.0, 1.0, 1e3, 1e9]))
+@example(layers=LIKE_AND_UNLIKE, body_ohm=0.0)
 @settings(max_examples=200)
 def test_the_relaxations_are_the_ratio_of_impedances(layers: list[Layer], body_ohm: float) -> None:
     stack = Stack(tuple(layers), body_ohm)
@@ -188,6 +192,50 @@ def test_a_table_of_constant_properties_is_a_plain_layer() -> None:
     f_hz = [0.0, 1.0, 60.0, 1e7]
     plain = shares(f_hz, (GLASS, Layer(200e-6, 1000.0, 2e4)))
     np.testing.assert_allclose(shares(f_hz, (GLASS, table)), plain, rtol=1e-12)
+
+
+def test_a_table_of_properties_answers_each_line_with_those_of_its_frequency() -> None:
+    table = DispersiveLayer(200e-6, (10.0, 100.0, 1000.0), (4e3, 2e3, 1e3), (1e5, 6e4, 2e4))
+    n, rate_hz = 2000, 2000.0
+    t_s = np.arange(n) / rate_hz
+    found_v = periodic_voltages_v(
+        np.cos(2 * np.pi * 10 * t_s) + np.cos(2 * np.pi * 100 * t_s), rate_hz, (GLASS, table), area_m2=AREA_M2
+    )[1]
+    expected_v = np.zeros(n)
+    for f_hz, permittivity, rho in ((10.0, 4e3, 1e5), (100.0, 2e3, 6e4)):
+        plain = Stack((GLASS, Layer(200e-6, permittivity, rho)))
+        expected_v += (plain.response(f_hz, 1, AREA_M2) * np.exp(2j * np.pi * f_hz * t_s)).real
+    np.testing.assert_allclose(found_v, expected_v, atol=1e-12)
+
+
+def test_properties_between_two_rows_lie_on_a_line_of_logarithms() -> None:
+    table = DispersiveLayer(1e-4, (1.0, 100.0), (1e4, 1e2), (1e6, 1e2))
+    permittivity, resistivity = table.properties([0.1, 10.0, 1e4])
+    np.testing.assert_allclose(permittivity, [1e4, 1e3, 1e2], rtol=1e-12)
+    np.testing.assert_allclose(resistivity, [1e6, 1e4, 1e2], rtol=1e-12)
+
+
+def test_a_layer_without_thickness_takes_no_share() -> None:
+    layers = Skin().stack.layers
+    found = shares([0.0, 60.0], layers)
+    assert not found[1].any()
+    np.testing.assert_allclose(found[::2], shares([0.0, 60.0], layers[::2]), rtol=1e-14)
+
+
+def test_deeper_tissue_is_a_layer_of_the_stack() -> None:
+    tissue = Layer(5e-3, 3e4, 100.0)
+    skin = Skin(tissue=tissue, body_resistance_ohm=100.0)
+    f_hz = [10.0, 240.0, 1e5]
+    expected = _ratios([*Skin().stack.layers[::2], tissue], 100.0, 240.0)[1]
+    assert complex(skin.response(240.0, AREA_M2)) == pytest.approx(expected, rel=1e-12)
+    assert (skin.gain(f_hz, AREA_M2) < Skin().gain(f_hz, AREA_M2)).all()
+
+
+def test_tissue_that_only_resists_is_a_body_resistance() -> None:
+    tissue = Skin(tissue=Layer(5e-3, 1.0, 20.0))
+    body = Skin(body_resistance_ohm=20.0 * 5e-3 / AREA_M2)
+    f_hz = [1.0, 60.0, 1e3, 1e5]
+    np.testing.assert_allclose(tissue.response(f_hz, AREA_M2), body.response(f_hz, AREA_M2), rtol=1e-3)
 
 
 def test_constant_voltage_divides_by_resistance_if_all_layers_leak() -> None:

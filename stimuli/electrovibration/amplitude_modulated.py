@@ -42,7 +42,8 @@ class AmplitudeModulated:
     frequency_hz : float
         Programmed frequency f, above 0.
     carrier_hz : float
-        Carrier frequency f_c, at least ``2 f`` and below half of `rate_hz`; 2 kHz is an unverified default.
+        Carrier frequency f_c, at least ``2 f``, and its sideband ``f_c + f`` below half of `rate_hz`; 2 kHz is an
+        unverified default.
     duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     modulation : {"square_root", "full", "suppressed_carrier"}
@@ -75,6 +76,7 @@ class AmplitudeModulated:
         require.one_of(f"{owner}.level_unit", self.level_unit, ("dB re 1 V", "V"))
         check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
         check_nyquist(owner, "carrier_hz", self.carrier_hz, self.rate_hz)
+        check_nyquist(owner, "carrier_hz + frequency_hz", self.carrier_hz + self.frequency_hz, self.rate_hz)
         if self.carrier_hz < 2 * self.frequency_hz:
             raise InvalidParameter(
                 f"{owner}.carrier_hz: found {self.carrier_hz} Hz, expected at least twice the programmed "

@@ -5,6 +5,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
 from tactometry.stimuli.electrovibration.relaxation import phi1
 from tactometry.stimuli.electrovibration.skin import Skin
@@ -47,13 +49,13 @@ def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, are
 
 def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
-    half_periods = _elapsed(1 / (2 * np.asarray(frequency_hz, dtype=np.float64)), skin)
+    half_periods = _elapsed(_period_s(frequency_hz) / 2, skin)
     return 2 * skin.k * voltage_v / (1 + np.exp(-half_periods))
 
 
 def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
-    periods = _elapsed(1 / np.asarray(frequency_hz, dtype=np.float64), skin)
+    periods = _elapsed(_period_s(frequency_hz), skin)
     return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
 
 
@@ -71,7 +73,16 @@ def square_harmonic_force_n(
     return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
 
 
+def _period_s(frequency_hz: ArrayLike) -> NDArray[np.float64]:
+    f_hz = require.finite_array("closed_form.frequency_hz", frequency_hz)
+    if (f_hz <= 0).any():
+        raise InvalidParameter(f"closed_form.frequency_hz: found {f_hz.min()}, expected numbers above 0")
+    return 1 / f_hz
+
+
 def _elapsed(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
     """Time in units of tau."""
-    t = np.asarray(t_s, dtype=np.float64)
+    t = require.finite_array("closed_form.t_s", t_s)
+    if (t < 0).any():
+        raise InvalidParameter(f"closed_form.t_s: found {t.min()} s, expected at least 0")
     return t / skin.tau_s if skin.tau_s > 0 else np.where(t == 0, 0.0, inf)

@@ -140,7 +140,13 @@ def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> NDArray[np.float
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
     0.00015708
     """
-    return pi / 4 * np.asarray(length_m, dtype=np.float64) * np.asarray(width_m, dtype=np.float64)
+    axes_m = [
+        require.finite_array(f"ellipse_area_m2.{name}", axis_m)
+        for name, axis_m in (("length_m", length_m), ("width_m", width_m))
+    ]
+    if any((axis_m < 0).any() for axis_m in axes_m):
+        raise InvalidParameter(f"ellipse_area_m2: found axes {axes_m}, expected lengths of at least 0 m")
+    return np.asarray(pi / 4 * axes_m[0] * axes_m[1])
 
 
 def _forces(force_n: ArrayLike) -> NDArray[np.float64]:

@@ -79,15 +79,35 @@ def shares(
 
     ``Z_j/(R A + sum Z)`` of the impedances of a unit area. At 0 Hz the layers that do not leak hold all
     of the voltage, by their elastances; if all leak, it divides by their resistances.
+
+    Raises
+    ------
+    InvalidParameter
+        If no layer can hold a voltage, or a frequency, resistance or area is negative.
     """
-    f_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
+    f_hz = np.atleast_1d(require.finite_array("shares.frequency_hz", frequency_hz))
+    require.non_negative(
+        "shares", resistance_ohm=resistance_ohm, area_m2=area_m2, lowest_hz=float(f_hz.min(initial=0.0))
+    )
+    holds = np.array([isinstance(layer, DispersiveLayer) or layer.elastance_m2_per_f > 0 for layer in layers])
+    if not holds.any():
+        raise InvalidParameter(
+            "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0"
+        )
+    found = np.zeros((len(layers), f_hz.size), dtype=np.complex128)
+    found[holds] = _ratios([layers[i] for i in np.flatnonzero(holds)], f_hz, resistance_ohm * area_m2)
+    return found
+
+
+def _ratios(
+    layers: Sequence[Layer | DispersiveLayer], f_hz: NDArray[np.float64], body_ohm_m2: float
+) -> NDArray[np.complex128]:
     admittances = np.array([_admittance(layer, f_hz) for layer in layers])
     blocks = (admittances == 0).any(axis=0)
     impedances = np.empty_like(admittances)
     impedances[:, ~blocks] = 1 / admittances[:, ~blocks]
     impedances[:, blocks] = np.where(admittances[:, blocks] == 0, _elastances(layers)[:, None], 0)
-    body = np.where(blocks, 0.0, resistance_ohm * area_m2)
-    return np.asarray(impedances / (body + impedances.sum(axis=0)))
+    return np.asarray(impedances / (np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)))
 
 
 def periodic_voltages_v(
@@ -108,7 +128,11 @@ def periodic_voltages_v(
     [[0.0, 1.0, 0.0, -1.0], [0.0, 3.0, 0.0, -3.0]]
     """
     require.positive("periodic_voltages_v", rate_hz=rate_hz)
-    v = require.finite_array("periodic_voltages_v.voltage_v", voltage_v)
+    v = require.samples("periodic_voltages_v.voltage_v", voltage_v)
+    if v.ndim != 1:
+        raise InvalidParameter(
+            f"periodic_voltages_v.voltage_v: found shape {v.shape}, expected one period (n_samples,)"
+        )
     f_hz = np.fft.rfftfreq(v.size, 1 / rate_hz)
     ratios = shares(f_hz, layers, resistance_ohm=resistance_ohm, area_m2=area_m2)
     return np.asarray(np.fft.irfft(ratios * np.fft.rfft(v), n=v.size))

@@ -18,7 +18,7 @@ def charge_c(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float
     193.996
     """
     require.positive("charge_c", rate_hz=rate_hz)
-    v = require.finite_array("charge_c.voltage_v", voltage_v)
+    v = require.samples("charge_c.voltage_v", voltage_v)
     insulator_v = skin.stack.relaxations(INSULATOR, area_m2).sampled(v, rate_hz)
     return _insulator_capacitance_f(skin, area_m2) * insulator_v
 

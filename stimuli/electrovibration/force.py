@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from numpy import float64
+from numpy import errstate, float64, isfinite
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
@@ -29,7 +29,13 @@ class ForceForm:
 
     def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
         """Force (N) of layer voltages u, of their shape."""
-        even_n = self.newton_per_v2 * layer_v**2
+        with errstate(over="ignore"):
+            even_n = self.newton_per_v2 * layer_v**2
+        if not isfinite(even_n).all():
+            raise InvalidParameter(
+                f"voltage_v: found a voltage whose force is beyond the range of a double ({abs(layer_v).max():.3g} V "
+                "across the layer), expected a lower one"
+            )
         return even_n if polarity is None else polarity.weighted(even_n, layer_v)
 
 
@@ -98,7 +104,7 @@ def electrostatic_force_n(
     """
     require.positive("electrostatic_force_n", rate_hz=rate_hz)
     form = force_form(law, skin, area_m2)
-    v = require.finite_array("electrostatic_force_n.voltage_v", voltage_v)
+    v = require.samples("electrostatic_force_n.voltage_v", voltage_v)
     return form.force_n(form.relaxations.sampled(v, rate_hz), polarity)
 
 
@@ -120,8 +126,7 @@ def electrostatic_force_n_at(
     [21.2524, 11.268]
     """
     form = force_form(law, skin, area_m2)
-    t = require.finite_array("electrostatic_force_n_at.t_s", t_s)
-    return form.force_n(Solution(pieces, form.relaxations).at(t), polarity)
+    return form.force_n(Solution(pieces, form.relaxations).at(t_s), polarity)
 
 
 def check_law(law: str | None) -> None:
@@ -170,11 +175,11 @@ def _parallel_plate(skin: Skin, area_m2: float) -> ForceForm:
 
 
 def _check_lossless(law: str, skin: Skin) -> None:
-    for name in ("gap_m", "body_resistance_ohm"):
-        if getattr(skin, name) > 0:
+    for name, neutral in (("gap_m", 0.0), ("body_resistance_ohm", 0.0), ("tissue", None)):
+        if getattr(skin, name) != neutral:
             raise InvalidParameter(
-                f"law: found {law} with Skin.{name} above 0, which it has no term for; "
-                "expected 0, or the law interface or sc_layer"
+                f"law: found {law} with Skin.{name} other than {neutral}, which it has no term for; "
+                f"expected {neutral}, or the law interface or sc_layer"
             )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.driven import check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
@@ -32,7 +33,15 @@ class CoulombFriction:
     def coefficient_at(self, force_n: float) -> float:
         """The coefficient under a normal force (N); 0 without one."""
         require.non_negative("CoulombFriction", force_n=force_n)
-        return float(self.coefficient * force_n**self.load_exponent) if force_n > 0 else 0.0
+        if force_n == 0:
+            return 0.0
+        try:
+            return float(self.coefficient * float(force_n) ** self.load_exponent)
+        except OverflowError:
+            raise InvalidParameter(
+                f"CoulombFriction.load_exponent: found {self.load_exponent} for a normal force of {force_n} N, "
+                "expected a coefficient within the range of a double"
+            ) from None
 
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
         """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
@@ -67,7 +76,7 @@ class FrictionLag:
 
     def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> NDArray[np.float64]:
         """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
-        ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
+        ratio = require.finite_array("FrictionLag.frequency_hz", frequency_hz) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
 
 

@@ -29,6 +29,9 @@ class Waveform(Protocol):
     @property
     def voltage_frequency_hz(self) -> float: ...
 
+    @property
+    def force_frequency_hz(self) -> float: ...
+
     def at(self, level: float) -> Signal: ...
 
     def pieces(self, level: float) -> Pieces: ...
@@ -72,8 +75,9 @@ class WithOffset:
 
     @property
     def force_frequency_hz(self) -> float:
-        """The frequency of the voltage: an offset makes the force contain it."""
-        return self.waveform.voltage_frequency_hz
+        """The lower of the waveform's own and that of the voltage, which an offset brings into the force."""
+        own_hz = self.waveform.force_frequency_hz
+        return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
 
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""

@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
@@ -68,6 +69,15 @@ def check_periodic(waveform: Repeated) -> None:
     require.one_of(f"{owner}.level_unit", waveform.level_unit, ("dB re 1 V", "V"))
     check_timing(owner, waveform.duration_s, waveform.ramp_s, waveform.rate_hz)
     check_nyquist(owner, "frequency_hz", waveform.frequency_hz, waveform.rate_hz)
+
+
+def check_width(waveform: Repeated, name: str, width_s: float) -> None:
+    """Refuse an edge-to-edge time shorter than a sample, which samples would lengthen or miss."""
+    if width_s < 1 / waveform.rate_hz * (1 - 1e-9) and not waveform.band_limited:
+        raise InvalidParameter(
+            f"{type(waveform).__name__}.{name}: found a pulse of {width_s:.6g} s, expected at least one sample "
+            f"({1 / waveform.rate_hz:.6g} s); lengthen it, raise rate_hz or set band_limited"
+        )
 
 
 def _shape(waveform: Repeated) -> NDArray[np.float64]:

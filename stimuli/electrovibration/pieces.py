@@ -15,7 +15,7 @@ Complex = NDArray[np.complex128]
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
-    the first.
+    the first, held after the last.
 
     Parameters
     ----------
@@ -71,10 +71,9 @@ class Pieces:
         return np.maximum(found, 0)
 
     def at(self, t_s: ArrayLike) -> Real:
-        """The voltage, of the shape of `t_s` (at least 0), from the right at a jump; held at the end
-        after it."""
+        """The voltage, of the shape of `t_s`, from the right at a jump; 0 before 0, held at the end after it."""
         t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
-        return self.value_in(self.index(t), t)
+        return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
     def value_in(self, piece: NDArray[np.intp], t_s: Real) -> Real:
         """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""

@@ -8,7 +8,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
-from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic, check_width
 
 PulsePolarity = Literal["positive", "negative", "biphasic", "alternating"]
 
@@ -83,6 +83,8 @@ class PulseTrain(Periodic):
                 f"PulseTrain.width_s: found {self.width_s} s, expected at most {longest_s:.6g} s for "
                 f"{self.polarity} pulses at {self.frequency_hz} Hz; shorten them or lower the frequency"
             )
+
+        check_width(self, "width_s", self.width_s)
 
     @property
     def corners(self) -> Corners:

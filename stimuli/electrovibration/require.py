@@ -55,6 +55,14 @@ def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
+def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as an array (..., n_samples) of finite numbers, with at least one sample."""
+    array = finite_array(where, values)
+    if array.ndim == 0 or array.shape[-1] == 0:
+        raise InvalidParameter(f"{where}: found shape {array.shape}, expected (..., n_samples), at least one sample")
+    return array
+
+
 def _each(owner: str, values: dict[str, float], expected: str, holds: Any) -> None:
     for name, value in values.items():
         if not _is_number(value) or not holds(value):

@@ -5,6 +5,9 @@ from functools import lru_cache
 from math import inf
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -16,7 +19,11 @@ from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.skin import Skin
 from tactometry.stimuli.perception.detection import Components, components, sensation_level_db
 
+Real = NDArray[np.float64]
 N_CACHED = 512
+FINER = 2
+HIGH_SHARE = 1e-4
+"""Of the power: below it, what aliases is 40 dB under the rest."""
 Criterion = Literal["absolute", "fraction"]
 
 
@@ -117,11 +124,22 @@ def _force_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polar
 
 @lru_cache(maxsize=N_CACHED)
 def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
-    signal = keyed.signal
-    force_n = electrostatic_force_n(
-        signal.samples[0], rate_hz=signal.rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity
-    )
-    return components(force_n, signal.rate_hz)
+    voltage_v, rate_hz = _room_for_the_square(keyed.signal.samples[0], keyed.signal.rate_hz)
+    force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity)
+    return components(force_n, rate_hz)
+
+
+def _room_for_the_square(voltage_v: Real, rate_hz: float) -> tuple[Real, float]:
+    """Samples and rate; `FINER` times as many (band-limited) if there is power above a quarter of the rate.
+
+    The square has twice the bandwidth: the force of a carrier of 9.9 kHz at 20 kHz would seem to vibrate at 200 Hz.
+    """
+    lines, n = np.fft.rfft(voltage_v), voltage_v.size
+    power = np.abs(lines) ** 2
+    if n < 4 or power[lines.size // 2 :].sum() <= HIGH_SHARE * power.sum():
+        return voltage_v, rate_hz
+    lines[n // 2 :] *= 1.0 if n % 2 else 0.5
+    return FINER * np.fft.irfft(lines, n=FINER * n), FINER * rate_hz
 
 
 def _check_voltage(signal: Signal) -> None:

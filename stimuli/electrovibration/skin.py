@@ -1,4 +1,4 @@
-"""Electrode, insulator, gap and leaky stratum corneum: the electrical model of a finger on a screen."""
+"""Electrode, insulator, gap, leaky stratum corneum, deeper tissue: the electrical model of a finger on a screen."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -30,6 +30,8 @@ class Skin:
         Air between insulator and skin.
     body_resistance_ohm : float
         Body and source resistance. Above 0 the waveform of the force depends on the contact area.
+    tissue : Layer or None
+        Deeper tissue in series; None, the default, is one that conducts without loss.
 
     Raises
     ------
@@ -48,6 +50,7 @@ class Skin:
     corneum_resistivity_ohm_m: float = 2.0e4
     gap_m: float = 0.0
     body_resistance_ohm: float = 0.0
+    tissue: Layer | None = None
 
     def __post_init__(self) -> None:
         require.positive(
@@ -76,12 +79,12 @@ class Skin:
 
     @property
     def k(self) -> float:
-        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)`` (high-frequency gain)."""
+        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)`` (high-frequency gain; no tissue)."""
         return self.corneum_equivalent_m / (self.insulator_equivalent_m + self.corneum_equivalent_m)
 
     @property
     def tau_s(self) -> float:
-        """Time constant ``R_sc (C_i + C_sc) = e0 rho (e_sc + d_sc/(d_i/e_i + g))`` (no body resistance)."""
+        """Time constant ``R_sc (C_i + C_sc) = e0 rho (e_sc + d_sc/(d_i/e_i + g))`` (no body, no tissue)."""
         permittivity = self.corneum_permittivity + self.corneum_thickness_m / self.insulator_equivalent_m
         return VACUUM_PERMITTIVITY_F_PER_M * self.corneum_resistivity_ohm_m * permittivity
 
@@ -117,15 +120,15 @@ class Skin:
 
     @property
     def stack(self) -> Stack:
-        """Insulator, gap and corneum as layers 0, 1 and 2, in series with the body."""
+        """Insulator, gap, corneum and tissue as layers 0, 1, 2 and 3, in series with the body."""
         layers = (
             Layer(self.insulator_thickness_m, self.insulator_permittivity),
             Layer(self.gap_m),
             Layer(self.corneum_thickness_m, self.corneum_permittivity, self.corneum_resistivity_ohm_m),
         )
-        return Stack(layers, self.body_resistance_ohm)
+        deeper = () if self.tissue is None else (self.tissue,)
+        return Stack((*layers, *deeper), self.body_resistance_ohm)
 
     def relaxations(self, area_m2: float) -> Relaxations:
-        """Corneum voltage over applied voltage: gain k and rate 1/tau, or two poles with a body
-        resistance."""
+        """Corneum voltage over applied voltage: gain k and rate 1/tau, or more poles with body and tissue."""
         return self.stack.relaxations(CORNEUM, area_m2)

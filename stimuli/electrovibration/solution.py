@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.relaxation import Relaxations, phi1, scan
 
@@ -29,8 +31,14 @@ class Solution:
     relaxations: Relaxations
 
     def at(self, t_s: ArrayLike) -> Real:
-        """The output, of the shape of `t_s` (0 to the end), from the right at a jump."""
-        t = np.asarray(t_s, dtype=np.float64)
+        """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
+
+        Raises
+        ------
+        InvalidParameter
+            If a time is before 0 or after the end.
+        """
+        t = self._times(t_s)
         total = np.asarray(self.relaxations.dc_gain * self.pieces.at(t))
         for order, gain in enumerate(self.relaxations.gains):
             total += gain * self.state_at(order, t)
@@ -38,7 +46,7 @@ class Solution:
 
     def slope_at(self, t_s: ArrayLike) -> Real:
         """The time derivative of the output inside of the pieces, of the shape of `t_s`."""
-        t = np.asarray(t_s, dtype=np.float64)
+        t = self._times(t_s)
         slope = voltage_slope(self.pieces, t)
         total = np.asarray(self.relaxations.dc_gain * slope)
         for order, (gain, rate) in enumerate(zip(self.relaxations.gains, self._rates, strict=True)):
@@ -54,6 +62,15 @@ class Solution:
         elapsed = t_s - self.pieces.starts_s[piece]
         free = self._initial[order][piece] * np.exp(-rate * elapsed)
         return np.asarray(free + self._forced(order, piece, t_s))
+
+    def _times(self, t_s: ArrayLike) -> Real:
+        t = require.finite_array("Solution.t_s", t_s)
+        if t.size and not (t.min() >= 0 and t.max() <= self.pieces.end_s):
+            raise InvalidParameter(
+                f"Solution.t_s: found times from {t.min():.6g} to {t.max():.6g} s, expected 0 to the end of the "
+                f"voltage ({self.pieces.end_s:.6g} s)"
+            )
+        return t
 
     @property
     def _rates(self) -> tuple[float, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
-from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic, check_width
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class Square(Periodic):
         check_periodic(self)
         if not 0 < self.duty < 1:
             raise InvalidParameter(f"Square.duty: found {self.duty!r}, expected a number between 0 and 1")
+        check_width(self, "duty", min(self.duty, 1 - self.duty) / self.frequency_hz)
 
     @property
     def corners(self) -> Corners:

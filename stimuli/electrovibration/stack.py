@@ -86,6 +86,7 @@ class Stack:
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
         require.non_negative("Stack", area_m2=area_m2)
+        require.one_of("Stack.index", index, range(len(self.layers)))
         layer = self.layers[index]
         elastances, rates = _groups(self.layers)
         if layer.elastance_m2_per_f == 0:
@@ -172,6 +173,8 @@ def _from(
         others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
         return -elastances[origin] + shift * (resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
 
+    if regular(reach) <= 0:  # The zero lies at the reach, and rounding puts it behind.
+        return _Pole(rates[origin] + reach, tuple(offset - reach for offset in offsets))
     root = float(brentq(regular, 0.0, reach, xtol=SMALLEST, rtol=4 * np.finfo(float).eps, maxiter=2000))
     return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
 

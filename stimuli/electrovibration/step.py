@@ -52,6 +52,11 @@ class Step:
             )
 
     @property
+    def ramp_s(self) -> float:
+        """0: rise and fall are its ramps."""
+        return 0.0
+
+    @property
     def voltage_frequency_hz(self) -> float:
         """0: a step has no frequency."""
         return 0.0

@@ -50,7 +50,7 @@ class Grating:
         require.fraction("Grating", duty=self.duty)
 
     def force_share(self, x_m: ArrayLike) -> Real:
-        phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
+        phase = np.mod(require.finite_array("Grating.x_m", x_m) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
     def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
@@ -88,7 +88,7 @@ class Region:
             )
 
     def force_share(self, x_m: ArrayLike) -> Real:
-        x = np.asarray(x_m, dtype=np.float64)
+        x = require.finite_array("Region.x_m", x_m)
         if self.edge_m == 0:
             return np.where((x >= self.left_m) & (x < self.right_m), 1.0, 0.0)
         inside_m = np.minimum(x - self.left_m, self.right_m - x)
@@ -119,7 +119,7 @@ class Bump:
         require.one_of("Bump.direction", self.direction, SIGNS)
 
     def force_share(self, x_m: ArrayLike) -> Real:
-        u = (np.asarray(x_m, dtype=np.float64) - self.centre_m) / self.width_m
+        u = (require.finite_array("Bump.x_m", x_m) - self.centre_m) / self.width_m
         steepest = np.exp(-0.5)
         slope = -u * np.exp(-(u**2) / 2) / steepest
         return np.asarray(0.5 + self.height_sign * self.direction * slope / 2)
@@ -154,7 +154,7 @@ class Noise:
     n_rms: float = 3.0
 
     def __post_init__(self) -> None:
-        require.positive("Noise", length_m=self.length_m, n_rms=self.n_rms, low_per_m=self.low_per_m)
+        require.positive("Noise", n_rms=self.n_rms)
         require.finite("Noise", exponent=self.exponent)
         if len(self.phases_rad) != len(self.lines_per_m) or not self.phases_rad:
             raise InvalidParameter(
@@ -186,7 +186,7 @@ class Noise:
         lines = self.lines_per_m
         amplitudes = lines ** (self.exponent / 2)
         amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
-        turns = 2 * np.pi * np.multiply.outer(np.asarray(x_m, dtype=np.float64), lines) + np.array(self.phases_rad)
+        turns = 2 * np.pi * np.multiply.outer(require.finite_array("Noise.x_m", x_m), lines) + np.array(self.phases_rad)
         return np.asarray(np.cos(turns) @ amplitudes)
 
     def force_share(self, x_m: ArrayLike) -> Real:
@@ -194,6 +194,7 @@ class Noise:
 
 
 def _lines(low_per_m: float, high_per_m: float, length_m: float) -> Real:
+    require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
     first, last = int(np.ceil(low_per_m * length_m - 1e-9)), int(np.floor(high_per_m * length_m + 1e-9))
     return np.arange(max(first, 1), last + 1) / length_m
 
@@ -233,7 +234,7 @@ class Image:
 
     def force_share(self, x_m: ArrayLike) -> Real:
         line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
-        at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
+        at = require.finite_array("Image.x_m", x_m) / self.pixel_m - 0.5
         return np.asarray(np.interp(at, np.arange(line.size), line), dtype=np.float64)
 
 

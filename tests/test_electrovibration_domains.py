@@ -1,0 +1,168 @@
+"""Outside of its domain each thing says so, in one clear sentence; within it nothing is NaN."""
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    Bump,
+    CoulombFriction,
+    FrictionLag,
+    Grating,
+    Image,
+    Layer,
+    Noise,
+    PulseTrain,
+    Region,
+    Sine,
+    Skin,
+    Solution,
+    Square,
+    Stack,
+    Step,
+    charge_c,
+    electrostatic_force_n,
+    electrostatic_force_n_at,
+    ellipse_area_m2,
+)
+from tactometry.stimuli.electrovibration.closed_form import sine_voltage_v, square_edge_v, step_voltage_v
+from tactometry.stimuli.electrovibration.dispersion import periodic_voltages_v, shares
+
+P0, AREA_M2 = Skin(), 1e-4
+PIECES = Step(duration_s=0.1).pieces(40.0)
+SOLVED = Solution(PIECES, P0.relaxations(AREA_M2))
+NOISE = Noise.drawn(100.0, 500.0, 0.1, rng=np.random.default_rng(0))
+
+
+def force_n(voltage_v, **changes):
+    return electrostatic_force_n(
+        voltage_v, **{"rate_hz": 1e4, "skin": P0, "area_m2": AREA_M2, "law": "sc_layer", **changes}
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: SOLVED.at([0.05, 0.2]),
+            "Solution.t_s: found times from 0.05 to 0.2 s, expected 0 to the end of the voltage (0.1 s)",
+        ),
+        (
+            lambda: SOLVED.slope_at(-1e-9),
+            "Solution.t_s: found times from -1e-09 to -1e-09 s, expected 0 to the end of the voltage (0.1 s)",
+        ),
+        (
+            lambda: electrostatic_force_n_at(np.nan, PIECES, skin=P0, area_m2=AREA_M2, law="interface"),
+            "Solution.t_s[]: found nan, expected a finite number",
+        ),
+        (
+            lambda: force_n(5.0),
+            "electrostatic_force_n.voltage_v: found shape (), expected (..., n_samples), at least one sample",
+        ),
+        (
+            lambda: force_n([]),
+            "electrostatic_force_n.voltage_v: found shape (0,), expected (..., n_samples), at least one sample",
+        ),
+        (lambda: force_n([0.0, np.inf]), "electrostatic_force_n.voltage_v[1]: found inf, expected a finite number"),
+        (
+            lambda: force_n([1e200]),
+            "voltage_v: found a voltage whose force is beyond the range of a double (4.38e+199 V across the layer), "
+            "expected a lower one",
+        ),
+        (
+            lambda: force_n([1.0], area_m2=-1e-4),
+            "force_form.area_m2: found -0.0001, expected a finite number, at least 0",
+        ),
+        (
+            lambda: force_n([1.0], rate_hz=0.0),
+            "electrostatic_force_n.rate_hz: found 0.0, expected a finite number above 0",
+        ),
+        (
+            lambda: force_n([1.0], law=None),
+            "law: found none, expected one of parallel_plate, interface, total_thickness, sc_layer; their forces "
+            "differ by a factor near 1000, so name yours",
+        ),
+        (
+            lambda: force_n([1.0], law="total_thickness", skin=Skin(tissue=Layer(5e-3, 1e3, 5.0))),
+            "law: found total_thickness with Skin.tissue other than None, which it has no term for; expected None, or "
+            "the law interface or sc_layer",
+        ),
+        (
+            lambda: charge_c([], rate_hz=1e4, skin=P0, area_m2=AREA_M2),
+            "charge_c.voltage_v: found shape (0,), expected (..., n_samples), at least one sample",
+        ),
+        (lambda: Stack((Layer(1e-6),)).relaxations(1, AREA_M2), "Stack.index: found 1, expected one of 0"),
+        (lambda: Stack((Layer(1e-6),)).relaxations(-1, AREA_M2), "Stack.index: found -1, expected one of 0"),
+        (
+            lambda: shares([-1.0], (Layer(1e-6),)),
+            "shares.lowest_hz: found -1.0, expected a finite number, at least 0",
+        ),
+        (
+            lambda: shares([1.0], (Layer(0.0),)),
+            "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0",
+        ),
+        (
+            lambda: periodic_voltages_v(np.ones((2, 3)), 1e3, (Layer(1e-6),)),
+            "periodic_voltages_v.voltage_v: found shape (2, 3), expected one period (n_samples,)",
+        ),
+        (lambda: step_voltage_v(-1.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
+        (lambda: sine_voltage_v(-1.0, 60.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
+        (lambda: square_edge_v(0.0, 1.0, P0), "closed_form.frequency_hz: found 0.0, expected numbers above 0"),
+        (
+            lambda: CoulombFriction(load_exponent=-2.0).coefficient_at(1e-300),
+            "CoulombFriction.load_exponent: found -2.0 for a normal force of 1e-300 N, expected a coefficient within "
+            "the range of a double",
+        ),
+        (lambda: FrictionLag().gain(np.nan, 0.05), "FrictionLag.frequency_hz[]: found nan, expected a finite number"),
+        (
+            lambda: Noise.drawn(100.0, np.nan, 0.1, rng=np.random.default_rng(0)),
+            "Noise.high_per_m: found nan, expected a finite number above 0",
+        ),
+        (
+            lambda: Noise.drawn(100.0, 500.0, 0.0, rng=np.random.default_rng(0)),
+            "Noise.length_m: found 0.0, expected a finite number above 0",
+        ),
+        (
+            lambda: PulseTrain(frequency_hz=60.0, width_s=1e-5),
+            "PulseTrain.width_s: found a pulse of 1e-05 s, expected at least one sample (5e-05 s); lengthen it, raise "
+            "rate_hz or set band_limited",
+        ),
+        (
+            lambda: Square(frequency_hz=60.0, duty=0.999),
+            "Square.duty: found a pulse of 1.66667e-05 s, expected at least one sample (5e-05 s); lengthen it, raise "
+            "rate_hz or set band_limited",
+        ),
+        (
+            lambda: AmplitudeModulated(frequency_hz=240.0, carrier_hz=9_900.0),
+            "AmplitudeModulated.carrier_hz + frequency_hz: found 10140.0 Hz, expected less than half of rate_hz "
+            "(10000.0 Hz); lower the frequency or raise rate_hz",
+        ),
+        (lambda: Sine(frequency_hz=10**400), f"Sine.frequency_hz: found {10**400}, expected a finite number above 0"),
+        (lambda: Sine(frequency_hz=True), "Sine.frequency_hz: found True, expected a finite number above 0"),
+    ],
+)  # fmt: skip
+def test_outside_of_its_domain_it_says_so(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("texture", [Grating(1e-3), Region(0.0, 1.0), Bump(0.0, 1.0), NOISE, Image(np.ones(3), 1e-3)])
+def test_a_texture_refuses_a_position_that_is_not_finite(texture) -> None:
+    with pytest.raises(InvalidParameter, match=r"x_m\[\]: found nan, expected a finite number"):
+        texture.force_share(np.nan)
+
+
+def test_an_area_of_two_negative_axes_is_refused() -> None:
+    with pytest.raises(InvalidParameter, match="expected lengths of at least 0 m"):
+        ellipse_area_m2(-1.0, -1.0)
+
+
+def test_a_short_pulse_may_be_band_limited() -> None:
+    train = PulseTrain(frequency_hz=60.0, width_s=1e-5, band_limited=True)
+    assert 0 < train.at(0.0).peak <= 1
+
+
+def test_a_voltage_is_0_before_it_starts() -> None:
+    assert PIECES.at([-1.0, 0.0, 0.05]).tolist() == [0.0, 100.0, 100.0]
