@@ -16,7 +16,8 @@ class ConstantStimuli:
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
     Without `shuffled` the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The
-    Fundamentals, 3rd ed. (1997), chapter 3.
+    Fundamentals, 3rd ed. (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its
+    levels the threshold lies, and ends as censored.
 
     Raises
     ------
@@ -32,6 +33,7 @@ class ConstantStimuli:
     repeats: int
     order: tuple[float, ...] = ()
     n_done: int = 0
+    _n_told: tuple[int, int] = (0, 0)
 
     name = "constant_stimuli"
 
@@ -66,14 +68,20 @@ class ConstantStimuli:
 
     @property
     def ended(self) -> Ending | None:
-        return "trials" if self.finished else None
+        if not self.finished:
+            return None
+        n_no, n_yes = self._n_told
+        if n_no == 0 < n_yes:
+            return "censored_below"
+        return "censored_above" if n_yes == 0 < n_no else "trials"
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The next presentation; neither argument changes the order."""
         del delivered
-        checked_response(response, "ConstantStimuli")
+        yes = checked_response(response, "ConstantStimuli")
         refuse_finished(finished=self.finished, procedure="ConstantStimuli")
-        return self.skipped()
+        n_no, n_yes = self._n_told
+        return replace(self.skipped(), _n_told=(n_no + (not yes), n_yes + yes))
 
     def skipped(self) -> Self:
         """The next presentation; the present one is left to the block, which comes back to it."""

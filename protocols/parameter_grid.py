@@ -1,31 +1,36 @@
 """The grid of psychometric functions that a Bayesian procedure weighs."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.psychometric import log_mixture, shape_named
+from tactometry.protocols.outcome_model import p_log_p
+from tactometry.psychometric import shape_named
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class ParameterGrid:
-    """All combinations of thresholds, widths, guess and lapse rates of one shape.
+    """All combinations of thresholds, widths, guess and lapse rates of one shape: an `OutcomeModel` of answers 0, 1.
 
     Threshold and width as in `tactometry.psychometric` (half of the unscaled function; its 0.05 to 0.95 points). In
-    decibels the shape ``gumbel`` is Weibull's function of the amplitude.
+    decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
+    widths in natural logarithms.
 
     Raises
     ------
     InvalidParameter
         If a list is empty, holds a value twice, or a value that is not of its domain, or guess and lapse rates leave
         nothing between them.
+
+    >>> ParameterGrid(thresholds=(10.0, 20.0), widths=(4.0, 8.0), lapse_rates=(0.0, 0.02, 0.04)).size
+    (2, 6)
     """
 
     thresholds: tuple[float, ...]
@@ -34,9 +39,10 @@ class ParameterGrid:
     lapse_rates: tuple[float, ...] = (0.02,)
     shape: str = "gumbel"
 
+    n_outcomes = 2
+
     def __post_init__(self) -> None:
-        shape_named(self.shape)
-        _check("thresholds", self.thresholds, -math.inf, math.inf)
+        _check("thresholds", self.thresholds, 0 if shape_named(self.shape).on_log_levels else -math.inf, math.inf)
         _check("widths", self.widths, 0, math.inf)
         _check("guess_rates", self.guess_rates, -1e-300, 1)
         _check("lapse_rates", self.lapse_rates, -1e-300, 1)
@@ -47,17 +53,53 @@ class ParameterGrid:
             )
 
     @property
+    def parameters(self) -> Mapping[str, tuple[float, ...]]:
+        return {
+            "threshold": self.thresholds,
+            "width": self.widths,
+            "guess_rate": self.guess_rates,
+            "lapse_rate": self.lapse_rates,
+        }
+
+    @property
     def size(self) -> tuple[int, int]:
         """(n_thresholds, n_others)."""
         return len(self.thresholds), len(self.widths) * len(self.guess_rates) * len(self.lapse_rates)
 
-    def log_chances(self, levels: Sequence[float]) -> tuple[Array, Array]:
-        """log P(1) and log P(0), each (n_levels, n_parameters), thresholds slowest."""
+    @cached_property
+    def rates(self) -> tuple[Array, Array]:
+        """Guess and lapse rate of each pair, two of (n_pairs,)."""
+        guess, lapse = np.meshgrid(self.guess_rates, self.lapse_rates, indexing="ij")
+        return guess.ravel(), lapse.ravel()
+
+    def z(self, levels: Sequence[float]) -> Array:
+        """Where the levels stand on the standard shape, (n_levels, n_thresholds, n_widths).
+
+        Raises
+        ------
+        InvalidParameter
+            If a level is below 0 and the shape is ``weibull``.
+        """
         shape = shape_named(self.shape)
-        axes = (self.thresholds, self.widths, self.guess_rates, self.lapse_rates)
-        t, w, g, lapse = (grid.ravel() for grid in np.meshgrid(*axes, indexing="ij"))
-        z = shape.z50 + (np.asarray(levels)[:, None] - t) / w * shape.z_width
-        return log_mixture(shape.log_cdf(z), shape.log_sf(z), g, lapse)
+        x, t, w = np.ix_(np.asarray(levels, float), np.asarray(self.thresholds, float), np.asarray(self.widths, float))
+        if shape.on_log_levels:
+            if (x < 0).any():
+                raise InvalidParameter(f"ParameterGrid: found the level {x.min():g}, expected levels from 0 on")
+            with np.errstate(divide="ignore"):
+                x, t = np.log(x), np.log(t)
+        return np.asarray(shape.z50 + (x - t) / w * shape.z_width, dtype=np.float64)
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        """log P(outcome) at a level, (n_cells,): a sum of positive terms, or of logarithms where the floor is 0."""
+        shape, (guess, lapse) = shape_named(self.shape), self.rates
+        log_s = (shape.log_cdf if outcome else shape.log_sf)(self.z([level])[0])[:, :, None]
+        floor, log_span = guess if outcome else lapse, np.log1p(-guess - lapse)
+        with np.errstate(divide="ignore"):
+            mixed = np.log(floor + (1 - guess - lapse) * np.exp(log_s))
+        return np.asarray(np.where(floor > 0, mixed, log_span + log_s).ravel(), dtype=np.float64)
+
+    def chances(self, levels: Sequence[float]) -> "MixtureChances":
+        return MixtureChances(self, tuple(levels))
 
 
 def _check(name: str, values: tuple[float, ...], low: float, high: float) -> None:
@@ -72,20 +114,36 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
-    """Chances of a grid at the candidate levels: `yes` = P(1) and `cost` = sum over answers of P log P, both
-    (n_levels, n_parameters)."""
+class MixtureChances:
+    """P(1) = g + (1 - g - l) S: all sums over guess and lapse rates are taken before the product with S."""
 
-    yes: Array
-    cost: Array
+    grid: ParameterGrid
+    levels: tuple[float, ...]
 
+    @cached_property
+    def sigmoid(self) -> Array:
+        """S, (n_thresholds, n_levels, n_widths)."""
+        s = np.exp(shape_named(self.grid.shape).log_cdf(self.grid.z(self.levels)))
+        return np.ascontiguousarray(s.transpose(1, 0, 2))
 
-@lru_cache(maxsize=8)
-def table(grid: ParameterGrid, levels: tuple[float, ...]) -> Table:
-    """The table of a grid, computed once for all participants of a study."""
-    log_yes, log_no = grid.log_chances(levels)
-    yes, no = np.exp(log_yes), np.exp(log_no)
-    cost = yes * np.where(yes > 0, log_yes, 0.0) + no * np.where(no > 0, log_no, 0.0)
-    for array in (yes, cost):
-        array.setflags(write=False)
-    return Table(yes, cost)
+    def joint(self, weights: Array) -> Array:
+        guess, lapse = self.grid.rates
+        cells = weights.reshape(len(self.grid.thresholds), len(self.grid.widths), -1)
+        by_rates = cells.sum(axis=1)
+        yes = np.matmul(self.sigmoid, cells @ (1 - guess - lapse)[:, None])[..., 0] + (by_rates @ guess)[:, None]
+        return np.stack([by_rates.sum(axis=1)[:, None] - yes, yes]).transpose(0, 2, 1)
+
+    @cached_property
+    def cost(self) -> Array:
+        """Sum over answers of p log p, (n_levels, n_cells), made level by level to spare memory."""
+        cost = np.empty((len(self.levels), math.prod(self.grid.size)))
+        for n, level in enumerate(self.levels):
+            cost[n] = sum(p_log_p(np.exp(self.grid.log_chance(level, answer))) for answer in (0, 1))
+        return cost
+
+    def prepare(self) -> None:
+        _ = self.cost, self.sigmoid
+
+    def certainty(self, weights: Array) -> Array:
+        product: Array = self.cost @ weights
+        return product

@@ -1,5 +1,6 @@
 """What every rule for the next level is."""
 
+import math
 from typing import Literal, Protocol, Self
 
 import numpy as np
@@ -46,6 +47,36 @@ def checked_response(response: object, procedure: str) -> bool:
         f"{procedure}.after: found the response {response!r}, expected 1 (correct, felt) or 0; ask the trial again if "
         "it was not answered"
     )
+
+
+def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
+    """`response` as the number of an outcome, from 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is none of them.
+    """
+    if n_outcomes == 2:
+        return int(checked_response(response, procedure))
+    if isinstance(response, int | np.integer) and 0 <= response < n_outcomes:
+        return int(response)
+    raise InvalidParameter(
+        f"{procedure}.after: found the response {response!r}, expected a whole number from 0 to {n_outcomes - 1}"
+    )
+
+
+def finite_level(level: float, procedure: str) -> float:
+    """`level`, if it is a finite number.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is not.
+    """
+    if math.isfinite(level):
+        return level
+    raise InvalidParameter(f"{procedure}.after: found the delivered level {level}, expected a finite number")
 
 
 def refuse_finished(*, finished: bool, procedure: str) -> None:

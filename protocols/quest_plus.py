@@ -1,60 +1,88 @@
 """QUEST+: the level whose answer is expected to tell most."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.parameter_grid import ParameterGrid, table
-from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
+from tactometry.protocols.outcome_model import Chances, OutcomeModel, p_log_p, size
+from tactometry.protocols.posterior import Posterior, edge, log_prior
+from tactometry.protocols.procedure import Ending, checked_outcome, finite_level, refuse_finished
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
-EDGE_MASS = 0.5
-"""Posterior mass of the first or last threshold above which a run counts as censored (unverified choice)."""
+Criterion = Literal["entropy", "variance"]
+TIE = 1e-12
+"""Expected losses this near to the least are equal: the order of a sum must not decide where a session goes."""
 
 
 @dataclass(frozen=True, eq=False)
 class QuestPlus:
-    """Bayesian placement by minimum expected entropy, for answers 0 and 1.
+    """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
-    Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, by two
-    matrix-vector products. ``threshold`` minimises the entropy of the threshold's marginal, with width, guess and
-    lapse rate as nuisance (Prins, J. Vision 13(7):3, 2013). Ties go to the first level. The prior is flat.
+    Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, or the sum of
+    the parameters' variances, each in units of its prior variance. ``threshold`` minimises the entropy or variance of
+    the marginal of the first parameter, with the others as nuisance (Prins, J. Vision 13(7):3, 2013). Ties go to the
+    first level.
 
-    It ends after `n_trials`, or when the threshold's posterior standard deviation is at most `sd_stop` (in the unit of
-    the levels). Answers that no function of the grid allows end it as aborted.
+    It ends after `n_trials`, or when the first parameter's posterior standard deviation is at most `sd_stop` (in the
+    unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
+    only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
+
+    Parameters
+    ----------
+    levels : tuple of float
+        The candidates.
+    grid : OutcomeModel
+        `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the first
+        parameter is the threshold.
+    prior : mapping of str to sequence of float
+        Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
     Raises
     ------
     InvalidParameter
-        If there are fewer than two levels, a level is not finite or stands twice, or a number is out of its domain.
+        If there are fewer than two levels, a level is not finite or stands twice, a number is out of its domain, or a
+        prior does not fit.
 
+    >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus(
     ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
     ... )
-    >>> rule.level, rule.after(1).level, rule.after(1).after(1).ended
+    >>> rule.level, rule.after(1).level, rule.after(1).after(0).ended
     (-17, -21, 'trials')
     """
 
     levels: tuple[float, ...]
-    grid: ParameterGrid
+    grid: OutcomeModel
     n_trials: int = 60
     sd_stop: float | None = None
     aim: Aim = "parameters"
-    responses: tuple[bool, ...] = ()
+    criterion: Criterion = "entropy"
+    prior: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    responses: tuple[int, ...] = ()
     delivered: tuple[float, ...] = ()
-    log_weights: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     contradicted: bool = False
+    state: Posterior | None = field(default=None, repr=False)
+    chances: Chances | None = field(default=None, repr=False)
 
     name = "quest_plus"
 
     def __post_init__(self) -> None:
+        if self.state is not None:
+            return
+        self._check()
+        object.__setattr__(self, "state", self._prior())
+        object.__setattr__(self, "chances", self.grid.chances(self.levels))
+        if self.aim == "parameters" and self.criterion == "entropy":
+            self._chances.prepare()
+
+    def _check(self) -> None:
         if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
             raise InvalidParameter(
                 f"QuestPlus.levels: found {len(self.levels)} levels, {len(set(self.levels))} of them different, "
@@ -66,58 +94,117 @@ class QuestPlus:
             raise InvalidParameter(
                 f"QuestPlus: found n_trials {self.n_trials} and sd_stop {self.sd_stop}, expected at least 1 and above 0"
             )
-        if self.log_weights.size == 0:
-            n_parameters = math.prod(self.grid.size)
-            object.__setattr__(self, "log_weights", np.full(n_parameters, -math.log(n_parameters)))
 
-    @cached_property
+    def _prior(self) -> Posterior:
+        prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))
+        assert prior is not None  # every parameter has a weight above 0
+        return prior
+
+    @property
+    def _state(self) -> Posterior:
+        assert self.state is not None
+        return self.state
+
+    @property
+    def _chances(self) -> Chances:
+        assert self.chances is not None
+        return self.chances
+
+    @property
+    def low(self) -> float:
+        return min(self.levels)
+
+    @property
+    def high(self) -> float:
+        return max(self.levels)
+
+    @property
     def posterior(self) -> Array:
-        """Weights (n_thresholds, n_others) that add up to 1."""
-        return np.exp(self.log_weights).reshape(self.grid.size)
+        """Weights (n_first, n_rest) that add up to 1."""
+        return self._state.weights.reshape(size(self.grid))
+
+    def marginal(self, parameter: str) -> Array:
+        """The posterior of one parameter, (n_values,).
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such parameter.
+        """
+        names = list(self.grid.parameters)
+        if parameter not in names:
+            raise InvalidParameter(f"QuestPlus.marginal: found {parameter!r}, expected one of {', '.join(names)}")
+        cells = self._state.weights.reshape([len(values) for values in self.grid.parameters.values()])
+        others = tuple(n for n, name in enumerate(names) if name != parameter)
+        return np.asarray(cells.sum(axis=others), dtype=np.float64)
+
+    def mean(self, parameter: str) -> float:
+        """The posterior mean of one parameter."""
+        return float(self.marginal(parameter) @ np.asarray(self.grid.parameters[parameter]))
 
     @cached_property
     def level(self) -> float:
-        """The level with the least expected entropy; the first of equals."""
-        return self.levels[int(np.argmin(self.expected_entropy()))]
+        """The level with the least expected loss; the first of equals."""
+        losses = self.expected_loss()
+        return self.levels[int(np.argmax(losses <= losses.min() + TIE * (1 + abs(losses.min()))))]
 
-    def expected_entropy(self) -> Array:
-        """Of the parameters or of the threshold's marginal (nat), after one more answer at each level, (n_levels,)."""
-        return self._of_parameters() if self.aim == "parameters" else self._of_threshold()
+    def expected_loss(self) -> Array:
+        """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
+        if self.criterion == "variance":
+            return self._variance()
+        joint = self._chances.joint(self._state.weights)
+        spread = _sum_p_log_p(joint.sum(axis=2))
+        if self.aim == "threshold":
+            return np.asarray(spread - _sum_p_log_p(joint).sum(axis=1), dtype=np.float64)
+        weights = self._state.weights
+        certain = np.where(weights > 0, self._state.log_weights, 0.0)
+        return spread - self._chances.certainty(weights) - float(weights @ certain)
 
-    def _of_parameters(self) -> Array:
-        chances, weights = table(self.grid, self.levels), self.posterior.ravel()
-        certain = np.where(weights > 0, self.log_weights, 0.0)
-        entropy: Array = -(chances.cost @ weights) - float(weights @ certain) + _spread(chances.yes @ weights)
-        return entropy
+    def _variance(self) -> Array:
+        """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
+        if self.aim == "threshold":
+            return self._variance_of(self._axis(0))
+        axes = [self._axis(n) for n, values in enumerate(self.grid.parameters.values()) if len(values) > 1]
+        prior = self._prior().weights
+        spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
+        relative = [self._variance_of(axis) / spread for axis, spread in zip(axes, spreads, strict=True) if spread > 0]
+        return sum(relative, start=np.zeros(len(self.levels)))
 
-    def _of_threshold(self) -> Array:
-        chances = table(self.grid, self.levels)
-        yes = (chances.yes * self.posterior.ravel()).reshape(len(self.levels), *self.grid.size).sum(axis=2)
-        no = np.maximum(self.posterior.sum(axis=1) - yes, 0.0)
-        entropy: Array = _spread(yes.sum(axis=1)) - _x_log_x(yes).sum(axis=1) - _x_log_x(no).sum(axis=1)
-        return entropy
+    def _axis(self, n: int) -> Array:
+        """The value of the nth parameter in each cell, (n_cells,)."""
+        axes = np.meshgrid(*self.grid.parameters.values(), indexing="ij")
+        return np.asarray(axes[n], dtype=np.float64).ravel()
+
+    def _variance_of(self, axis: Array) -> Array:
+        weights = self._state.weights
+        away = axis - float(weights @ axis)
+        mass, first, second = (self._chances.joint(weights * away**power).sum(axis=2) for power in range(3))
+        left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
+        return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
 
     @cached_property
     def threshold(self) -> float | None:
-        """The posterior mean of the threshold; None for a censored or aborted run."""
+        """The posterior mean of the first parameter; None for a censored or aborted run."""
         if self.ended in ("censored_above", "censored_below", "aborted"):
             return None
         return self._mean
 
     @cached_property
     def threshold_sd(self) -> float:
-        """The posterior standard deviation of the threshold."""
-        away = np.asarray(self.grid.thresholds) - self._mean
-        return math.sqrt(float(self._marginal @ away**2))
+        """The posterior standard deviation of the first parameter."""
+        return math.sqrt(float(self._marginal @ (self._values - self._mean) ** 2))
 
-    @property
+    @cached_property
+    def _values(self) -> Array:
+        return np.asarray(next(iter(self.grid.parameters.values())), dtype=np.float64)
+
+    @cached_property
     def _marginal(self) -> Array:
-        marginal: Array = self.posterior.sum(axis=1)
-        return marginal
+        return np.asarray(self.posterior.sum(axis=1), dtype=np.float64)
 
-    @property
+    @cached_property
     def _mean(self) -> float:
-        return float(self._marginal @ np.asarray(self.grid.thresholds))
+        return float(self._marginal @ self._values)
 
     @property
     def finished(self) -> bool:
@@ -130,41 +217,38 @@ class QuestPlus:
         converged = self.sd_stop is not None and bool(self.responses) and self.threshold_sd <= self.sd_stop
         if not converged and len(self.responses) < self.n_trials:
             return None
-        if len(self.grid.thresholds) > 1 and (edge := self._edge()) is not None:
-            return edge
-        return "converged" if converged else "trials"
+        return edge(self._values, self._marginal) or ("converged" if converged else "trials")
 
-    def _edge(self) -> Ending | None:
-        """Where the posterior leans on an end of its thresholds, which then say only a bound."""
-        thresholds = np.asarray(self.grid.thresholds)
-        if self._marginal[thresholds.argmax()] > EDGE_MASS:
-            return "censored_above"
-        return "censored_below" if self._marginal[thresholds.argmin()] > EDGE_MASS else None
+    @property
+    def remark(self) -> str | None:
+        """One sentence on a run that has no threshold."""
+        first = next(iter(self.grid.parameters))
+        if self.ended == "aborted":
+            return (
+                f"QuestPlus.grid: found answer {self.responses[-1]} at level {self.delivered[-1]:g} in trial "
+                f"{len(self.responses)}, which with the answers before it no cell of the grid allows, expected a grid "
+                "that can; give it guess and lapse rates above 0 or a wider range"
+            )
+        if self.ended in ("censored_above", "censored_below"):
+            end, bound = ("last", "above") if self.ended == "censored_above" else ("first", "below")
+            return f"QuestPlus: the {end} {first} of the grid is the likeliest; the true one may lie {bound} it"
+        return None
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The posterior after an answer to the level that was delivered, on the grid or not."""
-        yes = checked_response(response, "QuestPlus")
+        outcome = checked_outcome(response, self.grid.n_outcomes, "QuestPlus")
         refuse_finished(finished=self.finished, procedure="QuestPlus")
-        level = self.level if delivered is None else delivered
-        if not math.isfinite(level):
-            raise InvalidParameter(f"QuestPlus.after: found the delivered level {level}, expected a finite number")
-        log_yes, log_no = self.grid.log_chances([level])
-        weights = self.log_weights + (log_yes if yes else log_no)[0]
-        total = float(logsumexp(weights))
-        possible = math.isfinite(total)
+        level = finite_level(self.level if delivered is None else delivered, "QuestPlus")
+        state = self._state.after(self.grid.log_chance(level, outcome))
         return replace(
             self,
-            responses=(*self.responses, yes),
+            responses=(*self.responses, outcome),
             delivered=(*self.delivered, level),
-            log_weights=weights - total if possible else self.log_weights,
-            contradicted=not possible,
+            state=state or self.state,
+            contradicted=state is None,
         )
 
 
-def _x_log_x(x: Array) -> Array:
-    return np.asarray(x * np.log(np.where(x > 0, x, 1.0)), dtype=np.float64)
-
-
-def _spread(yes: Array) -> Array:
-    """Sum over both answers of p log p, from p = P(1)."""
-    return _x_log_x(yes) + _x_log_x(np.maximum(1 - yes, 0.0))
+def _sum_p_log_p(chances: Array) -> Array:
+    """Over outcomes, the first axis."""
+    return np.asarray(p_log_p(chances).sum(axis=0), dtype=np.float64)

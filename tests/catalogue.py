@@ -19,9 +19,13 @@ from tactometry.protocols import (
     Condition,
     ConstantStimuli,
     ForcedChoice,
+    MethodOfLimits,
     ParameterGrid,
     Pressing,
+    PsiSettings,
+    Quest,
     QuestPlus,
+    SharedQuestPlus,
     Sliding,
     Staircase,
     Track,
@@ -98,6 +102,24 @@ PROCEDURES = {
         sd_stop=3.0,
         aim="threshold",
     ),
+    "quest_plus_variance": QuestPlus(
+        tuple(float(x) for x in range(0, 41, 2)),
+        ParameterGrid(tuple(range(0, 41, 2)), (4.0, 8.0), lapse_rates=(0.0, 0.04)),
+        n_trials=20,
+        criterion="variance",
+    ),
+    "quest_plus_shared": SharedQuestPlus(
+        QuestPlus(
+            tuple(float(x) for x in range(0, 41, 2)), ParameterGrid(tuple(range(0, 41, 2)), (4.0, 8.0)), n_trials=20
+        ),
+        ("first", "second"),
+    ).procedures()[0],
+    "psi": PsiSettings(low=0.0, high=40.0, n_levels=21, sd_low=1.0, sd_high=8.0, n_sds=3, n_trials=20).procedure(),
+    "quest": Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=1.0, n_trials=20),
+    "method_of_limits": MethodOfLimits(low=0.0, high=40.0, step=5.0, n_series=4),
+    "method_of_limits_ascending": MethodOfLimits(
+        low=0.0, high=40.0, step=5.0, n_series=4, direction="ascending", n_start_steps=2
+    ).shuffled(np.random.default_rng(0)),
     "constant_stimuli": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4),
     "constant_stimuli_shuffled": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4).shuffled(
         np.random.default_rng(0)

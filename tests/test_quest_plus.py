@@ -74,7 +74,7 @@ def test_choices_equal_those_of_the_package(lapses):
         peer, ours = questplus((3.5,), lapses), QuestPlus(LEVELS, watson_grid(lapses=lapses), n_trials=1000)
         for _ in range(20):
             theirs = float(np.asarray(peer.next_stim["intensity"]))
-            entropies = ours.expected_entropy()
+            entropies = ours.expected_loss()
             assert ours.level == theirs or tied(entropies, LEVELS.index(theirs))
             answer = bool(rng.random() < 0.5 + 0.48 * norm.cdf((theirs + 20) / 4))
             peer.update(stim={"intensity": theirs}, outcome={"response": "Yes" if answer else "No"})
@@ -98,9 +98,9 @@ def test_expected_entropy_is_that_of_the_posteriors_it_stands_for(aim, answers):
     _, rule = follow(small(aim, n_trials=100), answers)
     n = len(rule.levels) // 2
     chance = rule.after(1, delivered=rule.levels[n]), rule.after(0, delivered=rule.levels[n])
-    yes = float(np.exp(rule.grid.log_chances([rule.levels[n]])[0][0]) @ rule.posterior.ravel())
+    yes = float(np.exp(rule.grid.log_chance(rule.levels[n], 1)) @ rule.posterior.ravel())
     expected = yes * entropy(chance[0], aim) + (1 - yes) * entropy(chance[1], aim)
-    assert rule.expected_entropy()[n] == pytest.approx(expected, abs=1e-12)
+    assert rule.expected_loss()[n] == pytest.approx(expected, abs=1e-12)
 
 
 def entropy(rule, aim):

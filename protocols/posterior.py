@@ -1,0 +1,84 @@
+"""Weights of a grid of parameters: log space throughout, so that no cell is lost that may come back."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.procedure import Ending
+
+Array = NDArray[np.float64]
+HIGHEST = 1 + 1e-9
+"""How much the weight of an end must pass all others to count as the highest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Normalised weights (n_cells,) and their logarithms."""
+
+    log_weights: Array
+    weights: Array
+
+    @classmethod
+    def of(cls, log_weights: Array) -> Self | None:
+        """Normalised; None if every weight is zero.
+
+        >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
+        array([0.5, 0.5])
+        """
+        highest = float(log_weights.max())
+        if not math.isfinite(highest):
+            return None
+        shifted = log_weights - highest
+        weights = np.exp(shifted)
+        total = float(weights.sum())
+        return cls(shifted - math.log(total), weights / total)
+
+    def after(self, log_chances: Array) -> Self | None:
+        """After an answer with these log chances, (n_cells,); None if no cell allows it."""
+        return type(self).of(self.log_weights + log_chances)
+
+
+def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
+    """The sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
+
+    Raises
+    ------
+    InvalidParameter
+        If a prior is of no parameter, of another length, or not of finite numbers from 0 with one above it.
+    """
+    for name, weights in prior.items():
+        if name not in parameters:
+            raise InvalidParameter(f"{where}.prior: found {name!r}, expected parameters of {', '.join(parameters)}")
+        given = np.asarray(weights, dtype=np.float64)
+        if given.shape != (len(parameters[name]),) or not (given >= 0).all() or not 0 < given.sum() < math.inf:
+            raise InvalidParameter(
+                f"{where}.prior[{name!r}]: found {len(weights)} weights from {given.min(initial=0):g} on, expected "
+                f"{len(parameters[name])} finite numbers from 0, not all 0"
+            )
+    with np.errstate(divide="ignore"):
+        axes = [np.log(prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
+    total: Array = sum(np.ix_(*axes), start=np.zeros(()))
+    return np.asarray(total.ravel(), dtype=np.float64)
+
+
+def edge(values: Array, marginal: Array) -> Ending | None:
+    """Whether the highest weight is that of the greatest or the least value, which then say only a bound.
+
+    >>> edge(np.array([1.0, 2.0, 3.0]), np.array([0.6, 0.3, 0.1]))
+    'censored_below'
+    """
+    if len(values) < 2:
+        return None
+    ends: tuple[tuple[Ending, int], ...] = (
+        ("censored_above", int(values.argmax())),
+        ("censored_below", int(values.argmin())),
+    )
+    for ending, at in ends:
+        if marginal[at] > HIGHEST * float(np.delete(marginal, at).max()):
+            return ending
+    return None
