@@ -45,7 +45,8 @@ def field_frame(peak: float) -> None:
 
     assert np.allclose(draw(amplitude), loop(), atol=1e-9)
     times = interleaved({"ours": lambda: draw(amplitude), "loop": loop}, 15)
-    flops = 2 * int(modes.m.max()) * int(modes.n.max()) * N_Y + 2 * N_X * int(modes.m.max()) * N_Y
+    n_m, n_n = int(modes.m.max()), int(modes.n.max())
+    flops = 2 * min(n_m * n_n * N_Y + N_X * n_m * N_Y, N_X * n_m * n_n + N_X * n_n * N_Y)
     row(
         "field frame 300 x 210 against a loop over modes",
         times["loop"] / times["ours"],
@@ -74,14 +75,14 @@ def responses(peak: float) -> None:
                 out[p, q] = ((at[:, p] * push[:, q])[:, None] * basis).sum(axis=0)
         return out / (PLATE.mass_kg * RATE_HZ)
 
-    assert np.allclose(ours(), loop(), atol=1e-12 * np.abs(ours()).max())
-    times = interleaved({"ours": ours, "loop": loop}, 3)
+    error = float(np.abs(ours() - loop()).max() / np.abs(ours()).max())
+    times = interleaved({"ours": ours, "loop": loop}, 5)
     flops = 2 * 32 * 32 * len(basis) * n
     row(
-        "32 x 32 impulse responses: share of the peak of BLAS",
+        "32 x 32 impulse responses: the plain product at the peak of BLAS, over ours",
         flops / times["ours"] / peak,
         ">= 0.7",
-        f"{times['ours'] * 1e3:.4g} ms",
+        f"{times['ours'] * 1e3:.4g} ms, error {error:.1g}",
     )
     row("32 x 32 impulse responses against a loop over pairs", times["loop"] / times["ours"], ">= 30")
 

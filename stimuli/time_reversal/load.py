@@ -26,6 +26,9 @@ ComplexArray = NDArray[np.complex128]
 WRAP_AROUND: Final = 1e-8
 """What is left of the response after one period of the discrete transform."""
 
+CHUNK: Final = 256
+"""Frequencies at a time: the motion of some hundred modes stays in cache."""
+
 COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
 
 
@@ -78,12 +81,13 @@ class Receptances:
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
         """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
-        pairs = (to[:, :, None] * of[:, None, :]).reshape(len(to), -1).T
-        parts = pairs @ self.compliance.view(float)
-        return np.asarray(parts.view(complex).reshape(to.shape[1], of.shape[1], -1))
+        return self._pairs(to[:, :, None] * of[:, None, :])
 
     def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
         """(n_to, n_of, n_frequencies): what contacts take away from `between(to, of)`.
+
+        With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
+        n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
 
         Parameters
         ----------
@@ -97,11 +101,19 @@ class Receptances:
         InvalidParameter
             If pinned contacts coincide.
         """
-        return np.asarray(np.einsum("rkf,ksf->rsf", self._toward(to, at, stiffness), self.between(at, of)))
+        if of.shape[1] < to.shape[1]:
+            return self.correction(of, to, at, stiffness).swapaxes(0, 1)
+        out = np.empty((to.shape[1], of.shape[1], len(stiffness)), complex)
+        for toward, taken in zip(self._toward(to, at, stiffness), out, strict=True):
+            for start in range(0, len(stiffness), CHUNK):
+                part = slice(start, start + CHUNK)
+                motion = _times(at, toward[:, part]) * self.compliance[:, part]
+                taken[:, part] = _times(of.T, motion)
+        return out
 
     def _toward(self, to: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
         """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1."""
-        among = np.moveaxis(self.between(at, at), 2, 0)
+        among = self._among(at)
         a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
         system = among * a[:, None, :]
         np.einsum("fkk->fk", system)[...] += b
@@ -111,6 +123,19 @@ class Receptances:
         except np.linalg.LinAlgError as error:
             raise InvalidParameter(COINCIDENT_PINS) from error
         return np.ascontiguousarray(turned.transpose(2, 1, 0))
+
+    def _among(self, at: FloatArray) -> ComplexArray:
+        """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
+        i, j = np.triu_indices(at.shape[1])
+        found = self._pairs(at[:, i] * at[:, j])
+        among = np.empty((found.shape[1], at.shape[1], at.shape[1]), complex)
+        among[:, i, j] = among[:, j, i] = found.T
+        return among
+
+    def _pairs(self, weights: FloatArray) -> ComplexArray:
+        """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
+        found = _times(weights.reshape(len(weights), -1).T, self.compliance)
+        return found.reshape(*weights.shape[1:], -1)
 
 
 def loaded_receptance(
@@ -175,6 +200,11 @@ def _check_pins(loads: Sequence[Load]) -> None:
     pins = [(load.x_m, load.y_m) for load in loads if math.isinf(load.stiffness_n_per_m)]
     if len(set(pins)) < len(pins):
         raise InvalidParameter(COINCIDENT_PINS)
+
+
+def _times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
+    """A product of a real and a complex matrix, without making the real one complex."""
+    return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
 def _balanced(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:

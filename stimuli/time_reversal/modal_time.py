@@ -21,6 +21,10 @@ ComplexArray = NDArray[np.complex128]
 
 BLOCK: Final = 64
 STILL_RAD_PER_S: Final = 1e-150
+PER_TURN: Final = 0.15915494309189535
+PER_TURN_LOW: Final = -9.839338337591243e-18
+"""1 / (2 pi) as a pair of doubles."""
+
 QUANTITIES: Final = ("displacement", "velocity", "acceleration")
 
 
@@ -63,10 +67,10 @@ class Oscillators:
         out = np.empty((self.n, stop - start))
         swings = self.oscillates
         if swings.any():
-            out[swings] = self._take(swings)._swinging(rate_hz, start, stop, quantity)
+            out[swings] = self.of(swings)._swinging(rate_hz, start, stop, quantity)
         if not swings.all():
             time_s = np.arange(start, stop) / rate_hz
-            out[~swings] = _CREEPING[quantity](self._take(~swings), time_s)
+            out[~swings] = _CREEPING[quantity](self.of(~swings), time_s)
         return out
 
     def impulse_at(self, time_s: ArrayLike, quantity: str = "displacement") -> FloatArray:
@@ -75,12 +79,25 @@ class Oscillators:
         time = np.atleast_1d(np.asarray(time_s, float))
         out = np.empty((self.n, len(time)))
         swings = self.oscillates
-        swinging = self._take(swings)
+        swinging = self.of(swings)
         out[swings] = (swinging._phasor(time, 1.0) * swinging._weight(quantity)[:, None]).imag
-        out[~swings] = _CREEPING[quantity](self._take(~swings), time)
+        out[~swings] = _CREEPING[quantity](self.of(~swings), time)
         return out
 
-    def _take(self, which: NDArray[np.bool_]) -> "Oscillators":
+    def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
+        """(n,) displacement and velocity of the response after one time, at least 0."""
+        if not self.oscillates.all():
+            return self.impulse_at(step_s)[:, 0], self.impulse_at(step_s, "velocity")[:, 0]
+        turned = self._phasor(np.array([step_s]), 1.0)[:, 0]
+        moved, moving = (turned * self._weight(quantity) for quantity in QUANTITIES[:2])
+        return np.asarray(moved.imag), np.asarray(moving.imag)
+
+    def analytic(self, rate_hz: float, sample: int, quantity: str = "displacement") -> ComplexArray:
+        """(n,): at one sample, what the response of each mode, all swinging, is the imaginary part of."""
+        return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
+
+    def of(self, which: NDArray[np.bool_]) -> "Oscillators":
+        """Some of the modes."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:
@@ -111,6 +128,16 @@ def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_
     back, back_low = _two_product(phase, np.float64(rate_hz))
     phase_low = ((product - back) - back_low + product_low) / rate_hz
     return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low - phase_low**2 / 2))
+
+
+def turns(omega_rad_per_s: FloatArray, sample: float, rate_hz: float) -> tuple[FloatArray, FloatArray]:
+    """omega sample / (2 pi rate) as a pair of doubles: the second is what the first is rounded by."""
+    product, product_low = _two_product(omega_rad_per_s, np.float64(sample))
+    turned, turned_low = _two_product(product, np.float64(PER_TURN))
+    high = turned / rate_hz
+    back, back_low = _two_product(high, np.float64(rate_hz))
+    rest = (turned - back) - back_low + turned_low + product * PER_TURN_LOW + product_low * PER_TURN
+    return np.asarray(high), np.asarray(rest / rate_hz)
 
 
 def _two_product(a: FloatArray, b: NDArray[np.floating] | np.float64) -> tuple[FloatArray, FloatArray]:

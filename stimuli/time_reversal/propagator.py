@@ -22,8 +22,7 @@ NEAR_CRITICAL: Final = 0.05
 
 def transition(oscillators: Oscillators, step_s: float) -> FloatArray:
     """(n, 2, 2): the free motion over one step."""
-    g = oscillators.impulse_at(step_s)[:, 0]
-    slope = oscillators.impulse_at(step_s, "velocity")[:, 0]
+    g, slope = oscillators.step(step_s)
     omega2, a = oscillators.omega_rad_per_s**2, oscillators.decay_per_s
     return np.stack([np.stack([slope + 2 * a * g, g], -1), np.stack([-omega2 * g, slope], -1)], -2)
 
@@ -63,17 +62,21 @@ def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> 
 
 
 def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    safe = np.where(np.abs(z) < SERIES_BELOW, 1.0, z)
-    one = np.where(np.abs(z) < SERIES_BELOW, _taylor(z, 1), np.expm1(safe) / safe)
-    two = np.where(np.abs(z) < SERIES_BELOW, _taylor(z, 2), (one - 1) / safe)
+    small = np.abs(z) < SERIES_BELOW
+    safe = np.where(small, 1.0, z)
+    one = np.expm1(safe) / safe
+    two = (one - 1) / safe
+    two[small] = _phi_2(z[small])
+    one[small] = 1 + z[small] * two[small]
     return one, two
 
 
-def _taylor(z: ComplexArray, order: int) -> ComplexArray:
+def _phi_2(z: ComplexArray) -> ComplexArray:
+    """1/2! + z/3! + z^2/4! + ..."""
     total = np.ones(z.shape, np.complex128)
-    for k in range(17, 0, -1):
-        total = 1.0 + z / (k + order) * total
-    return np.divide(total, order)
+    for k in range(17, 2, -1):
+        total = 1.0 + z / k * total
+    return np.divide(total, 2)
 
 
 def _pole_weights(pole: ComplexArray, step_s: float) -> ComplexArray:
@@ -128,10 +131,11 @@ def _impulses(step: FloatArray, impulses: FloatArray, keep: NDArray[np.int64]) -
     return out
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy", fastmath={"contract"})  # type: ignore[untyped-decorator]
 def _linear(step: FloatArray, weights: FloatArray, forces: FloatArray) -> FloatArray:
     n_samples, n = forces.shape
-    out = np.zeros((n_samples, n))
+    out = np.empty((n_samples, n))
+    out[:1] = 0.0
     q, v = np.zeros(n), np.zeros(n)
     a, b, c, d = step[:, 0, 0].copy(), step[:, 0, 1].copy(), step[:, 1, 0].copy(), step[:, 1, 1].copy()
     q0, q1, v0, v1 = (
@@ -141,10 +145,10 @@ def _linear(step: FloatArray, weights: FloatArray, forces: FloatArray) -> FloatA
         weights[:, 1, 1].copy(),
     )
     for k in range(1, n_samples):
+        start, end, now = forces[k - 1], forces[k], out[k]
         for i in range(n):
-            start, end = forces[k - 1, i], forces[k, i]
-            moved = a[i] * q[i] + b[i] * v[i] + q0[i] * start + q1[i] * end
-            v[i] = c[i] * q[i] + d[i] * v[i] + v0[i] * start + v1[i] * end
+            moved = a[i] * q[i] + b[i] * v[i] + q0[i] * start[i] + q1[i] * end[i]
+            v[i] = c[i] * q[i] + d[i] * v[i] + v0[i] * start[i] + v1[i] * end[i]
             q[i] = moved
-            out[k, i] = moved
+            now[i] = moved
     return out

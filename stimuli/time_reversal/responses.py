@@ -86,8 +86,8 @@ def impulse_responses(
 ) -> Responses:
     """Responses of the model, the exact sum over the modes below `f_max_hz`.
 
-    A unit sample is an impulse of area 1 / rate. All pairs of point and channel come from one matrix
-    product per chunk of time.
+    A unit sample is an impulse of area 1 / rate. All pairs of point and channel are summed at once, chunk by
+    chunk of time; see `modal_sum`.
 
     Parameters
     ----------
@@ -115,12 +115,13 @@ def impulse_responses(
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
         )
+    from tactometry.stimuli.time_reversal.modal_sum import modal_sums
+
     weights = _weights(screen, points, f_max_hz)
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))
     flat = weights.reshape(len(out), -1) / (screen.plate.mass_kg * rate_hz)
     for start, stop in chunks(n_samples):
-        basis = screen.oscillators(f_max_hz).impulse(rate_hz, start, stop, quantity)
-        np.matmul(flat, basis, out=out[:, start:stop])
+        modal_sums(screen.oscillators(f_max_hz), flat, rate_hz, start, stop, quantity, out=out[:, start:stop])
     return Responses(out.reshape(*weights.shape[:2], n_samples), rate_hz, quantity)
 
 

@@ -5,7 +5,6 @@ that V = U + (1 - z^-1)^L E. Time is the outer loop and channels the inner one: 
 another, and the compiler fills its vectors.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -59,25 +58,25 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     """
     if order not in (1, 2):
         raise InvalidParameter(f"order: found {order}, expected 1 or 2")
-    if not math.isfinite(float(np.vdot(signal.ravel("K"), signal.ravel("K")))):
-        finite("signal", signal)
     by_time = np.ascontiguousarray(signal.T)
     bits = np.empty(by_time.shape, np.int8)
-    peak = _modulate(by_time, bits, *FEEDBACK[order])
+    peak, error = _modulate(by_time, bits, *FEEDBACK[order])
+    if not np.isfinite(error).all():  # nothing that is not finite ever leaves the feedback
+        finite("signal", signal)
     return BitStream(bits.T, float(peak.max(initial=0.0)), FIRST_ORDER_LIMIT if order == 1 else STATE_LIMIT)
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> FloatArray:
-    """y = u - b1 e1 - b2 e2; the largest |y| of each channel."""
+def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> tuple[FloatArray, FloatArray]:
+    """y = u - b1 e1 - b2 e2; the largest |y| and the last e1 of each channel."""
     n_samples, n_channels = signal.shape
     e1, e2, peak = np.zeros(n_channels), np.zeros(n_channels), np.zeros(n_channels)
     for t in range(n_samples):
+        now, emitted = signal[t], bits[t]
         for c in range(n_channels):
-            y = signal[t, c] - b1 * e1[c] - b2 * e2[c]
-            v = 1.0 if y >= 0 else -1.0
+            y = now[c] - b1 * e1[c] - b2 * e2[c]
             e2[c] = e1[c]
-            e1[c] = v - y
-            peak[c] = max(peak[c], abs(y))
-            bits[t, c] = np.int8(v)
-    return peak
+            e1[c] = (1.0 if y >= 0 else -1.0) - y
+            peak[c] = abs(y) if abs(y) > peak[c] else peak[c]
+            emitted[c] = 1 if y >= 0 else -1
+    return peak, e1
