@@ -1,0 +1,32 @@
+"""Data sets for other programs: one function per form."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.experiments.export_bids import bids_files
+from tactometry.experiments.export_psychopy import psychopy_files
+from tactometry.experiments.export_r import r_files
+from tactometry.experiments.export_source import Source, read_source, write_files
+
+FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {"psychopy": psychopy_files, "r": r_files}
+
+
+def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
+    """Write the data set or trials file at `path` as `bids`, `psychopy` or `r` into a new or empty folder.
+
+    Raises
+    ------
+    InvalidParameter
+        If the form is unknown or the folder holds something.
+    InvalidFile
+        If the data set is damaged.
+    DeviceFailed
+        If the folder cannot be written.
+    """
+    if form not in ("bids", *FORMS):
+        raise InvalidParameter(
+            f"--to: found {form!r}, expected one of bids, psychopy, r{nearest(form, ('bids', *FORMS))}"
+        )
+    source = read_source(path)
+    return write_files(bids_files(source, authors) if form == "bids" else FORMS[form](source), out)

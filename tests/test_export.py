@@ -1,0 +1,194 @@
+"""Data sets for other programs: BIDS as its validator takes it, PsychoPy's form and back, a table for R."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from tactometry.analysis.attrakdiff import scores
+from tactometry.analysis.table import read_column_map, read_trials, used_rows
+from tactometry.cli.export import command
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.exporting import export
+from tactometry.experiments.simulating import Simulation, simulate
+from tactometry.experiments.study import load
+from tactometry.questionnaire import load as load_questionnaire
+
+FORMS = ("bids", "psychopy", "r")
+VALIDATOR = shutil.which("bids-validator-deno", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+
+
+@pytest.fixture(scope="module")
+def data_set(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("export") / "tutorial"
+    list(simulate(Simulation(load("tutorial")[1], "tutorial", root, 2, seed=4)))
+    return root
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory) -> Path:
+    """A trials file of a questionnaire, two patterns, two sessions."""
+    rng = np.random.default_rng()
+    items = [item.id for item in load_questionnaire("attrakdiff").items]
+    lines = ["participant,session,study,block,trial,pattern,procedure,level,task,item,response,valid"]
+    for person in ("P1", "P2"):
+        for session in (1, 2):
+            for n, (pattern, item) in enumerate(((p, i) for p in ("P0", "P3") for i in items), 1):
+                cells = (person, session, "patterns", 1, n, pattern, "attrakdiff", "", "rating", item)
+                lines.append(",".join(map(str, (*cells, rng.integers(1, 8), 1))))
+    path = tmp_path_factory.mktemp("answers") / "answers.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as text:
+        return list(csv.DictReader(text, delimiter="\t" if path.suffix == ".tsv" else ","))
+
+
+# --- every form
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_same_data_give_the_same_bytes(data_set, tmp_path, form) -> None:
+    one, other = (export(data_set, form, tmp_path / name) for name in ("a", "b"))
+    assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
+    assert [p.relative_to(tmp_path / "a") for p in one] == [p.relative_to(tmp_path / "b") for p in other]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path, form) -> None:
+    before = {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
+    written = export(data_set, form, tmp_path / "out")
+    rows = [
+        row for path in written if path.suffix in (".csv", ".tsv") and "sub-" not in path.name for row in table(path)
+    ]
+    if form == "bids":
+        rows = [row for path in written if path.name.endswith("_events.tsv") for row in table(path)]
+    assert len(rows) == len(read_trials(data_set).rows)
+    assert before == {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_no_export_holds_a_path_of_this_machine(data_set, tmp_path, form) -> None:
+    for path in export(data_set, form, tmp_path / "out"):
+        assert str(tmp_path.parent).encode() not in path.read_bytes()
+
+
+def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
+    (tmp_path / "mine").write_text("")
+    with pytest.raises(InvalidParameter, match="--out: found that .* holds something, expected a new or an empty"):
+        export(data_set, "r", tmp_path)
+
+
+def test_refuses_what_is_no_data_set_and_what_is_no_form(tmp_path, data_set) -> None:
+    with pytest.raises(InvalidFile, match="no such file or folder"):
+        export(tmp_path / "nowhere", "bids", tmp_path / "out")
+    with pytest.raises(InvalidParameter, match="--to: found 'bid', expected one of bids, psychopy, r; did you mean"):
+        export(data_set, "bid", tmp_path / "out")
+
+
+def test_the_command_says_what_it_wrote(data_set, tmp_path) -> None:
+    result = CliRunner().invoke(command, [str(data_set), "--to", "r", "--out", str(tmp_path / "r"), "--json"])
+    assert json.loads(result.stdout)["files"] == ["trials.R", "trials.csv"]
+
+
+# --- BIDS
+
+
+@pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno: pip install bids-validator-deno")
+@pytest.mark.parametrize("kind", ["data_set", "answers"])
+def test_the_bids_validator_finds_no_error_and_no_warning(kind, request, tmp_path) -> None:
+    export(request.getfixturevalue(kind), "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
+    done = subprocess.run(
+        [str(VALIDATOR), str(tmp_path / "bids"), "--json"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "NO_COLOR": "1", "DENO_NO_UPDATE_CHECK": "1"},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(done.stdout)["issues"]["issues"] == []
+
+
+def test_events_begin_with_onset_and_duration_and_every_column_is_described(data_set, tmp_path) -> None:
+    written = export(data_set, "bids", tmp_path / "bids")
+    events = [path for path in written if path.name.endswith("_events.tsv")]
+    assert [path.name for path in events] == [f"sub-P0{n}_ses-1_task-tutorial_run-01_events.tsv" for n in (1, 2)]
+    for path in events:
+        rows, told = table(path), json.loads(path.with_suffix(".json").read_text())
+        assert list(rows[0])[:2] == ["onset", "duration"]
+        assert set(rows[0]) <= set(told)
+        assert all(re.fullmatch(r"-?[\d.]+(e-?\d+)?", row["onset"]) for row in rows)
+        assert "" not in {cell for row in rows for cell in row.values()}
+
+
+def test_answers_become_items_and_scores(answers, tmp_path) -> None:
+    export(answers, "bids", tmp_path / "bids")
+    items = table(tmp_path / "bids/sub-P1/ses-2/beh/sub-P1_ses-2_task-attrakdiff_beh.tsv")
+    assert len(items) == 2 * 28
+    people = table(tmp_path / "bids/phenotype/attrakdiff.tsv")
+    own = scores(pd.read_csv(answers), within=["session", "pattern"])
+    truth = own[(own["participant"] == "P2") & (own["session"] == 1) & (own["pattern"] == "P3")]["ATT"].iloc[0]
+    assert [row["participant_id"] for row in people] == ["sub-P1", "sub-P2"]
+    assert float(people[1]["ses1_P3_ATT"]) == pytest.approx(truth)
+    told = json.loads((tmp_path / "bids/phenotype/attrakdiff.json").read_text())
+    assert set(people[0]) <= set(told)
+
+
+def test_trials_without_an_onset_are_behaviour_and_no_events(data_set, tmp_path) -> None:
+    file = tmp_path / "plain.csv"
+    rows = pd.read_csv(next(iter(sorted((data_set / "data").glob("*.csv")))), dtype=str, keep_default_na=False)
+    rows.drop(columns="onset_s").to_csv(file, index=False)
+    written = export(file, "bids", tmp_path / "bids")
+    assert [path.name for path in written if path.suffix == ".tsv" and "beh" in path.name] == [
+        "sub-P01_ses-1_task-tutorial_beh.tsv"
+    ]
+
+
+def test_authors_are_those_that_are_named(data_set, tmp_path) -> None:
+    export(data_set, "bids", tmp_path / "bids", ["Ada Lovelace"])
+    assert json.loads((tmp_path / "bids/dataset_description.json").read_text())["Authors"] == ["Ada Lovelace"]
+
+
+# --- PsychoPy
+
+
+def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) -> None:
+    export(data_set, "psychopy", tmp_path / "pp")
+    own = read_trials(data_set)
+    (file, *_) = sorted((tmp_path / "pp/data").glob("P01*.csv"))
+    again = read_trials(file, within=own.factors, column_map=read_column_map(tmp_path / "pp/columns.toml"))
+    first = used_rows(own)[used_rows(own)["participant"] == "P01"]
+    for name in ("level", "response", "onset_s", "latency_s"):
+        assert used_rows(again)[name].tolist() == pytest.approx(first[name].tolist(), nan_ok=True)
+    assert table(file)[0]["trials.thisN"] == "0"
+
+
+# --- R
+
+
+def test_the_table_for_r_has_no_empty_cell(data_set, tmp_path) -> None:
+    export(data_set, "r", tmp_path / "r")
+    rows = table(tmp_path / "r/trials.csv")
+    assert "" not in {cell for row in rows for cell in row.values()}
+    script = (tmp_path / "r/trials.R").read_text()
+    assert all(f'"{name}" = ' in script for name in rows[0])
+    assert '"level" = "numeric"' in script
+    assert '"response" = "character"' in script
+
+
+@pytest.mark.skipif(shutil.which("Rscript") is None, reason="no Rscript: apt-get install r-base-core")
+def test_r_reads_its_table(data_set, tmp_path) -> None:
+    export(data_set, "r", tmp_path / "r")
+    done = subprocess.run(["Rscript", "trials.R"], cwd=tmp_path / "r", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
