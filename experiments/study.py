@@ -2,12 +2,13 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tactometry.columns import RESERVED
+from tactometry.dataset import cell
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
@@ -19,47 +20,78 @@ FOLDER = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
-@dataclass(frozen=True)
-class TaskTable:
-    """What is asked in a trial; `catch_rate` is the part of presentations without stimulus (yes/no only)."""
+Levels = tuple[float | str, ...]
 
-    kind: str
-    catch_rate: float = 0.0
-    n_intervals: int = 2
-    n_attempts: int = 5
+
+@dataclass(frozen=True)
+class PlanTable:
+    """How the cells of the design become sessions and blocks, beside `counterbalance`.
+
+    Parameters
+    ----------
+    between : tuple of str
+        Factors of which a participant meets one level only, by the number.
+    sessions : tuple of str
+        Factors of which each session holds one level.
+    interleave : tuple of str
+        Factors whose levels are interleaved in one block, as tracks.
+    orders : mapping of str to str
+        The order of a factor's levels: ``williams`` (those in `counterbalance`), ``complete``, ``random``, ``fixed``.
+    longest_s : float or None
+        No block begins later in a session.
+    """
+
+    between: tuple[str, ...] = ()
+    sessions: tuple[str, ...] = ()
+    interleave: tuple[str, ...] = ()
+    orders: dict[str, str] = field(default_factory=dict)
+    longest_s: float | None = None
+
+    @property
+    def named(self) -> tuple[tuple[str, str], ...]:
+        """Each factor that is named, with where."""
+        lists = (("between", self.between), ("sessions", self.sessions), ("interleave", self.interleave))
+        return (*((key, name) for key, names in lists for name in names), *(("orders", name) for name in self.orders))
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """A questionnaire on its own, after each block or at the end of the session."""
+
+    form: str
+    after: str = "session"
+    shuffled: bool = False
 
     def __post_init__(self) -> None:
-        kinds = ("yes_no", "forced_choice")
-        if self.kind not in kinds:
-            raise InvalidParameter(
-                f"TaskTable.kind: found {self.kind!r}, expected one of {', '.join(kinds)}{nearest(self.kind, kinds)}"
-            )
-        if not 0 <= self.catch_rate <= 0.5:
-            raise InvalidParameter(f"TaskTable.catch_rate: found {self.catch_rate:g}, expected from 0 to 0.5")
-        if self.catch_rate > 0 and self.kind != "yes_no":
-            raise InvalidParameter(
-                f"TaskTable.catch_rate: found {self.catch_rate:g} with {self.kind}, expected 0: every trial of a "
-                "forced choice holds a stimulus; remove the key"
-            )
-        if self.n_attempts < 1:
-            raise InvalidParameter(f"TaskTable.n_attempts: found {self.n_attempts}, expected at least 1")
+        if self.after not in ("block", "session"):
+            raise InvalidParameter(f"Inquiry.after: found {self.after!r}, expected one of block, session")
 
 
 @dataclass(frozen=True)
 class Study:
-    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`."""
+    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`.
+
+    `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
+    tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own.
+    """
 
     name: str
     title: str
     description: str
-    task: TaskTable
-    factors: dict[str, tuple[float | str, ...]]
+    task: dict[str, Any]
+    factors: dict[str, Levels]
     stimulus: dict[str, Any]
     touch: dict[str, Any]
     procedure: dict[str, Any]
     limits: Limits
     counterbalance: tuple[str, ...] = ()
     trial_s: float = 5.0
+    plan: PlanTable = field(default_factory=PlanTable)
+    nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
+    variants: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    practice: dict[str, Any] = field(default_factory=dict)
+    inquiries: dict[str, Inquiry] = field(default_factory=dict)
+    forms: dict[str, dict[str, Any]] = field(default_factory=dict)
     sensation: dict[str, Any] = field(default_factory=dict)
     observer: SignalDetectionObserver = field(default_factory=SignalDetectionObserver)
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
@@ -79,6 +111,7 @@ class Study:
                     f"counterbalance[{n}]: found {name!r}, expected each factor at most once "
                     f"({', '.join(self.factors)}){nearest(name, self.factors)}"
                 )
+        _check_plan(self)
 
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
@@ -92,6 +125,38 @@ def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
         for n, level in enumerate(levels):
             if level in levels[:n]:
                 raise InvalidParameter(f"factors.{name}[{n}]: found {level!r} twice, expected each level once")
+
+
+def _check_plan(study: Study) -> None:
+    """Whether plan, nested levels and variants speak of factors and levels that are there."""
+    for key, name in study.plan.named:
+        _check_name(name, study.factors, f"plan.{key}", "a factor")
+    for outer, by_level in study.nested.items():
+        _check_name(outer, study.factors, "nested", "a factor")
+        for level, inner in by_level.items():
+            _check_name(level, _texts(study.factors[outer]), f"nested.{outer}", "one of its levels")
+            for name in inner:
+                _check_name(name, study.factors, f"nested.{outer}.{level}", "a factor")
+            _check_factors(inner)
+    for name, by_level in study.variants.items():
+        _check_name(name, study.factors, "variants", "a factor")
+        for level, tables in by_level.items():
+            _check_name(level, _texts(study.factors[name]), f"variants.{name}", "one of its levels")
+            for table in tables:
+                _check_name(table, VARIED, f"variants.{name}.{level}", "a table")
+
+
+VARIED = ("stimulus", "touch", "procedure", "sensation")
+
+
+def _texts(levels: Levels) -> list[str]:
+    return [cell(level) for level in levels]
+
+
+def _check_name(found: str, known: Iterable[str], where: str, what: str) -> None:
+    names = list(known)
+    if found not in names:
+        raise InvalidParameter(f"{where}: found {found!r}, expected {what} ({', '.join(names)}){nearest(found, names)}")
 
 
 def parse(content: bytes, where: str) -> Study:

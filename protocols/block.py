@@ -6,6 +6,7 @@ from typing import Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 
+from tactometry.protocols.pool import answered
 from tactometry.protocols.procedure import Procedure
 from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
 from tactometry.protocols.touch import Touch
@@ -179,19 +180,24 @@ class Standing:
     def after(self, asked: Asked, outcome: Outcome) -> "Standing":
         """The standing after a presentation."""
         begun_s = outcome.onset_s if self.begun_s is None else self.begun_s
-        told = replace(self, again=tuple(each for each in self.again if each.trial != asked.trial), begun_s=begun_s)
-        told = replace(told, next_trial=max(self.next_trial, asked.trial + 1))
-        told = told._kept(asked, outcome) if outcome.valid else told._put_back(asked)
+        standing = replace(self, again=tuple(each for each in self.again if each.trial != asked.trial), begun_s=begun_s)
+        standing = replace(standing, next_trial=max(self.next_trial, asked.trial + 1))
+        standing = standing._kept(asked, outcome) if outcome.valid else standing._put_back(asked)
         late = self.block.longest_s is not None and outcome.onset_s - begun_s > self.block.longest_s
-        return replace(told, tracks=tuple(map(_stopped, told.tracks))) if late else told
+        return replace(standing, tracks=tuple(map(_stopped, standing.tracks))) if late else standing
 
     def _kept(self, asked: Asked, outcome: Outcome) -> "Standing":
-        tracks, track = self.tracks, self.tracks[asked.track]
-        presented_later = isinstance(track.procedure, FixedOrder) and asked.attempt > 1
-        if asked.level is not None and not presented_later:
-            tracks = told(tracks, asked.track, outcome)
-        in_a_row = {**self.in_a_row, asked.track: 0}
-        return replace(self, tracks=tracks, in_a_row=in_a_row, n_valid=self.n_valid + 1)
+        presented_later = isinstance(self.tracks[asked.track].procedure, FixedOrder) and asked.attempt > 1
+        silent = asked.level is None or presented_later
+        standing = self if silent else self._told(asked.track, outcome)
+        return replace(standing, in_a_row={**self.in_a_row, asked.track: 0}, n_valid=self.n_valid + 1)
+
+    def _told(self, index: int, outcome: Outcome) -> "Standing":
+        """The standing after a track has learnt what came of its level."""
+        delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
+        procedures = answered([track.procedure for track in self.tracks], index, bool(outcome.success), delivered)
+        pairs = zip(self.tracks, procedures, strict=True)
+        return replace(self, tracks=tuple(replace(track, procedure=procedure) for track, procedure in pairs))
 
     def _put_back(self, asked: Asked) -> "Standing":
         n_in_a_row = self.in_a_row.get(asked.track, 0) + 1
@@ -214,13 +220,6 @@ def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:
 
 def _stopped(track: Track) -> Track:
     return track if track.procedure.finished else replace(track, aborted=True)
-
-
-def told(tracks: tuple[Track, ...], index: int, outcome: Outcome) -> tuple[Track, ...]:
-    """The tracks after one of them has learnt what came of its level."""
-    delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
-    track = tracks[index]
-    return _with(tracks, index, replace(track, procedure=track.procedure.after(bool(outcome.success), delivered)))
 
 
 def run_block(

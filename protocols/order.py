@@ -111,7 +111,8 @@ class Crossing(Generic[T]):
             if rule in ("williams", "complete") and len(sizes) > 1:
                 raise InvalidParameter(
                     f"orders.{name}: found a {rule} order over an unequal design "
-                    f"({' or '.join(map(str, sizes))} levels), expected the same number of levels everywhere; make them equal, or take random or fixed"
+                    f"({' or '.join(map(str, sizes))} levels), expected as many levels everywhere; make them equal, or "
+                    "take random or fixed"
                 )
 
     def _sizes(self, name: str) -> list[int]:

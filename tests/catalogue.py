@@ -156,7 +156,7 @@ def _one_block(task, procedure):
 
 def _built_in(name):
     experiment = wire(load(name)[0], name)
-    return lambda rng: session(experiment.blocks(1, rng)[:3], rng)
+    return lambda rng: session(experiment.parts(1, rng)[:3], rng)
 
 
 PROTOCOLS = {

@@ -18,13 +18,14 @@ STUDIES = {
     "unknown key": (
         TUTORIAL.replace("trial_s = 5.0", "trail_s = 5.0"),
         "s.toml, trail_s: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
-        "touch, procedure, limits, counterbalance, trial_s, sensation, observer, finger, texts; did you mean "
-        "'trial_s'?",
+        "touch, procedure, limits, counterbalance, trial_s, plan, nested, variants, practice, inquiries, forms, "
+        "sensation, observer, finger, texts; did you mean 'trial_s'?",
     ),
     "unknown table": (
         TUTORIAL.replace("[limits]", "[limit]"),
         "s.toml, limit: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
-        "touch, procedure, limits, counterbalance, trial_s, sensation, observer, finger, texts; did you mean 'limits'?",
+        "touch, procedure, limits, counterbalance, trial_s, plan, nested, variants, practice, inquiries, forms, "
+        "sensation, observer, finger, texts; did you mean 'limits'?",
     ),
     "missing key": (
         TUTORIAL.replace('name = "tutorial"\n', ""),
@@ -87,7 +88,8 @@ STUDIES = {
     ),
     "unknown task": (
         TUTORIAL.replace('"yes_no"', '"yesno"'),
-        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice; did you mean 'yes_no'?",
+        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice, same_different, comparison, magnitude, "
+        "localisation, preference, adjustment, rating; did you mean 'yes_no'?",
     ),
     "catch rate": (
         TUTORIAL.replace("catch_rate = 0.2", "catch_rate = 0.9"),
@@ -101,7 +103,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step; did you mean 'sine'?",
+        "pulse_train, step, focus, pattern; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),

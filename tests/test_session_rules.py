@@ -216,5 +216,5 @@ def test_the_clock_of_a_console_goes_on_after_an_interruption():
 
 
 def test_a_study_with_another_rate_of_catch_trials_has_another_plan():
-    none = replace(STUDY, task=replace(STUDY.task, catch_rate=0.0))
+    none = replace(STUDY, task={**STUDY.task, "catch_rate": 0.0})
     assert [block.n_trials_at_most for block in plan(wire(none, "x"), 1)] == [16, 16]

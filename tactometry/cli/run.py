@@ -116,14 +116,16 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     from tactometry.dataset import cell
     from tactometry.experiments.planning import duration_s, plan
 
-    blocks = plan(experiment, who.counterbalancing_number)
+    blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
     rows = [
         f"{block.block:>5}  {', '.join(f'{name} {cell(level)}' for name, level in block.factors.items())}"
-        f"  ({block.procedure}, at most {block.n_trials_at_most} trials)"
+        f"  ({block.content})"
         for block in blocks
     ]
-    text = "\n".join(["block", *rows, f"at most {minutes:.0f} minutes"])
+    drawn = "random" in experiment.study.plan.orders.values() and who.seed is None
+    notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
+    text = "\n".join(["block", *rows, *notes, f"at most {minutes:.0f} minutes"])
     say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}, as_json=as_json)
 
 

@@ -107,8 +107,8 @@ def _in_motion(request: Press | Slide, grip: Grip) -> bool:
 class SimulatedRig:
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
-    Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
-    stopped. Limits are checked as on a bench.
+    `by_stimulus` names the stimuli that are felt by another model. Everything random of trial n comes from
+    `rng_of(n)`, so that a session that is resumed goes on as if it had never stopped. Limits are checked as on a bench.
     """
 
     def __init__(
@@ -119,7 +119,9 @@ class SimulatedRig:
         observer: Observer,
         finger: SimulatedFinger,
         rng_of: Callable[[int], np.random.Generator],
+        by_stimulus: Mapping[str, Sensation] | None = None,
     ) -> None:
+        self._by_stimulus = by_stimulus or {}
         self._bank = bank
         self._limits = limits
         self._sensation = sensation
@@ -156,8 +158,11 @@ class SimulatedRig:
 
     def _feel(self, stimulus: str, signal: Signal | None, contact: Contact) -> None:
         nothing = float("-inf")
-        level_db = nothing if signal is None else self._sensation.sensation_db(signal, contact)
+        level_db = nothing if signal is None else self._sensation_db(stimulus, signal, contact)
         self._felt.append(Felt(stimulus, level_db))
+
+    def _sensation_db(self, stimulus: str, signal: Signal, contact: Contact) -> float:
+        return self._by_stimulus.get(stimulus, self._sensation).sensation_db(signal, contact)
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -251,7 +256,7 @@ class SimulatedRig:
         signal = self._signal(request.stimulus, request.level(n_steps))
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
         assert signal is not None
-        return self._observer.detect(self._sensation.sensation_db(signal, contact), self._rng)
+        return self._observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
 
     def wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)
