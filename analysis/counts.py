@@ -13,6 +13,8 @@ Which = NDArray[np.int64] | NDArray[np.bool_] | slice
 
 POOLED_BELOW = 1e-9
 """Levels closer than this part of their range are one level."""
+LARGEST = 1e300
+"""Levels beyond have ranges that no number holds."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ def checked(
     used = ~(n == 0)
     _refuse("n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
+    _refuse("levels", x, used & (np.abs(x) > LARGEST), f"at most {LARGEST:g} in size")
     if positive:
         _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
     _refuse("n_correct", k, used & ~((k >= 0) & (k == np.floor(k))), "a whole number, 0 or more")

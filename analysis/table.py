@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.rows import TASKS
 
@@ -307,6 +308,8 @@ def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[
     for name in within:
         if name not in header:
             raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, header)}")
+        if name in RESERVED - MAY_BE_FACTORS:
+            raise InvalidParameter(f"--within: found {name!r}, a name that is no factor's, expected factors of {path}")
     if within:
         return tuple(dict.fromkeys(within))
     if "procedure" not in header or "trial" not in header:
@@ -314,7 +317,14 @@ def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[
             f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
             "between 'trial' and 'procedure'; name the factors with --within"
         )
-    return tuple(header[header.index("trial") + 1 : header.index("procedure")])
+    factors = tuple(header[header.index("trial") + 1 : header.index("procedure")])
+    for name in factors:
+        if name in RESERVED:
+            raise InvalidFile(
+                f"{path}, row 1: found {name!r} between 'trial' and 'procedure', where factors stand, but the analysis "
+                "keeps that name for itself; rename the column, or name the factors with --within"
+            )
+    return factors
 
 
 def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":

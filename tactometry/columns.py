@@ -56,7 +56,18 @@ OPTIONAL = (
     Column("item_b", "Second item of a pair"),
     Column("practice", "1: practice, 0: not"),
 )
-RESERVED = frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+_DERIVED = (
+    "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
+    "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "
+    "interval note mean mean_low mean_high sd n n_below n_above n_missing text rate rate_low rate_high n_rows "
+    "n_practice n_invalid n_repeated n_unanswered score raw"
+)
+DERIVED = frozenset(_DERIVED.split())
+"""Columns that an analysis adds."""
+RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+"""Names that no factor may have."""
+MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure"))
+"""Reserved names that an analysis may all the same be asked to take as factors."""
 
 
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
