@@ -13,6 +13,8 @@ from tactometry.protocols.outcome_model import p_log_p
 from tactometry.psychometric import shape_named
 
 Array = NDArray[np.float64]
+EQUAL = 1e-13
+"""Distances that differ by less, relative to the greatest, are one."""
 
 
 @dataclass(frozen=True)
@@ -72,31 +74,42 @@ class ParameterGrid:
         guess, lapse = np.meshgrid(self.guess_rates, self.lapse_rates, indexing="ij")
         return guess.ravel(), lapse.ravel()
 
-    def z(self, levels: Sequence[float]) -> Array:
-        """Where the levels stand on the standard shape, (n_levels, n_thresholds, n_widths).
+    def distances(self, levels: Sequence[float]) -> Array:
+        """Level less threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds).
 
         Raises
         ------
         InvalidParameter
             If a level is below 0 and the shape is ``weibull``.
         """
-        shape = shape_named(self.shape)
-        x, t, w = np.ix_(np.asarray(levels, float), np.asarray(self.thresholds, float), np.asarray(self.widths, float))
-        if shape.on_log_levels:
-            if (x < 0).any():
-                raise InvalidParameter(f"ParameterGrid: found the level {x.min():g}, expected levels from 0 on")
-            with np.errstate(divide="ignore"):
-                x, t = np.log(x), np.log(t)
-        return np.asarray(shape.z50 + (x - t) / w * shape.z_width, dtype=np.float64)
+        x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
+        if not shape_named(self.shape).on_log_levels:
+            return np.asarray(x - t)
+        if (x < 0).any():
+            raise InvalidParameter(f"ParameterGrid: found the level {x.min():g}, expected levels from 0 on")
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(x) - np.log(t))
+
+    def log_chances(self, distances: Array, outcome: int) -> Array:
+        """log P(outcome) at distances from the threshold, (*shape of the distances, n_widths, n_rates): a logarithm of
+        a sum of positive terms, or a sum of logarithms where the floor is 0."""
+        shape, (guess, lapse) = shape_named(self.shape), self.rates
+        z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
+        log_s = (shape.log_cdf if outcome else shape.log_sf)(z)[..., None]
+        floor, span = guess if outcome else lapse, 1 - guess - lapse
+        with np.errstate(divide="ignore"):
+            mixed = np.log(floor + span * np.exp(log_s))
+        no_floor = floor == 0
+        mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s
+        return np.asarray(mixed, dtype=np.float64)
 
     def log_chance(self, level: float, outcome: int) -> Array:
-        """log P(outcome) at a level, (n_cells,): a sum of positive terms, or of logarithms where the floor is 0."""
-        shape, (guess, lapse) = shape_named(self.shape), self.rates
-        log_s = (shape.log_cdf if outcome else shape.log_sf)(self.z([level])[0])[:, :, None]
-        floor, log_span = guess if outcome else lapse, np.log1p(-guess - lapse)
-        with np.errstate(divide="ignore"):
-            mixed = np.log(floor + (1 - guess - lapse) * np.exp(log_s))
-        return np.asarray(np.where(floor > 0, mixed, log_span + log_s).ravel(), dtype=np.float64)
+        """log P(outcome) at a level, (n_cells,)."""
+        return self.log_chances(self.distances([level])[0], outcome).ravel()
+
+    def certainty(self, distances: Array) -> Array:
+        """Sum over answers of p log p, (*shape of the distances, n_widths, n_rates)."""
+        return np.asarray(sum(p_log_p(np.exp(self.log_chances(distances, answer))) for answer in (0, 1)))
 
     def chances(self, levels: Sequence[float]) -> "MixtureChances":
         return MixtureChances(self, tuple(levels))
@@ -123,27 +136,49 @@ class MixtureChances:
     @cached_property
     def sigmoid(self) -> Array:
         """S, (n_thresholds, n_levels, n_widths)."""
-        s = np.exp(shape_named(self.grid.shape).log_cdf(self.grid.z(self.levels)))
-        return np.ascontiguousarray(s.transpose(1, 0, 2))
+        shape = shape_named(self.grid.shape)
+        distances = self.grid.distances(self.levels).T[..., None]
+        return np.exp(shape.log_cdf(shape.z50 + distances / np.asarray(self.grid.widths) * shape.z_width))
 
     def joint(self, weights: Array) -> Array:
         guess, lapse = self.grid.rates
-        cells = weights.reshape(len(self.grid.thresholds), len(self.grid.widths), -1)
-        by_rates = cells.sum(axis=1)
-        yes = np.matmul(self.sigmoid, cells @ (1 - guess - lapse)[:, None])[..., 0] + (by_rates @ guess)[:, None]
-        return np.stack([by_rates.sum(axis=1)[:, None] - yes, yes]).transpose(0, 2, 1)
+        cells = weights.reshape(-1, len(guess))
+        by_threshold = (len(self.grid.thresholds), -1)
+        slopes = (cells @ (1 - guess - lapse)).reshape(*by_threshold, 1)
+        floors = (cells @ guess).reshape(by_threshold).sum(axis=1)
+        yes = np.matmul(self.sigmoid, slopes)[..., 0] + floors[:, None]
+        return np.stack([weights.reshape(by_threshold).sum(axis=1)[:, None] - yes, yes]).transpose(0, 2, 1)
 
     @cached_property
-    def cost(self) -> Array:
-        """Sum over answers of p log p, (n_levels, n_cells), made level by level to spare memory."""
-        cost = np.empty((len(self.levels), math.prod(self.grid.size)))
-        for n, level in enumerate(self.levels):
-            cost[n] = sum(p_log_p(np.exp(self.grid.log_chance(level, answer))) for answer in (0, 1))
-        return cost
+    def costs(self) -> Array:
+        """Sum over answers of p log p, (n_thresholds, n_levels, n_rest).
+
+        Where levels and thresholds have equal steps it depends on their distance only: the blocks of neighbouring
+        thresholds are then views of one table (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
+        """
+        n_thresholds, n_rest = self.grid.size
+        distances = self.grid.distances(self.levels)
+        diagonal = _diagonal(distances)
+        if diagonal is None:
+            return np.stack([self.grid.certainty(column).reshape(-1, n_rest) for column in distances.T])
+        table = np.stack([self.grid.certainty(distance).ravel() for distance in diagonal])
+        windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
+        return windows.transpose(0, 2, 1)[::-1]
 
     def prepare(self) -> None:
-        _ = self.cost, self.sigmoid
+        _ = self.costs, self.sigmoid
 
     def certainty(self, weights: Array) -> Array:
-        product: Array = self.cost @ weights
-        return product
+        by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
+        return np.asarray(np.matmul(self.costs, by_threshold)[..., 0].sum(axis=0), dtype=np.float64)
+
+
+def _diagonal(distances: Array) -> Array | None:
+    """The distances from the last threshold's lowest to the first one's highest level, if they are equal along every
+    diagonal of (n_levels, n_thresholds)."""
+    along = np.concatenate([distances[0, ::-1], distances[1:, 0]])
+    n_levels, n_thresholds = distances.shape
+    expected = along[np.arange(n_levels)[:, None] + np.arange(n_thresholds - 1, -1, -1)]
+    if not np.isfinite(distances).all():
+        return None
+    return along if np.abs(distances - expected).max() <= EQUAL * (1 + np.abs(distances).max()) else None
