@@ -62,7 +62,7 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
     phase_rad = 2 * np.pi * f_min_hz * growth_s * np.expm1(time_s / growth_s)
     edge = np.clip(np.minimum(np.arange(n), np.arange(n)[::-1]) / max(FADE_PART * n, 1.0), 0.0, 1.0)
     samples = np.sin(phase_rad) * np.sin(np.pi / 2 * edge) ** 2
-    return Excitation(samples.astype(np.float64), rate_hz, f_min_hz, f_max_hz, "sweep")
+    return Excitation(samples, rate_hz, f_min_hz, f_max_hz, "sweep")
 
 
 def sequence(order: int, *, rate_hz: float) -> Excitation:
@@ -77,7 +77,9 @@ def sequence(order: int, *, rate_hz: float) -> Excitation:
 
     within("sequence.order", order, 2, 24)
     positive("sequence.rate_hz", rate_hz)
-    return Excitation(1.0 - 2.0 * max_len_seq(order)[0], rate_hz, 0.0, rate_hz / 2, "maximum-length sequence")
+    return Excitation(
+        1.0 - 2.0 * max_len_seq(order)[0].astype(np.float64), rate_hz, 0.0, rate_hz / 2, "maximum-length sequence"
+    )
 
 
 def deconvolved(
