@@ -1,7 +1,8 @@
 """A force sensor in a process of its own: `python emulator.py serial FD | udp PORT | lsl NAME`, 1 kHz.
 
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
-processes of a machine share, modulo 2**31; channel 2 is the force in counts, `--force`.
+processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
+that comes again and again, and a count of - is a gap in which nothing is sent.
 """
 
 import argparse
@@ -17,30 +18,47 @@ RATE_HZ = 1000.0
 LSL_CLOCKS = {}
 
 
-def samples(force):
+def samples(profile):
     """(n, time_us, values) when they are due; a late sample keeps the time at which it was due."""
-    begin_s, n = time.perf_counter(), 0
+    begin_s, n_due, n = time.perf_counter(), 0, 0
     while True:
-        due_s = begin_s + n / RATE_HZ
+        due_s = begin_s + n_due / RATE_HZ
         time.sleep(max(0.0, due_s - time.perf_counter()))
-        time_us = round(due_s * 1e6)
-        yield n, due_s, (n, time_us % 2**31, force)
-        n += 1
+        force = counts_at(profile, n_due / RATE_HZ)
+        n_due += 1
+        if force is not None:
+            yield n, due_s, (n, round(due_s * 1e6) % 2**31, force)
+            n += 1
 
 
-def run_serial(target, force):
-    for n, due_s, values in samples(force):
+def counts_at(profile, time_s):
+    """The counts of a profile of (duration in s, counts or None)."""
+    left_s = time_s % sum(duration_s for duration_s, _ in profile)
+    for duration_s, counts in profile:
+        if left_s < duration_s:
+            return counts
+        left_s -= duration_s
+    return profile[-1][1]
+
+
+def profile_of(text):
+    parts = [part.split(":") for part in text.split(",")]
+    return [(float(duration_s), None if counts == "-" else int(counts)) for duration_s, counts in parts]
+
+
+def run_serial(target, profile):
+    for n, due_s, values in samples(profile):
         os.write(int(target), encode_frame(Frame(n, round(due_s * 1e6) % 2**32, values)))
 
 
-def run_udp(target, force):
+def run_udp(target, profile):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.bind(("127.0.0.1", int(target)))
         print("ready", flush=True)
         asked, address = line.recvfrom(64)
         assert asked == BEGIN
         line.setblocking(False)
-        for n, _, values in samples(force):
+        for n, _, values in samples(profile):
             line.sendto(RECORD.pack(n % 2**32, 7 * n % 2**32, 0, *values, 0, 0, 0), address)
             if n % 100 == 0 and ended(line):
                 return
@@ -53,7 +71,7 @@ def ended(line):
         return False
 
 
-def run_lsl(target, force):
+def run_lsl(target, profile):
     import pylsl
 
     info = pylsl.StreamInfo(target, "Force", 3, RATE_HZ, pylsl.cf_double64, f"{target}-{os.getpid()}")
@@ -61,7 +79,7 @@ def run_lsl(target, force):
     offset_s = pylsl.local_clock() - time.perf_counter()
     print("ready", flush=True)
     outlet.wait_for_consumers(30)
-    for _, due_s, values in samples(force):
+    for _, due_s, values in samples(profile):
         outlet.push_sample(list(map(float, values)), due_s + offset_s)
 
 
@@ -69,9 +87,9 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("kind", choices=["serial", "udp", "lsl"])
     parser.add_argument("target")
-    parser.add_argument("--force", type=int, default=100)
+    parser.add_argument("--profile", type=profile_of, default=profile_of("1:100"))
     asked = parser.parse_args()
     try:
-        {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked.target, asked.force)
+        {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked.target, asked.profile)
     except (BrokenPipeError, OSError) as gone:
         sys.exit(str(gone))

@@ -47,6 +47,7 @@ class SixteenBits:
 
     gain: Gain = field(default_factory=Gain)
     connected: bool = True
+    one_bit: bool = False
     name: str = "sixteen bits"
     n_channels: ClassVar[None] = None
     rate_hz: ClassVar[None] = None
@@ -54,6 +55,10 @@ class SixteenBits:
 
     def __post_init__(self):
         self.emitted = []
+
+    @property
+    def full_scale_v(self):
+        return self.gain.load_volts_per_unit
 
     def facts(self):
         return {}
@@ -178,10 +183,10 @@ def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
 @given(values=samples)
 def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, values):
     folder = tmp_path_factory.mktemp("played")
-    output = FileSettings(str(folder), form).driver(Gain(100.0))
+    output = FileSettings(str(folder), form).driver(Gain())
     output.open()
     output.play(volts(values))
-    again = FileSettings(str(folder), form).driver(Gain(100.0))
+    again = FileSettings(str(folder), form).driver(Gain())
     again.open()
     again.play(volts(-values))
     assert [path.name for path in sorted(folder.iterdir())] == [f"0001.{form}", f"0002.{form}"]

@@ -31,8 +31,8 @@ LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
 class Emulator:
     """A sensor in a process of its own, and what reads it."""
 
-    def __init__(self, kind, folder, force=100):
-        self.kind, self.folder, self.force = kind, folder, force
+    def __init__(self, kind, folder, profile="1:100"):
+        self.kind, self.folder, self.profile = kind, folder, profile
         self.port = folder / "force"
         self.name = f"force-{uuid.uuid4().hex[:8]}"
         self.process = self.master = None
@@ -47,7 +47,7 @@ class Emulator:
 
     def plug(self):
         target = {"serial": self.pty, "udp": lambda: str(self.udp_port), "lsl": lambda: self.name}[self.kind]()
-        command = [sys.executable, emulator.__file__, self.kind, target, "--force", str(self.force)]
+        command = [sys.executable, emulator.__file__, self.kind, target, "--profile", self.profile]
         passed = [self.master] if self.kind == "serial" else []
         self.process = subprocess.Popen(command, pass_fds=passed, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         if self.kind != "serial":
@@ -168,7 +168,7 @@ def plugged(request, tmp_path):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_unplugged_falls_silent_and_comes_back(plugged, kind):
-    device = plugged(kind, force=250)
+    device = plugged(kind, profile="1:250")
     force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
     force.open()
     _, forces_n = collected(force, lambda times: len(times) > 200)

@@ -42,12 +42,14 @@ class AudioOutput:
     """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
 
     connected = True
+    one_bit = False
 
     def __init__(self, settings: AudioSettings, gain: Gain) -> None:
         self.name = f"audio {'default' if settings.device is None else settings.device}"
         self.n_channels: int = len(settings.channels)
         self.rate_hz: float = settings.rate_hz
         self.limits = None
+        self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._stream: Any = None
         self._course: Course | None = None

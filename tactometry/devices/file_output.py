@@ -1,5 +1,6 @@
 """An output to files: exactly what would be played, one file per signal."""
 
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,18 +26,21 @@ class FileSettings:
     rate_hz: float | None = None
 
     def driver(self, gain: Gain) -> "FileOutput":
-        return FileOutput(self, gain)
+        del gain
+        return FileOutput(self)
 
 
 class FileOutput:
     """Writes each signal to a file of its own and never over another."""
 
     connected = False
+    one_bit = False
+    full_scale_v = math.inf
 
-    def __init__(self, settings: FileSettings, gain: Gain) -> None:
+    def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
         self.n_channels, self.rate_hz, self.limits = settings.n_channels, settings.rate_hz, None
-        self._folder, self._format, self._gain = Path(settings.folder), settings.format, gain
+        self._folder, self._format = Path(settings.folder), settings.format
         self._n_written = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
@@ -50,7 +54,6 @@ class FileOutput:
         self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
 
     def final(self, signal: Signal) -> Signal:
-        self._gain.to_units(signal)
         if self._format == "wav" and signal.rate_hz != round(signal.rate_hz):
             raise DeviceFailed(
                 f"{self.name}: found a rate of {signal.rate_hz} Hz, expected a whole number for WAV; write npz instead"

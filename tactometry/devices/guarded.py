@@ -18,6 +18,14 @@ class Driver(Output, Protocol):
     @property
     def connected(self) -> bool: ...
 
+    @property
+    def one_bit(self) -> bool:
+        """Whether it emits nothing but plus or minus one voltage, without ramps."""
+
+    @property
+    def full_scale_v(self) -> float:
+        """The largest voltage that it can put on the load."""
+
     def final(self, signal: Signal) -> Signal:
         """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
 
@@ -63,6 +71,10 @@ class Guarded:
     def rate_hz(self) -> float | None:
         return self.driver.rate_hz
 
+    @property
+    def full_scale_v(self) -> float:
+        return self.driver.full_scale_v
+
     def facts(self) -> dict[str, str | int | float | None]:
         return self.driver.facts()
 
@@ -86,16 +98,27 @@ class Guarded:
         LimitExceeded, DeviceFailed
             If the signal must not or cannot be played; nothing was.
         """
+        limits, final = self.check(signal)
+        limits.check_exposure(self._exposure, self.clock(), final.duration_s)
+        onset_s = self.driver.play(signal)
+        self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
+        return onset_s
+
+    def check(self, signal: Signal) -> tuple[Limits, Signal]:
+        """The limits and the final samples of a signal that keeps them.
+
+        Raises
+        ------
+        LimitExceeded, DeviceFailed
+            If the signal must not or cannot be played.
+        """
         limits = self._stated()
         check_playable(signal, self)
         final = self.driver.final(signal)
         limits.check(final)
         if self.load is not None:
             limits.check_load(final, self.load)
-        limits.check_exposure(self._exposure, self.clock(), final.duration_s)
-        onset_s = self.driver.play(signal)
-        self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
-        return onset_s
+        return limits, final
 
     def stop(self) -> None:
         self.driver.stop()

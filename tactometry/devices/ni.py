@@ -90,12 +90,14 @@ class NiOutput:
     """One finite, self-ending task per signal."""
 
     connected = True
+    one_bit = False
 
     def __init__(self, settings: NiSettings, gain: Gain) -> None:
         self.name = f"ni {','.join(settings.channels)}"
         self.n_channels: int = len(settings.channels)
         self.rate_hz: float = settings.rate_hz
         self.limits = None
+        self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._task: Any = None
 

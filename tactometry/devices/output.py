@@ -1,5 +1,6 @@
 """What makes samples into voltage: the seam of every output driver."""
 
+import math
 import time
 from dataclasses import dataclass
 from typing import Protocol
@@ -59,6 +60,8 @@ class NullOutput:
     n_channels: int | None = None
     rate_hz: float | None = None
     connected: bool = False
+    one_bit: bool = False
+    full_scale_v: float = math.inf
 
     def facts(self) -> dict[str, str | int | float | None]:
         return {}

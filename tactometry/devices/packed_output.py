@@ -32,12 +32,14 @@ class PackedOutput:
     """Writes one stream per signal, and a stream of no samples to stop; the form is that of `devices.packed`."""
 
     connected = True
+    one_bit = True
 
     def __init__(self, settings: PackedSettings, gain: Gain) -> None:
         self.name = f"packed {settings.path}"
         self.n_channels: int = settings.n_channels
         self.rate_hz: float = settings.rate_hz
         self.limits = None
+        self.full_scale_v: float = gain.load_volts_per_unit
         self._path, self._gain = Path(settings.path), gain
         self._sink: IO[bytes] | None = None
         self._n_bytes = 0

@@ -1,0 +1,282 @@
+"""Preflight: what a session needs, tried before a participant comes."""
+
+import os
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from datetime import date
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from tactometry.devices.guarded import Guarded
+from tactometry.devices.output import with_ramps
+from tactometry.devices.reader import Block, Reader
+from tactometry.devices.streamed import StreamedSensor
+from tactometry.errors import TactometryError
+from tactometry.experiments.bench_file import BenchFile, Screen
+from tactometry.experiments.study import load
+from tactometry.experiments.wiring import Experiment, wire
+from tactometry.force_gate import ForceGate
+from tactometry.limits import Limits
+from tactometry.signal import Signal
+
+LISTEN_S = 2.0
+N_FRAMES = 60
+LATE_AT_MOST = 0.01
+"""Part of the frames that may be late (unverified default)."""
+RATE_TOLERANCE = 0.02
+"""Of a sensor's nominal rate (unverified default)."""
+MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
+LATENCY_AT_MOST_S = 0.02
+"""Age of the newest sample when it is read (unverified default)."""
+FREE_BYTES = 10**9
+SYNC_AT_MOST_S = 0.1
+"""A trial's record on disk, longest of ten (unverified default)."""
+TONE_PART = 0.1
+"""The test tone's part of the voltage limit (unverified default)."""
+TONE_HZ, TONE_S, TONE_RAMP_S = 100.0, 0.5, 0.1
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at; `fine` is None where there is nothing to judge."""
+
+    part: str
+    what: str
+    found: str
+    expected: str = ""
+    fine: bool | None = None
+    device: bool = False
+
+
+def check(study: str | None, bench: BenchFile, folder: Path) -> list[Finding]:
+    """Everything in turn; what fails is a finding, and the rest is looked at all the same.
+
+    Parameters
+    ----------
+    study : str, optional
+        Name or path; its limits hold beside those of the bench.
+    bench : BenchFile
+    folder : Path
+        Where data would be written.
+    """
+    findings, experiment = _study(study) if study is not None else ([], None)
+    limits = experiment.study.limits if experiment is not None else bench.limits
+    parts: dict[str, Callable[[], Iterator[Finding]]] = {
+        "computer": _computer,
+        "disk": lambda: _disk(folder),
+        "display": lambda: _display(bench.screen),
+        "devices": lambda: _devices(bench, limits, experiment),
+    }
+    for part, look in parts.items():
+        findings += _guarded(part, look)
+    return findings
+
+
+def exit_status(findings: list[Finding]) -> int:
+    """3 if a device failed, 1 if something else is not fine, else 0.
+
+    >>> exit_status([Finding("disk", "free", "1 GB", fine=True), Finding("display", "", "", fine=False, device=True)])
+    3
+    """
+    if any(finding.fine is False and finding.device for finding in findings):
+        return 3
+    return int(any(finding.fine is False for finding in findings))
+
+
+def _guarded(part: str, look: Callable[[], Iterator[Finding]]) -> list[Finding]:
+    found: list[Finding] = []
+    try:
+        for finding in look():
+            found.append(finding)  # noqa: PERF402  # what was found before a failure stays
+    except TactometryError as error:
+        found.append(Finding(part, "failed", str(error), fine=False, device=error.exit_status == 3))
+    return found
+
+
+def _study(study: str) -> tuple[list[Finding], Experiment | None]:
+    try:
+        experiment = wire(load(study)[0], study)
+    except TactometryError as error:
+        return [Finding("study", study, str(error), "a study that can run", fine=False)], None
+    words = f"{len(experiment.bank)} stimuli; the strongest are within the study's limits"
+    return [Finding("study", study, words, fine=True)], experiment
+
+
+def _computer() -> Iterator[Finding]:
+    import scipy.linalg  # noqa: F401  # loads its own BLAS
+    from threadpoolctl import threadpool_info
+
+    yield Finding("computer", "Python", sys.version.split()[0])
+    yield Finding("computer", "cores", f"{os.cpu_count()}")
+    for pool in threadpool_info():
+        kind = f"{pool['internal_api']} {pool.get('version') or ''} {pool.get('architecture', '')}".split()
+        yield Finding("computer", f"{pool['user_api']} threads", f"{pool['num_threads']} ({' '.join(kind)})")
+
+
+def _disk(folder: Path) -> Iterator[Finding]:
+    folder = next(parent for parent in (folder, *folder.absolute().parents) if parent.is_dir())
+    free = shutil.disk_usage(folder).free
+    yield Finding("disk", "free", f"{free / 1e9:.1f} GB", f"at least {FREE_BYTES / 1e9:g} GB", free >= FREE_BYTES)
+    try:
+        longest_s = _longest_sync_s(folder)
+    except OSError as error:
+        yield Finding("disk", "writing", f"{folder}: {error.strerror}", "a folder that can be written", fine=False)
+        return
+    fine = longest_s <= SYNC_AT_MOST_S
+    yield Finding(
+        "disk", "a record, to disk", f"{1e3 * longest_s:.1f} ms", f"at most {1e3 * SYNC_AT_MOST_S:g} ms", fine
+    )
+
+
+def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
+    import tempfile
+
+    took_s = []
+    with tempfile.TemporaryFile(dir=folder) as file:
+        for _ in range(n_records):
+            begin_s = time.perf_counter()
+            file.write(b"x" * 500)
+            file.flush()
+            os.fsync(file.fileno())
+            took_s.append(time.perf_counter() - begin_s)
+    return max(took_s)
+
+
+def _display(screen: Screen) -> Iterator[Finding]:
+    from tactometry.rigs.layout import marker_page
+    from tactometry.rigs.window import Window
+
+    window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
+    try:
+        page = marker_page(None, playing=False)
+        window.present(page)
+        for _ in range(N_FRAMES):
+            window.refresh(page)
+        facts, timing = window.facts(), window.timing()
+    finally:
+        window.close()
+    size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
+    yield Finding("display", "size", size, fine=True)
+    height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"
+    yield Finding("display", "height", height)
+    period_s = facts["frame_period_s"]
+    paced = ", in software: there is no vertical blank" if facts["frames_paced_in_software"] else ""
+    yield Finding("display", "frame period", f"{1e3 * float(period_s or 0):.2f} ms{paced}")
+    n_late, n_frames = int(timing["n_late_frames"] or 0), int(timing["n_frames"] or 0)
+    fine = n_late <= LATE_AT_MOST * n_frames
+    yield Finding("display", "late frames", f"{n_late} of {n_frames}", f"at most {LATE_AT_MOST:.0%}", fine)
+    yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
+
+
+def _devices(bench: BenchFile, limits: Limits | None, experiment: Experiment | None) -> Iterator[Finding]:
+    devices = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today())
+    for name, reader in devices.readers.items():
+        yield from _guarded(f"sensor {name}", partial(_sensor, name, reader))
+    if devices.force is not None:
+        yield from _guarded("force", partial(_force, devices.force))
+    yield from _guarded("output", partial(_output, devices.output, limits))
+    if experiment is not None:
+        yield from _guarded("output", partial(_strongest, devices.output, experiment, bench.output.ramp_s))
+
+
+def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
+    part, listener = f"sensor {name}", reader.listen()
+    reader.open()
+    try:
+        yield Finding(part, "opened", reader.source.name, fine=True)
+        ages_s, end_s = [], time.perf_counter() + LISTEN_S
+        blocks = []
+        while time.perf_counter() < end_s:
+            time.sleep(0.002)
+            block = listener.read(reader.source.n_channels)
+            if block.times_s.size:
+                ages_s.append(time.perf_counter() - block.times_s[-1])
+                blocks.append(block)
+    finally:
+        reader.close()
+    yield from _stream(part, reader, blocks, ages_s)
+
+
+def _stream(part: str, reader: Reader, blocks: list[Block], ages_s: list[float]) -> Iterator[Finding]:
+    times_s = np.concatenate([block.times_s for block in blocks]) if blocks else np.empty(0)
+    if times_s.size < 2:
+        yield Finding(part, "samples", f"{times_s.size} in {LISTEN_S:g} s", "a sensor that sends", False, device=True)
+        return
+    rate_hz, nominal_hz = (times_s.size - 1) / (times_s[-1] - times_s[0]), reader.source.rate_hz
+    fine = bool(abs(rate_hz / nominal_hz - 1) <= RATE_TOLERANCE)
+    yield Finding(part, "rate", f"{rate_hz:.1f} Hz", f"{nominal_hz:g} Hz", fine, device=True)
+    gap_s = float(np.diff(times_s).max())
+    yield Finding(part, "largest gap", f"{1e3 * gap_s:.1f} ms", f"at most {1e3 * MAX_GAP_S:g} ms", gap_s <= MAX_GAP_S)
+    age_s = float(np.median(ages_s))
+    limit = f"at most {1e3 * LATENCY_AT_MOST_S:g} ms"
+    yield Finding(part, "latency, median", f"{1e3 * age_s:.1f} ms", limit, age_s <= LATENCY_AT_MOST_S)
+    counted = {key: value for key, value in reader.facts().items() if value not in {None, 0}}
+    yield Finding(part, "counts", ", ".join(f"{key} {_short(value)}" for key, value in counted.items()))
+
+
+def _short(value: str | float | None) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _force(force: StreamedSensor) -> Iterator[Finding]:
+    force.open()
+    try:
+        time.sleep(LISTEN_S / 2)
+        _, forces_n = force.read()
+    finally:
+        force.close()
+    known_n = forces_n[np.isfinite(forces_n)]
+    fine = known_n.size > 0 and known_n.size == forces_n.size
+    words = f"{known_n.size} of {forces_n.size}"
+    yield Finding("force", "samples in the calibrated range", words, "all of them", fine, device=True)
+    if known_n.size:
+        yield Finding("force", "mean, at rest", f"{known_n.mean():.4g} N")
+        yield Finding("force", "noise, sd", f"{known_n.std():.3g} N")
+
+
+def _output(output: Guarded, limits: Limits | None) -> Iterator[Finding]:
+    if limits is None and not output.driver.connected:
+        yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
+        return
+    try:
+        output.open()
+        yield Finding("output", "opened", output.name, fine=True)
+        tone = tone_of(output)
+        begin_s = time.perf_counter()
+        onset_s = output.play(tone)
+        time.sleep(tone.duration_s)
+        output.stop()
+    finally:
+        output.close()
+    yield Finding("output", "test tone", f"{tone.peak:.3g} V, {tone.duration_s:.3g} s", "within limits", fine=True)
+    yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
+    n_underruns = output.facts().get("n_underruns")
+    if n_underruns is not None:
+        yield Finding("output", "underruns", f"{n_underruns}", "0", n_underruns == 0, device=True)
+
+
+def tone_of(output: Guarded) -> Signal:
+    """A tone with ramps at a part of the voltage limit; for one bit, a thousand samples at the supply's voltage."""
+    n_channels, rate_hz = output.n_channels or 1, output.rate_hz or 48_000.0
+    if output.driver.one_bit:
+        bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)
+        return Signal(np.tile(bits, (n_channels, 1)) * output.full_scale_v, rate_hz, "V")
+    times_s = np.arange(round(TONE_S * rate_hz)) / rate_hz
+    ramp = np.sin(np.pi / 2 * np.clip(np.minimum(times_s, TONE_S - times_s) / TONE_RAMP_S, 0, 1)) ** 2
+    limit_v = output.limits.voltage_peak_v if output.limits is not None else 0.0
+    voltage_v = TONE_PART * min(limit_v, output.full_scale_v)
+    return Signal(np.tile(voltage_v * ramp * np.sin(2 * np.pi * TONE_HZ * times_s), (n_channels, 1)), rate_hz, "V")
+
+
+def _strongest(output: Guarded, experiment: Experiment, ramp_s: float) -> Iterator[Finding]:
+    """The strongest stimulus of each condition against the output: its limits, channels and rate; none is played."""
+    for cell in experiment.cells.values():
+        level = cell.rule.highest
+        output.check(with_ramps(cell.stimulus.at(level), ramp_s))
+        yield Finding("output", f"strongest {cell.condition.stimulus}", f"level {level:g}", "within limits", fine=True)

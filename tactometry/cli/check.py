@@ -1,0 +1,51 @@
+"""`tactometry check`."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.experiments.checking import Finding
+
+MARKS = {True: "ok", False: "NOT FINE", None: ""}
+
+
+@click.command(name="check", epilog="Example: tactometry check electrovibration-threshold --bench bench.toml")
+@click.argument("study", required=False)
+@click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path(), help="Where data would be written; default here."
+)
+@json_option
+@click.pass_context
+def command(ctx: click.Context, study: str | None, bench_path: Path | None, out: Path, *, as_json: bool) -> None:
+    """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
+
+    The tone stays at a tenth of the voltage limit; lift fingers off the surface. Exit status 1 if something is not
+    fine, 3 if that is a device.
+    """
+    from tactometry.experiments.bench_file import load_bench
+    from tactometry.experiments.checking import check, exit_status
+
+    findings = check(study, load_bench(bench_path), out)
+    status = exit_status(findings)
+    say(_table(findings), {"fine": status == 0, "findings": [asdict(each) for each in findings]}, as_json=as_json)
+    ctx.exit(status)
+
+
+def _table(findings: "list[Finding]") -> str:
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    table = Table(*(Column(name, overflow="fold") for name in ("part", "what", "found", "expected", "")))
+    for each in findings:
+        table.add_row(each.part, each.what, each.found, each.expected, MARKS[each.fine])
+    console = Console()
+    with console.capture() as capture:
+        console.print(table, markup=False, highlight=False)
+    n_bad = sum(each.fine is False for each in findings)
+    return f"{capture.get().rstrip()}\n{'everything is fine' if n_bad == 0 else f'{n_bad} not fine'}"

@@ -1,0 +1,103 @@
+"""`tactometry check`: what is fine and what is not, with real devices in other processes."""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from datetime import date
+
+import numpy as np
+import pytest
+from test_device_audio import alsa  # noqa: F401  # a fixture
+from test_device_sensors import Emulator, available
+
+from tactometry.experiments.bench_file import parse_bench
+from tactometry.experiments.checking import Finding, exit_status, tone_of
+from tactometry.limits import Limits
+
+LIMITS = '[limits]\nvoltage_peak_v = 80.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
+LOAD = '[output.load]\nkind = "electrode"\ncapacitance_f = "1 nF"\n'
+AUDIO = '[output]\nkind = "audio"\ndevice = "tofile"\nrate_hz = 48000\nsample_format = "int16"\n'
+GAIN = "[output.gain]\nvolts_per_unit = 2.0\namplifier_gain = 50.0\n"
+SCREEN = "[screen]\nfullscreen = false\n"
+SERIAL = '[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nn_channels = 3\nport = "{port}"\n'
+FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
+
+
+def checked(tmp_path, bench, *more, env=None):
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json"]
+    result = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False)
+    assert result.stdout, result.stderr
+    findings = {(each["part"], each["what"]): each for each in json.loads(result.stdout)["findings"]}
+    return result.returncode, findings
+
+
+def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, alsa):  # noqa: F811
+    if importlib.util.find_spec("sounddevice") is None or not available("serial"):
+        pytest.skip("no sounddevice or no pyserial: extras audio, serial")
+    device = Emulator("serial", tmp_path, profile="1:250")
+    try:
+        bench = SCREEN + AUDIO + GAIN + LOAD + LIMITS + SERIAL.format(port=device.port) + FORCE
+        env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
+        _, findings = checked(tmp_path, bench, "tutorial", env=env)
+    finally:
+        device.close()
+    expected = {
+        ("study", "tutorial"),
+        ("computer", "blas threads"),
+        ("disk", "free"),
+        ("disk", "a record, to disk"),
+        ("display", "frame period"),
+        ("display", "late frames"),
+        ("sensor hand", "rate"),
+        ("sensor hand", "latency, median"),
+        ("force", "noise, sd"),
+        ("output", "underruns"),
+    }
+    assert expected <= findings.keys()
+    assert findings["display", "size"]["found"] == "1280 x 800 px"
+    assert findings["sensor hand", "opened"]["fine"]
+    assert findings["force", "mean, at rest"]["found"] == "2.5 N"
+    assert findings["output", "test tone"]["found"] == "8 V, 0.5 s"
+    played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
+    assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(8.0, abs=0.01)
+    assert findings["output", "failed"]["found"].startswith("output 'audio tofile': found a signal with rate_hz")
+
+
+@pytest.mark.parametrize(
+    ("bench", "part", "message"),
+    [
+        (AUDIO + GAIN + LIMITS, "output", "output 'audio tofile': found no load"),
+        (AUDIO + GAIN + LOAD, "devices", "limits"),
+        (AUDIO + GAIN + LOAD + LIMITS.replace("duty = 0.5\n", ""), "output", "limits: found no duty"),
+        (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
+    ],
+)
+def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, alsa, bench, part, message):  # noqa: F811
+    status, findings = checked(tmp_path, SCREEN + bench, env=alsa)
+    failed = [each["found"] for (where, _), each in findings.items() if where in (part, "output") and not each["fine"]]
+    assert any(message in found for found in failed), findings
+    assert status == 3
+    assert not (tmp_path / "played.raw").exists()
+
+
+def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():
+    assert exit_status([Finding("study", "x", "", fine=False), Finding("disk", "free", "", fine=True)]) == 1
+    assert exit_status([Finding("a", "b", "c")]) == 0
+
+
+@pytest.mark.parametrize(
+    "output",
+    [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}],
+)
+def test_the_test_tone_keeps_the_limits(output):
+    bench = parse_bench({"output": {**output, "gain": {"volts_per_unit": 30.0}}, "limits": {"voltage_peak_v": 80.0}})
+    tone = tone_of(bench.devices(Limits(50.0), date(2026, 1, 1)).output)
+    assert tone.peak <= 50.0
+    if output["kind"] == "file":
+        assert tone.peak == pytest.approx(5.0, rel=1e-3)
+        assert np.abs(tone.samples[:, [0, -1]]).max() < 1e-3
+    else:
+        assert np.all(np.abs(tone.samples) == 30.0)

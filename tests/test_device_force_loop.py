@@ -1,0 +1,137 @@
+"""A held touch whose force comes at 1 kHz from another process, while a window draws: busy or not.
+
+How fast the decision is belongs to `benchmarks/force_loop.py`; here is what must be right however slow the machine is.
+"""
+
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_device_sensors import Emulator, available, wait_for
+
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.streamed import streamed_force
+from tactometry.force_gate import ForceGate
+from tactometry.request import Press
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.texts import texts_in
+from tactometry.stimuli.electrovibration import Sine
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.05, ramp_s=0.01, level_unit="V")
+PRESS = Press("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=10.0)
+APPROACH = "0.25:30,0.15:100,0.05:200,0.5:100"
+"""Light; held too shortly; an excursion; held long enough. In counts of 0.01 N."""
+GAPPED = "0.25:30,0.15:100,0.03:-,0.37:100"
+SHORTEST_EARLY_S = 0.55
+"""From an opening of either to the first moment at which the next might be taken for one: late at most, never early."""
+
+pytestmark = pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
+
+
+class Busy:
+    """A screen whose every frame costs some Python work."""
+
+    def __init__(self, screen, work_s):
+        self._screen, self._work_s = screen, work_s
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        end_s = time.perf_counter() + self._work_s
+        while time.perf_counter() < end_s:
+            sum(range(50))
+        return self._screen.refresh(page)
+
+
+class Loop:
+    """A bench with a serial force sensor, and everything that came from it."""
+
+    def __init__(self, device, screen, output):
+        self.device = device
+        self.everything = device.reader.listen()
+        sensor = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
+        self.bench = Bench(screen, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), sensor=sensor)
+        wait_for(lambda: device.reader.facts()["n_samples"] > 0)
+
+    def press(self, request=PRESS):
+        """A touch, with its onset on the clock."""
+        touched = self.bench.press(request)
+        return touched, touched.onset_s + self.bench._zero_s
+
+    def truth(self):
+        """The times (s) at which the samples were taken, and their forces (N), by the source."""
+        block = self.everything.read(3)
+        base_s = block.times_s[-1] - block.values[-1, 1] * 1e-6
+        return block.values[:, 0], block.values[:, 1] * 1e-6 + base_s, block.values[:, 2] * 0.01
+
+
+def openings(times_s, forces_n):
+    """When a gate on the true samples opens, each time anew."""
+    found, gate, was_open = [], ForceGate(PRESS.target_n, PRESS.tolerance, PRESS.hold_s), False
+    for time_s, force_n in zip(times_s, forces_n, strict=True):
+        gate = gate.after(time_s, force_n)
+        if gate.open and not was_open:
+            found.append(time_s)
+        was_open = gate.open
+    return np.array(found)
+
+
+@pytest.fixture
+def loop_of(watched, output, tmp_path):
+    made = []
+
+    def make(profile, work_s=0.0):
+        device = Emulator("serial", tmp_path, profile=profile)
+        made.append(device)
+        made.append(loop := Loop(device, Busy(watched, work_s), output))
+        return loop
+
+    yield make
+    for each in made:
+        each.bench.close() if isinstance(each, Loop) else each.close()
+
+
+@pytest.mark.parametrize("work_s", [0.0, 0.008], ids=["idle", "busy for 8 ms a frame"])
+@pytest.mark.parametrize("profile", [APPROACH, GAPPED], ids=["excursion", "gap of 30 ms"])
+def test_no_sample_is_lost_and_the_gate_never_opens_early(loop_of, log, profile, work_s):
+    loop = loop_of(profile, work_s)
+    touches = [loop.press() for _ in range(3)]
+    counters, times_s, forces_n = loop.truth()
+    assert np.all(np.diff(counters) == 1)
+    true_s = openings(times_s, forces_n)
+    for touched, onset_s in touches:
+        assert touched.digest == TONE.at(5.0).digest()
+        last_opening_s = true_s[true_s <= onset_s].max(initial=-np.inf)
+        held_s = times_s[(times_s > last_opening_s - PRESS.hold_s) & (times_s <= last_opening_s)]
+        assert len(held_s) > 150
+        assert np.diff(held_s).max() <= 0.02
+        assert 0 <= onset_s - last_opening_s < SHORTEST_EARLY_S
+    assert log.count("play 5 V") == 3
+
+
+def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_trial_waits_for_it(loop_of, log):
+    loop = loop_of("1:100")
+    unplugged_s = []
+
+    def unplug():
+        wait_for(lambda: "play 5 V" in log)
+        time.sleep(0.1)
+        unplugged_s.append(time.perf_counter())
+        loop.device.unplug()
+
+    thread = threading.Thread(target=unplug)
+    thread.start()
+    touched, _ = loop.press(replace(PRESS, duration_s=30.0))
+    ended_s = time.perf_counter()
+    thread.join()
+    assert not touched.valid
+    assert log[-1] == "output.stop"
+    assert ended_s - unplugged_s[0] < 10.0
+    threading.Timer(1.0, loop.device.plug).start()
+    touched, onset_s = loop.press()
+    assert touched.valid
+    assert onset_s > unplugged_s[0] + 1.0
+    assert loop.device.reader.facts()["n_outages"] >= 1
