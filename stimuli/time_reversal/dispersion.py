@@ -50,7 +50,7 @@ def mindlin_angular_frequency_rad_per_s(
     positive("shear_factor", shear_factor)
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear = _shear_stiffness_n_per_m(plate, shear_factor)
+    shear = shear_stiffness_n_per_m(plate, shear_factor)
     inertia = m * plate.thickness_m**2 / 12
     b = m * (rigidity * k2 + shear) + inertia * shear * k2
     c = shear * rigidity * k2**2
@@ -64,7 +64,7 @@ def mindlin_wavenumber_rad_per_m(
     positive("shear_factor", shear_factor)
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear = _shear_stiffness_n_per_m(plate, shear_factor)
+    shear = shear_stiffness_n_per_m(plate, shear_factor)
     inertia = m * plate.thickness_m**2 / 12
     a = shear * rigidity
     b = w2 * (m * rigidity + inertia * shear)
@@ -72,6 +72,6 @@ def mindlin_wavenumber_rad_per_m(
     return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
 
 
-def _shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
+def shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
     shear_modulus_pa = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio))
     return shear_factor * shear_modulus_pa * plate.thickness_m

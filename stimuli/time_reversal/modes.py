@@ -106,7 +106,7 @@ class SeparableModes:
 
 @dataclass(frozen=True, eq=False)
 class RitzModes:
-    """Any edges: the blocks of `ritz.solve`, sorted together by `order`."""
+    """Any edges: the blocks of `ritz.solve`, of which `order` picks and sorts the modes."""
 
     plate: Plate
     angular_frequency_rad_per_s: FloatArray
@@ -130,7 +130,7 @@ class RitzModes:
         ends = np.cumsum([len(block.vectors) for block in self.blocks])
 
         def draw(amplitude: FloatArray) -> FloatArray:
-            unsorted = np.empty_like(amplitude)
+            unsorted = np.zeros((*amplitude.shape[:-1], ends[-1]))
             unsorted[..., self.order] = amplitude
             parts = np.split(unsorted, ends[:-1], axis=-1)
             drawn = [_draw(b, part, *grid) for b, part, grid in zip(self.blocks, parts, grids, strict=True)]
@@ -148,9 +148,10 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
     f_max_hz : float
         Above 0.
     shear_factor : float, optional
-        With a number (5/6), Mindlin's dispersion replaces Kirchhoff's at the wavenumber of each mode. This
-        is exact for simply supported edges, whose shapes stay; for other edges it corrects the waves but
-        not their edges.
+        With a number (5/6), Mindlin's dispersion replaces Kirchhoff's. This is exact for simply supported
+        edges, whose shapes stay. For other edges the shapes stay those of the thin plate and the frequencies are
+        corrected mode by mode (`mindlin`), edges included: within 0.3 % at k h = 0.4 and 3 % at k h = 2, k the
+        wavenumber and h the thickness, where the thin plate is 4 % and 60 % off.
 
     Raises
     ------
@@ -158,22 +159,20 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
         If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
     positive("f_max_hz", f_max_hz)
+    if plate.boundary != "SSSS":
+        return _ritz(plate, f_max_hz, shear_factor)
     if shear_factor is None:
-        return _kirchhoff(plate, f_max_hz)
-    k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
-    thin = _kirchhoff(plate, plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi))
+        return _separable(plate, f_max_hz)
+    thin = _separable(plate, _thin_hz(plate, f_max_hz, shear_factor))
     wavenumber = np.sqrt(thin.angular_frequency_rad_per_s / plate.wave_constant_m2_per_s)
-    return _with_frequencies(thin, mindlin_angular_frequency_rad_per_s(plate, wavenumber, shear_factor))
+    omega = mindlin_angular_frequency_rad_per_s(plate, wavenumber, shear_factor)
+    return SeparableModes(plate, omega, thin.m, thin.n)
 
 
-def _kirchhoff(plate: Plate, f_max_hz: float) -> SeparableModes | RitzModes:
-    return _separable(plate, f_max_hz) if plate.boundary == "SSSS" else _ritz(plate, f_max_hz)
-
-
-def _with_frequencies(modes: SeparableModes | RitzModes, omega: FloatArray) -> SeparableModes | RitzModes:
-    if isinstance(modes, SeparableModes):
-        return SeparableModes(modes.plate, omega, modes.m, modes.n)
-    return RitzModes(modes.plate, omega, modes.blocks, modes.order)
+def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
+    """The frequency of the thin plate whose waves are as long as those of the thick one at `f_max_hz`."""
+    k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
+    return plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi)
 
 
 def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
@@ -187,12 +186,20 @@ def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
     return SeparableModes(plate, omega, along_x[m[order]], along_y[n[order]])
 
 
-def _ritz(plate: Plate, f_max_hz: float) -> RitzModes:
+def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzModes:
+    from tactometry.stimuli.time_reversal.mindlin import frequencies_rad_per_s
     from tactometry.stimuli.time_reversal.ritz import solve
 
-    blocks = solve(plate, f_max_hz)
-    omega = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
+    if shear_factor is None:
+        blocks = solve(plate, f_max_hz)
+        omega = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
+        return RitzModes(plate, np.sort(omega), blocks, np.argsort(omega, kind="stable"))
+    thin_hz = _thin_hz(plate, f_max_hz, shear_factor)
+    slower = 1.05 + 0.2 * thin_hz * plate.thickness_m**2 * 2 * math.pi / plate.wave_constant_m2_per_s
+    blocks = solve(plate, slower * thin_hz)
+    omega = np.concatenate([frequencies_rad_per_s(plate, block, shear_factor) for block in blocks])
     order = np.argsort(omega, kind="stable")
+    order = order[omega[order] <= 2 * math.pi * f_max_hz]
     return RitzModes(plate, omega[order], blocks, order)
 
 
