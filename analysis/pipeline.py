@@ -8,8 +8,9 @@ import pandas as pd
 
 from tactometry.analysis import apa, cells, group, words
 from tactometry.analysis.anova import MAX_FACTORS, repeated_measures
+from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.complete import largest_complete
-from tactometry.analysis.table import ColumnMap, Trials, read_trials
+from tactometry.analysis.table import Trials, read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
 
 OUTCOMES = {

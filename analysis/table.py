@@ -6,14 +6,17 @@ Every refusal is one sentence with the file, the row (the header is row 1) and t
 import csv
 import io
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
+from tactometry.analysis.column_map import ColumnMap, translated
+from tactometry.analysis.fast_text import plain_cells, plain_numbers
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.rows import TASKS
@@ -35,7 +38,8 @@ NUMBERS = (
 FLAGS = ("correct", "valid", "catch", "practice")
 WHOLE = ("session", "block", "trial", "attempt", "target")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
-EVERYWHERE = ("participant", "session", "study", "block", "trial")
+FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
+"""Where trials stand in a data set: our own, then BIDS."""
 
 
 @dataclass(frozen=True)
@@ -51,15 +55,6 @@ class Trials:
     factors: tuple[str, ...]
     path: Path
     n_files: int
-
-
-@dataclass(frozen=True)
-class ColumnMap:
-    """How the columns of a foreign table are called, and what it does not say: our name to theirs, or to a
-    value."""
-
-    columns: Mapping[str, str] = field(default_factory=dict)
-    constants: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap | None = None) -> Trials:
@@ -91,7 +86,7 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
 
 
 def trial_files(path: Path) -> list[Path]:
-    """The trials files of a data set, or the one file that `path` is.
+    """The trials files of a data set (ours, or BIDS with behaviour), or the one file that `path` is.
 
     Raises
     ------
@@ -102,7 +97,7 @@ def trial_files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    found = sorted((path / "data").glob("*_data.csv"))
+    found = next((files for form in FORMS if (files := sorted(path.glob(form)))), [])
     if not found:
         raise InvalidFile(f"{path}: found no data/*_data.csv, expected a data set's folder or a CSV file of trials")
     return found
@@ -114,7 +109,7 @@ def _difference(header: list[str], first: list[str]) -> str:
 
 
 def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
-    raw = _renamed(_raw(file), column_map, file)
+    raw = translated(_raw(file, column_map), column_map, file)
     for name in REQUIRED:
         if name not in raw.columns:
             hint = nearest(name, [str(column) for column in raw.columns])
@@ -124,16 +119,23 @@ def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     return _checked(raw, file)
 
 
-def _raw(file: Path) -> pd.DataFrame:
+def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     """All cells as text, with the number of their row in the column `row`."""
     text = _text(file)
-    header = text.split("\n", 1)[0].rstrip("\r")
-    separator = "\t" if file.suffix == ".tsv" else ","
-    if separator == "," and "," not in header and (";" in header or "\t" in header):
+    header = text[: text.find("\n")] if "\n" in text else text
+    separator = column_map.separator or ("\t" if file.suffix == ".tsv" else ",")
+    if not column_map.separator and separator == "," and "," not in header and (";" in header or "\t" in header):
         raise InvalidFile(
             f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
-            "named .tsv with tabs); save it as comma-separated values with decimal points"
+            "named .tsv with tabs); save it as comma-separated values with decimal points, or say so in a column map"
         )
+    cells = plain_cells(text, separator)
+    if cells is None:
+        cells = _any_cells(text, separator, file)
+    return _with_header(cells, file)
+
+
+def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
     try:
         cells = pd.read_csv(
             io.StringIO(text),
@@ -148,7 +150,7 @@ def _raw(file: Path) -> pd.DataFrame:
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
         raise InvalidFile(f"{file}{_plainly(str(damage))}") from None
     _refuse_short_rows(text, separator, cells.shape[1], file)
-    return _with_header(cells, file)
+    return cells
 
 
 def _refuse_short_rows(text: str, separator: str, n_columns: int, file: Path) -> None:
@@ -214,17 +216,6 @@ def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
     return body.assign(row=body.index + 1)
 
 
-def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
-    for ours, theirs in column_map.columns.items():
-        if theirs not in raw.columns:
-            hint = nearest(theirs, [str(column) for column in raw.columns])
-            raise InvalidFile(f"{file}: found no column {theirs!r}{hint}, which the column map names for {ours!r}")
-        if ours != theirs and ours in raw.columns:
-            raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
-    renamed = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
-    return renamed.assign(**dict(column_map.constants))
-
-
 def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
     _all_match(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
@@ -269,7 +260,13 @@ def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
 
 
 def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
-    """Numbers of text cells, NaN for what is none; each different text is read once."""
+    """Numbers of text cells, NaN for what is none."""
+    numbers = plain_numbers(text)
+    return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
+
+
+def _numbers_of_words(text: "pd.Series[str]") -> NDArray[np.float64]:
+    """Each different text is read once."""
     codes, different = pd.factorize(text)
     words = [word or "nan" for word in different.tolist()]
     try:
@@ -278,7 +275,7 @@ def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
         numbers = None
     if numbers is None:
         numbers = np.asarray(pd.to_numeric(pd.Series(words), errors="coerce"), dtype=np.float64)
-    return pd.Series(numbers[codes], index=text.index)
+    return numbers[codes]
 
 
 def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
@@ -352,30 +349,3 @@ def used_rows(trials: Trials) -> pd.DataFrame:
     if "practice" in rows.columns:
         used &= rows["practice"] != 1
     return rows[used]
-
-
-def read_column_map(path: Path) -> ColumnMap:
-    """Read a column map: ``[columns]`` our name = "theirs", ``[constants]`` our name = "value of every row".
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, is no TOML, or holds something else.
-    """
-    import tomllib
-
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{path}: found no valid TOML ({damage})") from None
-    for name, part in content.items():
-        if name not in ("columns", "constants") or not isinstance(part, dict):
-            hint = nearest(name, ("columns", "constants"))
-            raise InvalidFile(f"{path}: found {name!r}, expected the tables [columns] and [constants]{hint}")
-        for key, value in part.items():
-            if not isinstance(value, str | int | float) or isinstance(value, bool):
-                raise InvalidFile(f"{path}, {name}.{key}: found {value!r}, expected a text or a number")
-    columns, constants = ({k: str(v) for k, v in content.get(name, {}).items()} for name in ("columns", "constants"))
-    return ColumnMap(columns, constants)

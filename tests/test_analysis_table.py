@@ -8,7 +8,8 @@ from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis.table import ColumnMap, read_column_map, read_trials, used_rows
+from tactometry.analysis.column_map import ColumnMap, read_column_map
+from tactometry.analysis.table import read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
 
@@ -145,7 +146,7 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         (
             [HEADER.replace(",", ";"), ROW],
             "{}, row 1: found columns separated by ;, expected commas (or a file named .tsv "
-            "with tabs); save it as comma-separated values with decimal points",
+            "with tabs); save it as comma-separated values with decimal points, or say so in a column map",
         ),
         ([HEADER, '"P01' + ROW[3:]], "{}: found a quotation mark that is never closed, expected it in pairs"),
     ],
@@ -189,8 +190,11 @@ def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[column]\n", "found 'column', expected the tables [columns] and [constants]; did you mean 'columns'?"),
-        ("[columns]\nlevel = [1]\n", "columns.level: found [1], expected a text or a number"),
+        ("[column]\n", "column: found an unknown key, expected one of columns, constants, values, keep, from_name, "),
+        ("[columns]\nlevel = [1]\n", "columns.level: found [1], expected a text"),
+        ("decimal = ';'", "decimal: found ';', expected '.' or ','"),
+        ("decimal = ','", "separator: found '', expected one sign, and another than the decimal sign"),
+        ("missing = 'NA'", "missing: found 'NA', expected"),
         ("[columns\n", "found no valid TOML"),
     ],
 )

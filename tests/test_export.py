@@ -15,7 +15,8 @@ import pytest
 from click.testing import CliRunner
 
 from tactometry.analysis.attrakdiff import scores
-from tactometry.analysis.table import read_column_map, read_trials, used_rows
+from tactometry.analysis.column_map import read_column_map
+from tactometry.analysis.table import read_trials, used_rows
 from tactometry.cli.export import command
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.exporting import export

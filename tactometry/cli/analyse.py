@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 @json_option
 def command(path: Path, report: Path | None, within: str, columns: Path | None, *, pdf: bool, as_json: bool) -> None:
     """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
+    from tactometry.analysis.column_map import read_column_map
     from tactometry.analysis.pipeline import analyse
-    from tactometry.analysis.table import read_column_map
 
     factors = [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
