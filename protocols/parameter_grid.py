@@ -156,7 +156,7 @@ class MixtureChances:
         Where levels and thresholds have equal steps it depends on their distance only: the blocks of neighbouring
         thresholds are then views of one table (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
         """
-        n_thresholds, n_rest = self.grid.size
+        n_rest = self.grid.size[1]
         distances = self.grid.distances(self.levels)
         diagonal = _diagonal(distances)
         if diagonal is None:

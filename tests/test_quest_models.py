@@ -1,0 +1,239 @@
+"""QUEST+ beyond two answers: any parameters and outcomes, variance, priors, exact posteriors."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import FunctionModel, ParameterGrid, QuestPlus, QuestPlusSettings, TableModel
+from tactometry.psychometric import PsychometricFunction
+
+LEVELS = tuple(np.linspace(-5, 45, 26))
+GRID = ParameterGrid(tuple(np.linspace(0, 40, 21)), (4.0, 8.0, 16.0), (0.5,), (0.0, 0.02, 0.06))
+
+
+def as_function(grid):
+    """The same functions, one level and outcome at a time, by the kernel's psychometric function."""
+
+    def log_probability(level, outcome, *, threshold, width, guess_rate, lapse_rate):
+        def one(t, w, g, lapse):
+            return PsychometricFunction(grid.shape, t, w, g, lapse).log_probability(level, outcome)
+
+        return np.vectorize(one)(threshold, width, guess_rate, lapse_rate)
+
+    return FunctionModel(grid.parameters, 2, log_probability)
+
+
+GENERAL = as_function(GRID)
+
+
+def similarity(level, outcome, *, centre, spread):
+    """Three answers, lower, same, higher, for a level against a centre."""
+    lower, higher = (1 / (1 + np.exp((side * (level - centre) + 2 * spread) / spread)) for side in (1, -1))
+    return np.log(np.stack([lower, 1 - lower - higher, higher])[outcome])
+
+
+THREE = FunctionModel({"centre": tuple(np.linspace(0, 10, 11)), "spread": (0.5, 1.0, 2.0)}, 3, similarity)
+
+
+def test_any_model_gives_the_losses_of_the_grid_that_it_equals():
+    rng, levels = np.random.default_rng(), LEVELS[::5]
+    grid, general = QuestPlus(levels, GRID), QuestPlus(levels, GENERAL)
+    for _ in range(8):
+        for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
+            ours, theirs = (replace(rule, aim=aim, criterion=criterion).expected_loss() for rule in (grid, general))
+            np.testing.assert_allclose(ours, theirs, atol=1e-9)
+        answer, level = bool(rng.random() < 0.7), float(rng.uniform(0, 40))
+        grid, general = grid.after(answer, level), general.after(answer, level)
+    np.testing.assert_allclose(grid.posterior, general.posterior, atol=1e-12)
+
+
+@pytest.mark.parametrize("levels", [LEVELS, (0.0, 3.0, 3.5, 20.0), tuple(np.linspace(-5, 45, 27))])
+def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
+    weights = np.random.default_rng().dirichlet(np.ones(math.prod(GRID.size)))
+    chances = np.stack([[np.exp(GRID.log_chance(level, r)) for level in levels] for r in (0, 1)])
+    expected = (chances * np.log(np.maximum(chances, 1e-300))).sum(axis=0) @ weights
+    np.testing.assert_allclose(GRID.chances(levels).certainty(weights), expected, rtol=1e-10)
+
+
+@pytest.mark.parametrize("aim", ["parameters", "threshold"])
+@pytest.mark.parametrize("criterion", ["entropy", "variance"])
+@given(answers=st.lists(st.tuples(st.integers(0, 2), st.floats(-2, 12)), max_size=12))
+@settings(max_examples=15)
+def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_for(aim, criterion, answers):
+    rule = QuestPlus((0.0, 2.5, 5.0, 10.0), THREE, aim=aim, criterion=criterion, n_trials=100)
+    for answer, level in answers:
+        rule = rule.after(answer, level)
+    level = 2.5
+    chances = [float(np.exp(THREE.log_chance(level, r)) @ rule.posterior.ravel()) for r in range(3)]
+    expected = sum(p * loss(rule.after(r, level)) for r, p in enumerate(chances))
+    assert rule.expected_loss()[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def loss(rule):
+    """Entropy or variance of a posterior, from the definition."""
+    if rule.criterion == "entropy":
+        weights = rule.posterior.ravel() if rule.aim == "parameters" else rule.posterior.sum(axis=1)
+        return float(-(weights[weights > 0] * np.log(weights[weights > 0])).sum())
+    if rule.aim == "threshold":
+        return rule.threshold_sd**2
+    return sum(variance(rule, name) / np.var(values) for name, values in rule.grid.parameters.items())
+
+
+def variance(rule, name):
+    away = np.asarray(rule.grid.parameters[name]) - rule.mean(name)
+    return float(rule.marginal(name) @ away**2)
+
+
+def test_three_answers_find_what_they_come_from():
+    rng, found = np.random.default_rng(), []
+    for _ in range(30):
+        rule = QuestPlus(tuple(np.linspace(0, 10, 21)), THREE, n_trials=60)
+        while not rule.finished:
+            chances = [float(np.exp(similarity(rule.level, r, centre=6.0, spread=1.0))) for r in range(3)]
+            rule = rule.after(int(rng.choice(3, p=chances)))
+        found.append(rule.mean("centre"))
+    assert abs(np.mean(found) - 6.0) <= 3.89 * np.std(found) / math.sqrt(len(found)) + 0.05
+
+
+def test_a_table_is_a_model_and_between_its_levels_chances_lie_on_straight_lines():
+    table = np.stack([[np.exp(GRID.log_chance(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
+    model = TableModel(GRID.parameters, LEVELS, table)
+    np.testing.assert_allclose(QuestPlus(LEVELS, model).expected_loss(), QuestPlus(LEVELS, GRID).expected_loss())
+    between = 0.25 * table[1, 3] + 0.75 * table[1, 4]
+    level = 0.25 * LEVELS[3] + 0.75 * LEVELS[4]
+    np.testing.assert_allclose(np.exp(model.log_chance(level, 1)), between.ravel(), rtol=1e-12)
+
+
+def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
+    """A Weibull of the level is a Gumbel of its logarithm."""
+    log = QuestPlusSettings(
+        low=0.1, high=10.0, n_levels=21, width_low=0.5, width_high=2.0, n_widths=3, spacing="log", shape="weibull"
+    ).procedure()
+    linear = QuestPlusSettings(
+        low=math.log(0.1), high=math.log(10), n_levels=21, width_low=0.5, width_high=2.0, n_widths=3
+    ).procedure()
+    for answer in (1, 1, 0, 1, 0, 0, 1):
+        assert math.log(log.level) == pytest.approx(linear.level, abs=1e-9)
+        log, linear = log.after(answer), linear.after(answer)
+    np.testing.assert_allclose(log.posterior, linear.posterior, atol=1e-10)
+
+
+def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
+    told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
+    one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
+    taught = QuestPlus(LEVELS, one).after(1, 20.0).after(0, 10.0)
+    prior = tuple(np.exp(one.log_chance(20.0, 1) + one.log_chance(10.0, 0)))
+    np.testing.assert_allclose(QuestPlus(LEVELS, one, prior={"threshold": prior}).posterior, taught.posterior)
+    assert told.marginal("width").sum() == pytest.approx(1)
+
+
+@pytest.mark.parametrize("answers", [[1, 0] * 150, [1] * 300 + [0] * 300, [0] * 300 + [1] * 300])
+def test_a_posterior_that_would_underflow_equals_that_of_fifty_digits(answers):
+    """In linear space the cells of these runs fall below 1e-308 on the way and come back."""
+    grid = ParameterGrid((0.0, 15.0, 30.0), (3.0, 12.0), (0.0,), (1e-12, 0.01), shape="logistic")
+    levels = [float(x) for x in np.linspace(-20, 50, len(answers))]
+    rule = QuestPlus((0.0, 30.0), grid, n_trials=10**4)
+    for answer, level in zip(answers, levels, strict=True):
+        rule = rule.after(answer, level)
+    exact = exact_log_weights(grid, answers, levels)
+    assert min(exact) < -700
+    np.testing.assert_allclose(rule.state.log_weights, exact, rtol=1e-11, atol=1e-10)
+
+
+def exact_log_weights(grid, answers, levels):
+    mpmath.mp.dps = 50
+    cells = [(t, w, lapse) for t in grid.thresholds for w in grid.widths for lapse in grid.lapse_rates]
+    totals = [
+        mpmath.fsum(exact_log_chance(*cell, x, r) for r, x in zip(answers, levels, strict=True)) for cell in cells
+    ]
+    norm = mpmath.log(mpmath.fsum(mpmath.e ** (total - max(totals)) for total in totals)) + max(totals)
+    return [float(total - norm) for total in totals]
+
+
+def exact_log_chance(threshold, width, lapse, level, answer):
+    z = (mpmath.mpf(level) - threshold) / width * 2 * mpmath.log(mpmath.mpf(19))
+    s, rest = 1 / (1 + mpmath.exp(-z)), 1 / (1 + mpmath.exp(z))
+    span = 1 - mpmath.mpf(lapse)
+    return mpmath.log(span * s if answer else lapse + span * rest)
+
+
+def test_ten_thousand_contradictory_answers_stay_finite():
+    grid = ParameterGrid((0.0, 20.0, 40.0), (0.5, 8.0), (0.0,), (1e-6, 0.02))
+    rule = QuestPlus((0.0, 20.0, 40.0), grid, n_trials=10**6)
+    for n in range(10_000):
+        rule = rule.after(n % 2, 40.0 if n % 2 == 0 else 0.0)
+    assert np.isfinite(rule.posterior).all()
+    assert np.isfinite(rule.state.log_weights).all()
+    for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
+        assert np.isfinite(replace(rule, aim=aim, criterion=criterion).expected_loss()).all()
+
+
+def test_a_grid_that_cannot_express_the_answers_says_so_in_a_sentence():
+    grid = ParameterGrid((10.0, 20.0), (0.1,), (0.0,), (0.0,), shape="normal")
+    rule = QuestPlus((0.0, 30.0), grid, n_trials=10).after(0, delivered=1e200)
+    assert rule.remark == (
+        "QuestPlus.grid: found answer 0 at level 1e+200 in trial 1, which with the answers before it no cell of the "
+        "grid allows, expected a grid that can; give it guess and lapse rates above 0 or a wider range"
+    )
+
+
+def test_all_answers_alike_on_a_fine_grid_end_as_censored():
+    """No single cell holds half of the posterior here; its highest is an end all the same."""
+    grid = ParameterGrid(tuple(np.linspace(0, 40, 401)), (10.0,), (0.5,), (0.02,))
+    rule = QuestPlus(LEVELS, grid, n_trials=15)
+    while not rule.finished:
+        rule = rule.after(1)
+    assert (rule.ended, rule.threshold) == ("censored_below", None)
+    assert rule.remark == "QuestPlus: the first threshold of the grid is the likeliest; the true one may lie below it"
+    assert rule.posterior.max() < 0.5
+
+
+def summing_to(total):
+    return FunctionModel({"bias": (0.5,)}, 2, lambda level, outcome, bias: np.log(total * bias))
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
+        (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found no parameter"),
+        (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found \(\)"),
+        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity), "FunctionModel.n_outcomes: found 1, expected at least 2"),
+        (lambda: QuestPlus((0.0, 5.0), THREE).after(3), "found the response 3, expected a whole number from 0 to 2"),
+        (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
+        (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
+        (lambda: QuestPlus(LEVELS, GRID, prior={"width": (0.0,) * 3}), "expected 3 finite numbers from 0, not all 0"),
+        (lambda: QuestPlus(LEVELS, GRID).marginal("slope"), "QuestPlus.marginal: found 'slope', expected one of"),
+        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.ones((2, 3, 1))), r"TableModel.table: found the shape"),
+        (lambda: TableModel({"a": (1.0,)}, (1.0, 0.0), np.full((2, 2, 1), 0.5)), "expected rising levels"),
+        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.4)), "add up to 0.8"),
+        (lambda: half_table().log_chance(2.0, 1), "found the level 2, expected one from 0 to 1"),
+        (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
+        (
+            lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_chance(-1.0, 1),
+            "ParameterGrid: found the level -1, expected levels from 0 on",
+        ),
+        (
+            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
+            "QuestPlusSettings.levels: found a log grid from 0",
+        ),
+        (
+            lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
+            "QuestPlusSettings.levels: found 11 values from 1 to 0, expected a rising grid",
+        ),
+    ],
+)
+def test_what_makes_no_model_is_refused(build, message):
+    with pytest.raises(InvalidParameter, match=message):
+        build()
+
+
+def half_table():
+    return TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.5))
