@@ -25,15 +25,15 @@ class Exclusion:
 
     Parameters
     ----------
-    force_in_band_min : float, optional
+    force_in_band_share_min : float, optional
         A trial with a smaller share of its stimulus in the target band is left out.
     force_deviation_ratio_max : float, optional
         A trial whose mean force deviates from the target (the factor `force_n`) by more than this part of it.
     latency_min_s, latency_max_s : float, optional
         A trial that was answered faster or slower.
-    false_alarm_rate_max : float, optional
+    false_alarm_share_max : float, optional
         A participant with a larger rate of "yes" in catch trials.
-    invalid_ratio_max : float, optional
+    invalid_share_max : float, optional
         A participant with a larger part of invalid trials.
 
     Raises
@@ -42,15 +42,15 @@ class Exclusion:
         If a bound is not a number from 0 (shares: to 1), or the bounds of the latency are crossed.
     """
 
-    force_in_band_min: float | None = None
+    force_in_band_share_min: float | None = None
     force_deviation_ratio_max: float | None = None
     latency_min_s: float | None = None
     latency_max_s: float | None = None
-    false_alarm_rate_max: float | None = None
-    invalid_ratio_max: float | None = None
+    false_alarm_share_max: float | None = None
+    invalid_share_max: float | None = None
 
     def __post_init__(self) -> None:
-        shares = ("force_in_band_min", "false_alarm_rate_max", "invalid_ratio_max")
+        shares = ("force_in_band_share_min", "false_alarm_share_max", "invalid_share_max")
         for name, value in self.stated().items():
             top = 1.0 if name in shares else np.inf
             if not 0 <= value <= top or not np.isfinite(value):
@@ -63,8 +63,8 @@ class Exclusion:
     def stated(self) -> dict[str, float]:
         """The rules that there are.
 
-        >>> Exclusion(force_in_band_min=0.8).stated()
-        {'force_in_band_min': 0.8}
+        >>> Exclusion(force_in_band_share_min=0.8).stated()
+        {'force_in_band_share_min': 0.8}
         """
         values = {each.name: getattr(self, each.name) for each in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
@@ -115,7 +115,7 @@ def applied(trials: Trials, rules: Exclusion) -> tuple[Trials, pd.DataFrame]:
 def _broken(trials: Trials, name: str, bound: float) -> "pd.Series[bool]":
     """Rows that break a rule; what was not measured breaks none."""
     rows = trials.rows
-    if name == "force_in_band_min":
+    if name == "force_in_band_share_min":
         return _column(rows, "force_in_band", name) < bound
     if name == "force_deviation_ratio_max":
         target = pd.to_numeric(_column(rows, TARGET, name), errors="coerce")
@@ -125,7 +125,7 @@ def _broken(trials: Trials, name: str, bound: float) -> "pd.Series[bool]":
     if name == "latency_max_s":
         return _column(rows, "latency_s", name) > bound
     found = quality(trials).set_index("participant")
-    share = found["false_alarm_rate"] if name == "false_alarm_rate_max" else found["n_invalid"] / found["n_rows"]
+    share = found["false_alarm_rate"] if name == "false_alarm_share_max" else found["n_invalid"] / found["n_rows"]
     return rows["participant"].map(share > bound).astype(bool)
 
 

@@ -84,39 +84,42 @@ def test_one_participant_has_a_mean_without_an_interval(some) -> None:
     ("rules", "lost"),
     [
         ({}, []),
-        ({"force_in_band_min": 0.8}, [("P1", "force_in_band_min", 0.8, 2)]),
+        ({"force_in_band_share_min": 0.8}, [("P1", "force_in_band_share_min", 0.8, 2)]),
         ({"force_deviation_ratio_max": 0.15}, [("P1", "force_deviation_ratio_max", 0.15, 3)]),
         ({"latency_min_s": 0.3}, [("P1", "latency_min_s", 0.3, 1)]),
         ({"latency_max_s": 5.0}, [("P1", "latency_max_s", 5.0, 1)]),
-        ({"false_alarm_rate_max": 0.25}, [("P1", "false_alarm_rate_max", 0.25, 5)]),
-        ({"invalid_ratio_max": 0.1}, [("P1", "invalid_ratio_max", 0.1, 5)]),
-        ({"invalid_ratio_max": 0.2}, []),
+        ({"false_alarm_share_max": 0.25}, [("P1", "false_alarm_share_max", 0.25, 5)]),
+        ({"invalid_share_max": 0.1}, [("P1", "invalid_share_max", 0.1, 5)]),
+        ({"invalid_share_max": 0.2}, []),
     ],
 )  # fmt: skip
 def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
     kept, table = applied(some, Exclusion(**rules))
     assert [tuple(row) for row in table.itertuples(index=False)] == lost
-    if lost and lost[0][1] in ("false_alarm_rate_max", "invalid_ratio_max"):
+    if lost and lost[0][1] in ("false_alarm_share_max", "invalid_share_max"):
         assert set(kept.rows["participant"]) == {"P2"}
     assert len(kept.rows) >= 8 - sum(row[3] for row in lost)
 
 
 def test_a_force_that_was_not_measured_breaks_no_rule(some) -> None:
-    kept, _ = applied(some, Exclusion(force_in_band_min=0.99, force_deviation_ratio_max=0.0))
+    kept, _ = applied(some, Exclusion(force_in_band_share_min=0.99, force_deviation_ratio_max=0.0))
     assert kept.rows["force_mean_n"].isna().sum() == 1
 
 
 def test_rules_are_read_from_a_file(tmp_path) -> None:
     file = tmp_path / "rules.toml"
-    file.write_text("force_in_band_min = 0.8\nlatency_max_s = 10\n")
-    assert read_exclusion(file).stated() == {"force_in_band_min": 0.8, "latency_max_s": 10}
+    file.write_text("force_in_band_share_min = 0.8\nlatency_max_s = 10\n")
+    assert read_exclusion(file).stated() == {"force_in_band_share_min": 0.8, "latency_max_s": 10}
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("force_in_band_mni = 0.8", "force_in_band_mni: found an unknown key, expected one of force_in_band_min"),
-        ("force_in_band_min = 80", "force_in_band_min: found 80.0, expected a number from 0 to 1"),
+        (
+            "force_in_band_share_mni = 0.8",
+            "force_in_band_share_mni: found an unknown key, expected one of force_in_band_share_min",
+        ),
+        ("force_in_band_share_min = 80", "force_in_band_share_min: found 80.0, expected a number from 0 to 1"),
         ("latency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
         ("latency_max_s = nan", "latency_max_s: found nan, expected a number from 0"),
         ("latency_min_s = 2\nlatency_max_s = 1", "latency_max_s: found 1.0, expected more than latency_min_s, 2.0"),
