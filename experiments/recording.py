@@ -92,7 +92,7 @@ def record(
     number = who.counterbalancing_number
     keeper = OpenSession(root, design, session, resume=resume)
     try:
-        seed = _agreed(keeper.head, who)
+        seed = _agreed(keeper.head, who, kind)
         n_resumed, rig = keeper.n_trials, kind.make(seed)
         if keeper.head is None:
             keeper.begin(_head(design, who, seed, kind, rig))
@@ -103,8 +103,8 @@ def record(
     return Recorded(keeper.trials, keeper.n_trials, n_resumed, tracks, keeper.repaired)
 
 
-def _agreed(head: Head | None, who: Who) -> int:
-    """The seed of the session."""
+def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
+    """The seed of the session, which goes on as it began."""
     number = who.counterbalancing_number
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed
@@ -114,6 +114,8 @@ def _agreed(head: Head | None, who: Who) -> int:
             raise InvalidParameter(
                 f"--{name}: found {value}, but this session began with {getattr(head, name)}; leave it out to go on"
             )
+    if kind.name != head.rig:
+        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
     return head.seed
 
 

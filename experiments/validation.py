@@ -86,8 +86,7 @@ def _description(root: Path) -> Iterator[Defect]:
     for key in (*wrong, *missing):
         yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
     for file in _csv_files(root):
-        header = set(_content(file).split(b"\n", 1)[0].decode("utf-8", "replace").strip().split(","))
-        for column in sorted(header ^ described):
+        for column in sorted(set(_header(file)) ^ described):
             where = "has no such column" if column in described else "has a column"
             yield Defect(name, None, f"variableMeasured: {file.name} {where} {column!r}, expected both to agree")
 
@@ -105,7 +104,28 @@ def _trials_files(root: Path) -> Iterator[Defect]:
             )
         if file.stem.removesuffix("_data") not in stems:
             yield Defect(f"data/{file.name}", None, "found no journal of this session, expected one in journals/")
+        yield from _sidecar(file)
         yield from defects(_content(file), f"data/{file.name}")
+
+
+def _sidecar(file: Path) -> Iterator[Defect]:
+    sidecar = file.with_suffix(".json")
+    name = f"data/{sidecar.name}"
+    if not sidecar.is_file():
+        yield Defect(name, None, "found no such file, expected the description of every column; use --resume")
+        return
+    try:
+        described = list(json.loads(_content(sidecar)))
+    except (ValueError, TypeError, RecursionError) as error:
+        yield Defect(name, None, f"found no JSON ({error}), expected the description of every column; use --resume")
+        return
+    for column in _header(file):
+        if column not in described:
+            yield Defect(name, None, f"found no description of the column {column!r}, expected one; use --resume")
+
+
+def _header(file: Path) -> list[str]:
+    return _content(file).split(b"\n", 1)[0].decode("utf-8", "replace").strip().split(",")
 
 
 def _session(root: Path, journal: Path, experiment: Experiment | None, notes: list[str]) -> Iterator[Defect]:

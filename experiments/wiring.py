@@ -150,8 +150,14 @@ def _check_levels(experiment: Experiment) -> None:
 
 
 def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:
+    limits, duration_s = experiment.study.limits, getattr(stimulus, "duration_s", 0.0)
+    if duration_s > limits.duration_s:
+        raise InvalidParameter(
+            f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
+            f"{limits.duration_s:g} s; shorten the stimulus, or raise the limit"
+        )
     try:
-        experiment.study.limits.check(stimulus.at(level))
+        limits.check(stimulus.at(level))
     except TactometryError as error:
         raise InvalidParameter(
             f"{where}: found the highest level {level:g}, expected one within the limits ({error})"

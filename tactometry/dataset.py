@@ -153,6 +153,8 @@ def prepare(root: Path, design: Design) -> None:
     try:
         for folder in (root, root / "data", root / "journals"):
             folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise InvalidFile(f"{folder}: found a file, expected a folder for the data set; give another --out") from None
     except OSError as error:
         raise DeviceFailed(f"{root}: cannot make the folder ({error.strerror}), expected room and permission") from None
     for name, content in (
@@ -256,9 +258,8 @@ def _cut_line(n_trials: int, cut: bytes) -> bytes:
 
 def sessions(root: Path) -> list[Path]:
     """The journals of a data set, sorted."""
-    return sorted(
-        path for path in (root / "journals").glob("*.jsonl") if not path.name.endswith("_interruptions.jsonl")
-    )
+    found = (path for path in (root / "journals").glob("*.jsonl") if path.is_file())
+    return sorted(path for path in found if not path.name.endswith("_interruptions.jsonl"))
 
 
 def factor_names(columns: Sequence[str]) -> list[str]:

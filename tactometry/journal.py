@@ -1,6 +1,7 @@
 """The journal of a session: every request with its answer, in order, append-only, one JSON line each.
 
-Each line ends with the CRC-32 of what stands before it, so that damage is found and named. A trial (a `Record`) is
+Each line ends with the CRC-32 of all that stands before it in the file, so that a damaged line, and a missing one, is
+found and named. A trial (a `Record`) is
 flushed and fsynced before `append` returns; an unfinished last line is what a crash leaves, and is cut off on resume.
 """
 
@@ -56,13 +57,13 @@ class Recording:
         return tuple(request.trial for request, _ in self.entries if isinstance(request, Record))
 
 
-def encode(value: dict[str, object]) -> bytes:
-    """One line, with its checksum."""
+def encode(value: dict[str, object], before: int = 0) -> bytes:
+    """One line with its checksum, behind lines of the checksum `before`."""
     body = msgspec.json.encode(value)[:-1]
-    return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
+    return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, before))
 
 
-def encode_entry(request: Request, answer: object) -> bytes:
+def encode_entry(request: Request, answer: object, before: int = 0) -> bytes:
     """One line of a request and its answer.
 
     Raises
@@ -70,7 +71,7 @@ def encode_entry(request: Request, answer: object) -> bytes:
     DeviceFailed
         If it would not read back as it was (a number that is not finite).
     """
-    line = encode({"request": type(request).__name__, "asked": request, "answer": answer})
+    line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
     if not _reads_back(line, request, answer):
         raise DeviceFailed(
             f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers; a device gave a "
@@ -91,15 +92,24 @@ def decode_entry(value: dict[str, Any]) -> Entry:
     return msgspec.convert(value["asked"], kind), msgspec.convert(value["answer"], kind.answer)
 
 
-def _decode(line: bytes, where: str) -> dict[str, Any]:
-    body, mark, tail = line.rstrip(b"\n").rpartition(b',"crc32":"')
-    if not mark or tail != b'%08x"}' % zlib.crc32(body):
+def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
+    body, mark, tail = line.rpartition(b',"crc32":"')
+    if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
         raise InvalidFile(
-            f"{where}: the line is damaged (its checksum does not fit), expected a line as the journal wrote it; "
-            "restore the file from a copy"
+            f"{where}: the line is damaged, or one before it is missing (its checksum does not fit), expected a line as "
+            "the journal wrote it; restore the file from a copy"
         )
     value: dict[str, Any] = msgspec.json.decode(body + b"}")
     return value
+
+
+def checksum(line: bytes) -> int:
+    """The checksum of a line that was written, and of all before it.
+
+    >>> checksum(encode({"end": "complete"})) == int(encode({"end": "complete"})[-11:-3], 16)
+    True
+    """
+    return int(line.rstrip(b"\n")[-10:-2], 16)
 
 
 def read(path: Path) -> Recording:
@@ -134,8 +144,10 @@ def read(path: Path) -> Recording:
 
 
 def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    before = 0
     for number, line in enumerate(whole, 1):
-        yield number, _decode(line, f"{path}, line {number}")
+        yield number, _decode(line, before, f"{path}, line {number}")
+        before = checksum(line)
 
 
 class Journal:
@@ -167,6 +179,7 @@ class Journal:
             os.ftruncate(self._file, n_bytes)
             os.fsync(self._file)
         os.lseek(self._file, n_bytes, os.SEEK_SET)
+        self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
         return kept, content[n_bytes:]
 
     @property
@@ -175,17 +188,17 @@ class Journal:
 
     def begin(self, head: Head) -> None:
         """Write the first line of a new journal."""
-        self._write(encode(asdict(head)), durable=True)
+        self._write(encode(asdict(head), self._before), durable=True)
         _sync_directory(self.path.parent)
         self.head = head
 
     def append(self, request: Request, answer: object) -> None:
-        self._write(encode_entry(request, answer), durable=isinstance(request, Record))
+        self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
 
     def finish(self) -> None:
         """Write the last line, once."""
         if not self.recording.complete:
-            self._write(encode({"end": "complete"}), durable=True)
+            self._write(encode({"end": "complete"}, self._before), durable=True)
 
     def close(self) -> None:
         if self._file >= 0:
@@ -194,6 +207,7 @@ class Journal:
 
     def _write(self, line: bytes, *, durable: bool) -> None:
         write_whole(self._file, line, self.path, durable=durable)
+        self._before = checksum(line)
 
 
 def _until_last_trial(recording: Recording) -> Recording:

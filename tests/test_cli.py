@@ -139,7 +139,10 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
     call(capsys, *words, "--out", whole)
     child = subprocess.Popen(
-        [sys.executable, "-m", "tactometry", *words, "--out", stopped], stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "tactometry", *words, "--out", stopped],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while not list(stopped.glob("data/*.csv")):
         assert child.poll() is None

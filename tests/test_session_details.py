@@ -16,7 +16,7 @@ from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParame
 from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import wire
-from tactometry.journal import Journal, encode, read, write_atomically
+from tactometry.journal import Journal, checksum, encode, read, write_atomically
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import ConstantStimuli, Staircase
@@ -107,8 +107,9 @@ def test_the_trials_of_a_sitting_are_counted(tmp_path):
 
 
 def test_a_line_behind_the_end_is_refused(lived):
+    last = journal_of(lived).read_bytes().split(b"\n")[-2]
     with journal_of(lived).open("ab") as file:
-        file.write(encode({"request": "Wait", "asked": {"duration_s": 1.0}, "answer": {"at_s": 1.0}}))
+        file.write(encode({"request": "Wait", "asked": {"duration_s": 1.0}, "answer": {"at_s": 1.0}}, checksum(last)))
     with pytest.raises(InvalidFile, match="found a line behind the end of the session"):
         read(journal_of(lived))
 

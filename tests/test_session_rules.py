@@ -13,9 +13,9 @@ import pytest
 from memory import Memory
 
 from tactometry.dataset import OpenSession, Session
-from tactometry.errors import DeviceFailed, Diverged, LimitExceeded
+from tactometry.errors import DeviceFailed, Diverged, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench_file import BenchFile
-from tactometry.experiments.planning import plan
+from tactometry.experiments.planning import duration_s, plan
 from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.replaying import replay_data_set
 from tactometry.experiments.simulating import Simulation
@@ -27,7 +27,7 @@ from tactometry.limits import Limits
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import Staircase, counterbalanced
 from tactometry.quantity import si
-from tactometry.request import Play, Wait
+from tactometry.request import Play, Slide, Wait
 from tactometry.rigs.console import Console
 from tactometry.rigs.texts import texts_in
 from tactometry.run import run
@@ -218,3 +218,38 @@ def test_the_clock_of_a_console_goes_on_after_an_interruption():
 def test_a_study_with_another_rate_of_catch_trials_has_another_plan():
     none = replace(STUDY, task={**STUDY.task, "catch_rate": 0.0})
     assert [block.n_trials_at_most for block in plan(wire(none, "x"), 1)] == [16, 16]
+
+
+def test_sessions_of_one_participant_are_answered_by_chance_of_their_own():
+    """The same touch in the first trial of two sessions is held in another way."""
+    request = Slide("frequency_hz=60", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
+    held = []
+    for n_session in (1, 2):
+        rig = EXPERIMENT.simulated_rig("P01", n_session, 1)
+        held.append(rig.slide(replace(request, stimulus=next(iter(EXPERIMENT.bank)))).force_mean_n)
+    assert held[0] != held[1]
+
+
+def test_the_highest_level_is_held_against_the_limits_not_the_first():
+    study, _ = load("electrovibration-threshold")
+    high = replace(study, procedure={**study.procedure, "start": 10.0, "high": 47.0})
+    with pytest.raises(InvalidParameter, match="found the highest level 47, expected one within the limits"):
+        wire(high, "x")
+
+
+def test_a_stimulus_longer_than_the_limit_is_refused_before_it_is_rendered():
+    long = replace(STUDY, stimulus={**STUDY.stimulus, "duration_s": 1e9})
+    with pytest.raises(InvalidParameter, match=r"stimulus\.duration_s: found 1e\+09 s, expected at most"):
+        wire(long, "x")
+
+
+def test_a_plan_takes_the_time_per_trial_of_the_study():
+    slow = wire(replace(STUDY, trial_s=7.0), "x")
+    assert duration_s(slow, plan(slow, 1)) == pytest.approx(7.0 * 40)
+
+
+def test_a_response_is_right_or_wrong_and_nothing_else():
+    rule = Staircase(start=20.0, steps=(2.0,), low=0.0, high=40.0)
+    for response in (2, -1, 0.5, None, "1"):
+        with pytest.raises(InvalidParameter, match=r"expected 1 \(correct, felt\) or 0"):
+            rule.after(response)

@@ -69,8 +69,9 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 def main(arguments: list[str] | None = None) -> None:
     """Run a command; every foreseen error is one sentence on standard error and an exit status."""
     signal.signal(signal.SIGTERM, _terminate)
+    words = sys.argv[1:] if arguments is None else arguments
     try:
-        status = tactometry.main(arguments, prog_name="tactometry", standalone_mode=False)
+        status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except click.Abort:
         status = _complain("interrupted; what was recorded is safe", 130)
     except KeyboardInterrupt:

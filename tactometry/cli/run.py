@@ -40,7 +40,7 @@ def command(
     resume: bool,
     dry_run: bool,
     as_json: bool,
-) -> None:
+) -> int:
     """Run a session of STUDY (a built-in name or a path)."""
     from tactometry.dataset import Session
     from tactometry.experiments.bench_file import load_bench
@@ -54,10 +54,10 @@ def command(
     bench = load_bench(bench_path)
     if dry_run:
         _print_plan(experiment, who, as_json=as_json)
-        return
+        return 0
     root = out or Path(f"{numbers.name}-data")
     recorded = record(experiment, content, root, who, RIGS[rig](experiment, who, bench), resume=resume)
-    _report(root, recorded, as_json=as_json)
+    return _report(root, recorded, as_json=as_json)
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
@@ -125,17 +125,22 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     ]
     drawn = "random" in experiment.study.plan.orders.values() and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
-    text = "\n".join(["block", *rows, *notes, f"at most {minutes:.0f} minutes"])
+    text = "\n".join(
+        ["block", *rows, *notes, f"at most {minutes:.0f} minutes, trials that are asked again not counted"]
+    )
     say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}, as_json=as_json)
 
 
-def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> None:
+def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> int:
+    """Print what was recorded: status 1 if no block came to its end."""
     if recorded.repaired:
         click.echo(recorded.repaired, err=True)
     endings = [track.ended for track in recorded.tracks]
     counts = {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
     ended = ", ".join(f"{n} {ending}" for ending, n in counts.items())
-    text = f"{recorded.trials}: {recorded.n_trials} trials; blocks ended: {ended}; next: tactometry analyse {root}"
+    failed = bool(endings) and all(ending == "aborted" for ending in endings)
+    advice = "no block came to its end: mend what made the touches invalid" if failed else f"tactometry analyse {root}"
+    text = f"{recorded.trials}: {recorded.n_trials} trials; blocks ended: {ended}; next: {advice}"
     result = {
         "data_set": str(root),
         "trials_file": str(recorded.trials),
@@ -143,3 +148,4 @@ def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> None:
         "ended": counts,
     }
     say(text, result, as_json=as_json)
+    return int(failed)

@@ -34,6 +34,8 @@ def new(study: str, out: Path | None, *, as_json: bool) -> None:
             file.write(content)
     except FileExistsError:
         raise InvalidFile(f"{path}: found a file, expected none to overwrite; give another --out") from None
+    except (FileNotFoundError, NotADirectoryError):
+        raise InvalidFile(f"{path}: found no folder {path.parent}, expected one to write to; make it first") from None
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
     say(

@@ -3,7 +3,7 @@
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TextIO
 
@@ -133,11 +133,11 @@ class Console:
         return Touched(self._now_s(), request.level, None if signal is None else signal.digest())
 
     def choose(self, request: Choose) -> Chosen:
-        labels = map(self._texts.label, request.labels)
+        labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
         prompt = f"[trial {self._n_trials + 1}] {question} ({words}):"
-        option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request))
+        option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request.options, labels))
         assert isinstance(option, int)
         return Chosen(option, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
@@ -189,11 +189,11 @@ class Console:
         return Done(self._now_s())
 
 
-def _option(line: str, request: Choose) -> int:
-    by_label = dict(zip(request.labels, request.options, strict=True))
-    option = by_label.get(line.lower())
-    number = int(line) if option is None else option
-    if number not in request.options:
+def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:
+    """The option whose number or word was typed."""
+    words = [label.casefold() for label in labels]
+    number = options[words.index(line.casefold())] if line.casefold() in words else int(line)
+    if number not in options:
         raise ValueError(line)
     return number
 

@@ -1,0 +1,137 @@
+"""What was lost or exchanged in a data set is found: lines, files, rigs, values."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tactometry.dataset import Session
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.recording import RigKind, Who, record, simulated
+from tactometry.experiments.study import load
+from tactometry.experiments.validation import validate
+from tactometry.experiments.wiring import wire
+from tactometry.journal import checksum, encode, read
+from tactometry.rows import defects
+
+STUDY, TOML = load("tutorial")
+EXPERIMENT = wire(STUDY, "tutorial")
+WHO = Who("P01", seed=1)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    root = tmp_path_factory.mktemp("whole") / "d"
+    record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO))
+    return root
+
+
+@pytest.fixture
+def lived(whole, tmp_path):
+    return Path(shutil.copytree(whole, tmp_path / "d"))
+
+
+def journal_of(root):
+    return next((root / "journals").glob("*tutorial.jsonl"))
+
+
+def found(root):
+    return [str(defect) for defect in validate(root).defects]
+
+
+@pytest.mark.parametrize("missing", [2, 9, 40])
+def test_a_line_that_is_missing_is_named_by_the_one_behind_it(lived, missing):
+    lines = journal_of(lived).read_bytes().splitlines(keepends=True)
+    journal_of(lived).write_bytes(b"".join(lines[: missing - 1] + lines[missing:]))
+    with pytest.raises(InvalidFile, match=f"line {missing}: the line is damaged, or one before it is missing"):
+        read(journal_of(lived))
+    assert any(f"row {missing}: the line is damaged, or one before it is missing" in text for text in found(lived))
+
+
+def test_lines_that_changed_places_are_found(lived):
+    lines = journal_of(lived).read_bytes().splitlines(keepends=True)
+    lines[5], lines[6] = lines[6], lines[5]
+    journal_of(lived).write_bytes(b"".join(lines))
+    with pytest.raises(InvalidFile, match="line 6: the line is damaged"):
+        read(journal_of(lived))
+
+
+def test_the_checksum_of_a_line_counts_all_lines_before_it():
+    first = encode({"a": 1})
+    second = encode({"b": 2}, checksum(first))
+    assert checksum(second) != checksum(encode({"b": 2}))
+    assert checksum(second) == checksum(encode({"b": 2}, checksum(first)))
+
+
+def test_columns_without_their_description_are_a_defect(lived):
+    sidecar = next((lived / "data").glob("*.json"))
+    content = sidecar.read_text()
+    sidecar.unlink()
+    assert any("found no such file, expected the description of every column" in text for text in found(lived))
+    sidecar.write_text("[")
+    assert any("found no JSON" in text for text in found(lived))
+    sidecar.write_text(content.replace('"latency_s"', '"late_s"'))
+    assert any("found no description of the column 'latency_s'" in text for text in found(lived))
+
+
+def test_a_folder_among_the_journals_is_no_journal(lived):
+    (lived / "journals" / "x.jsonl").mkdir()
+    assert found(lived) == []
+
+
+def test_a_session_goes_on_with_the_rig_that_it_began_with(lived):
+    other = RigKind("console", simulated(EXPERIMENT, WHO).make)
+    with pytest.raises(InvalidParameter, match="--rig: found console, but this session began with simulated"):
+        record(EXPERIMENT, TOML, lived, WHO, other, resume=True)
+
+
+def test_a_file_in_the_place_of_the_folder_is_bad_input(tmp_path):
+    (tmp_path / "d").write_text("mine")
+    with pytest.raises(InvalidFile, match="found a file, expected a folder for the data set"):
+        record(EXPERIMENT, TOML, tmp_path / "d", WHO, simulated(EXPERIMENT, WHO))
+    assert (tmp_path / "d").read_text() == "mine"
+
+
+@pytest.mark.parametrize("code", ["a" * 33, "P 1", "é1", "", "../x"])
+def test_a_code_is_of_1_to_32_letters_and_digits(code):
+    Session("a" * 32, 1, "x")
+    with pytest.raises(InvalidParameter, match="found"):
+        Session(code, 1, "x")
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "expected"),
+    [
+        ("onset_s", "-0.1", "a number, at least 0"),
+        ("force_mean_n", "-1", "a number, at least 0"),
+        ("force_in_band", "1.01", "a number from 0 to 1"),
+        ("force_in_band", "-0.01", "a number from 0 to 1"),
+        ("level", "nan", "a number"),
+        ("trial", "0", "a whole number from 1"),
+        ("valid", "2", "1, 0 or nothing"),
+        ("response", "2", "1, 0 or nothing"),
+        ("timestamp_utc", "yesterday", "a time in ISO 8601"),
+    ],
+)
+def test_a_cell_that_no_trial_can_hold_is_a_defect(whole, column, value, expected):
+    file = next((whole / "data").glob("*.csv"))
+    assert list(defects(file.read_bytes(), file.name)) == []
+    header, first, *rest = file.read_text().splitlines()
+    cells = first.split(",")
+    cells[header.split(",").index(column)] = value
+    (defect,) = defects("\n".join([header, ",".join(cells), *rest]).encode(), file.name)
+    assert str(defect) == f"{file.name}, row 2: column {column!r}: found {value!r}, expected {expected}"
+
+
+@pytest.mark.parametrize("task", ["yes_no", "comparison", "same_different"])
+def test_an_answer_of_two_options_is_1_or_0(whole, task):
+    file = next((whole / "data").glob("*.csv"))
+    header, first, *_ = file.read_text().splitlines()
+    cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"task": task, "response": "3"}
+    (defect,) = defects(f"{header}\n{','.join(cells.values())}".encode(), file.name)
+    assert "column 'response': found '3', expected 1, 0 or nothing" in str(defect)
+
+
+def test_the_trials_file_is_synced_at_the_end_of_a_sitting(tmp_path, synced):
+    recorded = record(EXPERIMENT, TOML, tmp_path, WHO, simulated(EXPERIMENT, WHO))
+    assert recorded.trials in synced
