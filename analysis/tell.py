@@ -30,7 +30,7 @@ def outcome_table(outcome: "Outcome", title: str) -> "Table":
     """The group table in the thesis's form."""
     from rich.table import Table
 
-    table = Table(title=title, title_justify="left")
+    table = Table(title=title, title_justify="left", min_width=min(len(title), 78))
     for name in outcome.cross.columns:
         table.add_column(str(name), justify="right")
     for row in outcome.cross.itertuples(index=False, name=None):

@@ -96,8 +96,8 @@ def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
         raise InvalidFile(
-            f"{where}: the line is damaged, or one before it is missing (its checksum does not fit), expected a line as "
-            "the journal wrote it; restore the file from a copy"
+            f"{where}: the line is damaged, or one before it is missing (its checksum does not fit), expected a line "
+            "as the journal wrote it; restore the file from a copy"
         )
     value: dict[str, Any] = msgspec.json.decode(body + b"}")
     return value

@@ -150,6 +150,7 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
     [
         ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4)], "2.0 [-10.7, 14.7] (n = 2)"),
         ([(1.0, "ok", 0, 2)], "1.0 (n = 1)"),
+        ([(1.25e-300, "ok", 0, 2)], "1.25e-300 (n = 1)"),
         ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
         ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "> 3.0 (1 of 2 above the levels)"),
         ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "< -1.0 (1 of 2 below the levels)"),
@@ -162,7 +163,7 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
 )
 def test_a_mean_is_never_taken_over_what_is_no_threshold(rows, text) -> None:
     group = group_table(estimates(*rows), ["condition"])
-    assert cross_table(group, ["condition"])["threshold"].tolist() == [text]
+    assert cross_table(group, ["condition"])["mean"].tolist() == [text]
 
 
 # Real data: Dallmann, Ernst and Moscatelli 2015, tactile speed with masking vibration

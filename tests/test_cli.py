@@ -134,6 +134,15 @@ def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch)
     assert "20 lines in trial 1 were no answers" in said.err
 
 
+@pytest.fixture
+def interruptible():
+    """A job in the background ignores interrupts, and so would its children."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
@@ -142,7 +151,6 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
         [sys.executable, "-m", "tactometry", *words, "--out", stopped],
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while not list(stopped.glob("data/*.csv")):
         assert child.poll() is None
