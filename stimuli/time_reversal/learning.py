@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 
 FloatArray = NDArray[np.float64]
@@ -187,6 +188,33 @@ def learnt(
     rows = np.broadcast_to(played, (len(recorded), played.shape[-1]))
     samples = [deconvolved(p, r, n, regularisation=regularisation) for p, r in zip(rows, recorded, strict=True)]
     return Responses(np.array(samples)[None], rate_hz, quantity)
+
+
+def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> Responses:
+    """The displacement of responses in velocity or acceleration: divided by (i omega)^k within a band, 0 beside it.
+
+    The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
+
+    Raises
+    ------
+    InvalidParameter
+        If the band does not rise, begins at 0 or passes the Nyquist frequency.
+
+    Examples
+    --------
+    >>> velocity = Responses(np.eye(1, 64, 9)[None], 1e3, "velocity")
+    >>> as_displacement(velocity, 100.0, 400.0).quantity
+    'displacement'
+    """
+    positive("as_displacement.f_min_hz", f_min_hz)
+    within("as_displacement.f_max_hz", f_max_hz, np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2)
+    n_fft = 2 * responses.n_samples
+    frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
+    inside = np.clip(np.minimum(frequency_hz - 0.9 * f_min_hz, f_max_hz + 0.1 * f_min_hz - frequency_hz), 0, None)
+    window = np.sin(np.pi / 2 * np.clip(inside / (0.1 * f_min_hz), 0, 1)) ** 2
+    factor = window / (2j * np.pi * np.where(window > 0, frequency_hz, 1.0)) ** QUANTITIES.index(responses.quantity)
+    samples = np.fft.irfft(np.fft.rfft(responses.samples, n_fft) * factor, n_fft)[..., : responses.n_samples]
+    return Responses(samples, responses.rate_hz, "displacement")
 
 
 def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:

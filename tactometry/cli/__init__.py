@@ -25,6 +25,7 @@ COMMANDS = {
         "Is this a sound data set? Every defect, with file and row.",
     ),
     "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
+    "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
     "export": ("tactometry.cli.export:command", "The data set for other programs: BIDS, PsychoPy, R."),
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),

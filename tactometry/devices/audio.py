@@ -1,4 +1,4 @@
-"""A sound card as output, through PortAudio (extra: audio)."""
+"""A sound card as output and as sensor, through PortAudio (extra: audio)."""
 
 import time
 from dataclasses import dataclass
@@ -8,8 +8,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.course import Course
 from tactometry.devices.gain import Gain
+from tactometry.devices.reader import Block
 from tactometry.errors import DeviceFailed
 from tactometry.signal import Signal
 
@@ -152,12 +154,78 @@ class AudioOutput:
             stream.close()
 
 
+@dataclass(frozen=True)
+class AudioInputSettings:
+    """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
+
+    rate_hz: float
+    n_channels: int = 1
+    device: str | int | None = None
+    block_s: float = 0.02
+    latency_s: float = 0.1
+
+    def source(self) -> "AudioInput":
+        return AudioInput(self)
+
+
+class AudioInput:
+    """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
+
+    def __init__(self, settings: AudioInputSettings) -> None:
+        self.name = f"audio {'default' if settings.device is None else settings.device}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._stream: Any = None
+        self._n_overruns = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"n_overruns": self._n_overruns}
+
+    def open(self) -> None:
+        sounddevice, settings = _library(), self._settings
+        try:
+            self._stream = sounddevice.InputStream(
+                device=settings.device,
+                channels=settings.n_channels,
+                samplerate=settings.rate_hz,
+                dtype="int32",
+                latency=settings.latency_s,
+                dither_off=True,
+            )
+            self._stream.start()
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz "
+                f"({' '.join(str(error).split())}), expected an input that can"
+            ) from None
+        self._clocks, self._n_frames = ClockMap(), 0
+
+    def receive(self) -> Block | None:
+        try:
+            frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
+        except _library().PortAudioError as error:
+            raise DeviceFailed(f"{self.name}: the card went away ({' '.join(str(error).split())})") from None
+        self._n_overruns += bool(overrun)
+        count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
+        self._n_frames += len(frames)
+        self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
+        shift_s = self._clocks.ours_s(0.0)
+        return Block(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
+
+    def close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.abort()
+            stream.close()
+
+
 def _library() -> ModuleType:
     try:
         import sounddevice
     except (ImportError, OSError) as error:
         raise DeviceFailed(
-            f"output audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
+            f"audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
             "install libportaudio2; nothing was played"
         ) from None
     module: ModuleType = sounddevice

@@ -21,6 +21,7 @@ SENSORS: Final = {
     "lsl": "tactometry.devices.lsl:LslSettings",
     "serial": "tactometry.devices.serial_line:SerialSettings",
     "udp": "tactometry.devices.udp:UdpSettings",
+    "audio": "tactometry.devices.audio:AudioInputSettings",
     "recorded": "tactometry.devices.recorded:RecordedSettings",
 }
 

@@ -1,0 +1,210 @@
+"""`tactometry calibrate`: output gain, force sensor, display, time-reversal responses."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.experiments.bench_file import BenchFile
+    from tactometry.experiments.calibrating import ForceFit
+
+bench_option = click.option(
+    "--bench", "bench_path", type=click.Path(path_type=Path), required=True, help="Bench file (TOML)."
+)
+by_option = click.option("--by", required=True, help="Who measures: initials or a code.")
+TODAY = date.today
+
+
+@click.group(name="calibrate", epilog="Example: tactometry calibrate display --bar-m 0.149")
+def command() -> None:
+    """Measure what a bench file says; each prints the table to put there, with its date."""
+
+
+@command.command(epilog="Example: tactometry calibrate gain --bench bench.toml --by ZG")
+@bench_option
+@by_option
+@click.option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
+@click.option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
+@json_option
+def gain(bench_path: Path, by: str, parts: str, measured_v: str, *, as_json: bool) -> None:
+    """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
+
+    The limits and the gain that the bench file states hold while it plays. With --measured-v nothing is played.
+    """
+    from tactometry.experiments.bench_file import load_bench
+    from tactometry.experiments.calibrating import fit_gain, gain_toml
+
+    bench = load_bench(bench_path)
+    units = _numbers("--parts", parts)
+    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, units))
+    fit = fit_gain(units, volts)
+    table = gain_toml(fit.volts_per_unit, bench.output.gain.amplifier_gain, TODAY(), by)
+    stated = bench.output.gain.load_volts_per_unit
+    text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {stated:.6g} V per unit at the load"
+    say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}, as_json=as_json)
+
+
+def _played_v(bench: "BenchFile", units: list[float]) -> Iterator[float]:
+    import time
+
+    from tactometry.errors import InvalidParameter
+    from tactometry.experiments.calibrating import gain_tone
+
+    if bench.limits is None:
+        raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
+    output = bench.devices(bench.limits, TODAY()).output
+    with ExitStack() as last_first:
+        last_first.callback(output.close)
+        output.open()
+        for part in units:
+            click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
+            tone = gain_tone(part, output.full_scale_v, output.n_channels or 1, output.rate_hz or 48e3)
+            output.play(tone)
+            time.sleep(tone.duration_s)
+            yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
+
+
+@command.command(epilog="Example: tactometry calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2")
+@bench_option
+@by_option
+@click.option("--weights-kg", required=True, metavar="KG,KG,...", help="The weights, in the order they are put on.")
+@click.option("--counts", default="", metavar="N,N,...", help="What the sensor counted; else it is read for each.")
+@click.option("--sensor", default="", help="The bench file's sensor; default the one of [force], or the only one.")
+@click.option("--channel", type=int, default=0, show_default=True, help="Of the sensor, from 0.")
+@click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
+@click.option("--gravity-m-per-s2", type=float, default=9.80665, show_default=True, help="Where you are.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Write fit and residuals as PNG, PDF or SVG.")
+@json_option
+def force(
+    bench_path: Path,
+    by: str,
+    weights_kg: str,
+    counts: str,
+    sensor: str,
+    channel: int,
+    degree: int,
+    gravity_m_per_s2: float,
+    figure: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
+    from tactometry.experiments.bench_file import load_bench
+    from tactometry.experiments.calibrating import fit_force, force_toml
+
+    bench = load_bench(bench_path)
+    name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
+    masses_kg = _numbers("--weights-kg", weights_kg)
+    counted = _numbers("--counts", counts) if counts else _counted(bench, name, channel, masses_kg)
+    fit = fit_force(masses_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
+    if figure is not None:
+        from tactometry.experiments.figures import force_figure
+
+        force_figure(fit, figure)
+    rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in _rows(fit)]
+    table = force_toml(fit, name, channel, TODAY(), by)
+    say(
+        "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"]),
+        {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()},
+        as_json=as_json,
+    )
+
+
+def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
+    yield from zip(fit.forces_n.tolist(), fit.counts.tolist(), fit.residuals_n.tolist(), strict=True)
+
+
+def _counted(bench: "BenchFile", name: str, channel: int, masses_kg: list[float]) -> list[float]:
+    """Mean counts over a second with each weight on."""
+    from tactometry.devices.reader import Reader
+    from tactometry.errors import InvalidParameter, nearest
+    from tactometry.experiments.calibrating import mean_counts
+
+    if name not in bench.sensors:
+        raise InvalidParameter(
+            f"--sensor: found {name!r}, expected one of {', '.join(bench.sensors)}{nearest(name, bench.sensors)}"
+        )
+    reader = Reader(bench.sensors[name].source())
+    with ExitStack() as last_first:
+        reader.open()
+        last_first.callback(reader.close)
+        found = []
+        for mass_kg in masses_kg:
+            click.confirm(f"Put {mass_kg:g} kg on the sensor and let it rest. Ready?", abort=True, err=True)
+            found.append(mean_counts(reader, channel))
+        return found
+
+
+@command.command(epilog="Example: tactometry calibrate display --bar-m 0.149")
+@click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown and asked for.")
+@json_option
+def display(bar_m: float | None, *, as_json: bool) -> None:
+    """Display size: measure the white bar, which is half as high as the picture."""
+    from tactometry.experiments.calibrating import display_height_m, display_toml
+
+    height_m = display_height_m(_shown_bar_m() if bar_m is None else bar_m)
+    say(display_toml(height_m), {"height_m": height_m}, as_json=as_json)
+
+
+def _shown_bar_m() -> float:
+    from tactometry.experiments.calibrating import BAR_PART
+    from tactometry.rigs.page import INK, Box, Page
+    from tactometry.rigs.window import Window
+
+    window = Window(fullscreen=True)
+    try:
+        window.present(Page((Box(0, 0, 0.02, BAR_PART, fill=INK),), ()))
+        return float(click.prompt("Length of the bar (m)", type=float, err=True))
+    finally:
+        window.close()
+
+
+@command.command(epilog="Example: tactometry calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...")
+@bench_option
+@by_option
+@click.option("--sensor", required=True, help="The bench file's sensor that records.")
+@click.option("--channel", type=int, default=0, show_default=True, help="Of the vibrometer or accelerometer.")
+@click.option("--reference", type=int, default=1, show_default=True, help="Channel that records the drive itself.")
+@click.option("--reference-output", type=int, help="Output channel that carries the drive to the reference.")
+@click.option("--units-per-count", type=float, required=True, help="m, m/s or m/s^2 for a count of 1.")
+@click.option("--volts-per-count", type=float, required=True, help="V at the load for a count of 1 on the reference.")
+@click.option("--quantity", type=click.Choice(["displacement", "velocity", "acceleration"]), default="velocity")
+@click.option("--voltage-v", type=float, required=True, help="Peak of the excitation.")
+@click.option(
+    "--band-hz",
+    nargs=2,
+    type=float,
+    default=(15e3, 70e3),
+    show_default=True,
+    help="What is kept; a sweep goes a fifth beyond.",
+)
+@click.option("--sweep-s", type=float, default=0.2, show_default=True, help="Duration of the sweep.")
+@click.option("--sequence-order", type=int, help="Play a maximum-length sequence of this order instead.")
+@click.option("--duration-s", type=float, default=0.03, show_default=True, help="Of a response.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="NPZ file to write.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Write response and spectra as PNG, PDF or SVG.")
+@json_option
+def responses(**asked: object) -> None:
+    """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
+
+    A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
+    tactometry.stimuli.time_reversal.measured.read.
+    """
+    from tactometry.cli.calibrate_responses import run
+
+    run(asked)
+
+
+def _numbers(name: str, text: str) -> list[float]:
+    from tactometry.errors import InvalidParameter
+
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InvalidParameter(f"{name}: found {text!r}, expected numbers joined by commas") from None

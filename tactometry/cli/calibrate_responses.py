@@ -1,0 +1,66 @@
+"""`tactometry calibrate responses`."""
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from datetime import date
+from typing import Any
+
+from tactometry.cli.output import progress, say
+
+
+def run(asked: Mapping[str, Any]) -> None:
+    """Learn, convert, write and report; `asked` are the command's options."""
+    from tactometry.errors import InvalidParameter, nearest
+    from tactometry.experiments.bench_file import load_bench
+    from tactometry.experiments.learning import Learning, Microphone, joined, learn
+    from tactometry.stimuli.time_reversal.learning import as_displacement, sequence, sweep, write_learnt
+
+    bench = load_bench(asked["bench_path"])
+    if asked["sensor"] not in bench.sensors:
+        raise InvalidParameter(
+            f"--sensor: found {asked['sensor']!r}, expected one of {', '.join(bench.sensors)}"
+            f"{nearest(asked['sensor'], bench.sensors)}"
+        )
+    if bench.limits is None:
+        raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
+    devices = bench.devices(bench.limits, date.today())
+    reader = devices.readers[asked["sensor"]]
+    rate_hz, order = reader.source.rate_hz, asked["sequence_order"]
+    low_hz, high_hz = asked["band_hz"]
+    excitation = (
+        sweep(0.8 * low_hz, min(1.2 * high_hz, rate_hz / 2), rate_hz=rate_hz, duration_s=asked["sweep_s"])
+        if order is None
+        else sequence(order, rate_hz=rate_hz)
+    )
+    microphone = Microphone(
+        reader, asked["channel"], asked["reference"], asked["units_per_count"], asked["volts_per_count"]
+    )
+    channels = tuple(k for k in range(devices.output.n_channels or 1) if k != asked["reference_output"])
+    learning = Learning(
+        excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], asked["reference_output"]
+    )
+    with ExitStack() as last_first:
+        reader.open()
+        last_first.callback(reader.close)
+        last_first.callback(devices.output.close)
+        devices.output.open()
+        learned = joined(list(progress(learn(learning, devices.output, microphone), len(channels), "learning")))
+    found = as_displacement(learned, low_hz, high_hz)
+    provenance = {
+        "measured_on": str(date.today()),
+        "measured_by": asked["by"],
+        "output": devices.output.name,
+        "sensor": reader.source.name,
+        "excitation": excitation.name,
+        "voltage_v": asked["voltage_v"],
+        "band_hz": f"{low_hz:g} to {high_hz:g}",
+        "regularisation": learning.regularisation,
+        "recorded_quantity": learned.quantity,
+    }
+    write_learnt(found, asked["out"], provenance)
+    if asked["figure"] is not None:
+        from tactometry.experiments.figures import responses_figure
+
+        responses_figure(found, asked["figure"])
+    words = f"{asked['out']}: {found.n_channels} responses of {found.duration_s:g} s at {found.rate_hz:g} Hz"
+    say(words, {"file": str(asked["out"]), "n_channels": found.n_channels, **provenance}, as_json=asked["as_json"])
