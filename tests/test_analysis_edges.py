@@ -1,0 +1,52 @@
+"""Where the analysis draws its lines: how few participants, which trials are counted, what tells a threshold."""
+
+import pandas as pd
+import pytest
+
+from tactometry.analysis.complete import largest_complete
+from tactometry.analysis.group import quality
+from tactometry.analysis.table import read_trials
+from tactometry.analysis.threshold import fit
+
+
+@pytest.mark.parametrize(("n_complete", "found"), [(2, False), (3, True)])
+def test_a_sub_design_has_three_participants_at_least(n_complete, found):
+    rows = [(f"P{n}", side, 1.0 if n <= n_complete or side == "a" else None) for n in (1, 2, 3, 4) for side in "ab"]
+    table = pd.DataFrame(rows, columns=["participant", "side", "threshold"])
+    part = largest_complete(table, dependent="threshold", within=["side"], subject="participant")
+    assert (part is not None) == found
+
+
+def test_the_table_of_quality_counts_each_row_once_for_what_it_is(tmp_path):
+    """Attempts 1 to 3 of one trial, then catch trials: a false alarm, a rejection, one unanswered, one invalid."""
+    header = "participant,trial,force_n,procedure,level,task,response,valid,attempt,catch"
+    rows = [
+        "P01,1,1,x,3,yes_no,1,0,1,0",
+        "P01,1,1,x,3,yes_no,1,0,2,0",
+        "P01,1,1,x,3,yes_no,1,1,3,0",
+        "P01,2,1,x,,yes_no,1,1,1,1",
+        "P01,3,1,x,,yes_no,0,1,1,1",
+        "P01,4,1,x,,yes_no,,1,1,1",
+        "P01,5,1,x,,yes_no,1,0,1,1",
+    ]
+    file = tmp_path / "t.csv"
+    file.write_text("\n".join([header, *rows]))
+    (row,) = quality(read_trials(file)).to_dict("records")
+    counts = {name: row[name] for name in row if name.startswith("n_")}
+    assert counts == {
+        "n_rows": 7,
+        "n_practice": 0,
+        "n_invalid": 3,
+        "n_repeated": 2,
+        "n_unanswered": 1,
+        "n_catch": 2,
+        "n_false_alarms": 1,
+    }
+    assert row["false_alarm_rate"] == 0.5
+
+
+@pytest.mark.parametrize("n_yes", [[4, 4, 6, 6, 6, 6, 5], [6, 6, 3, 5, 7, 9, 6]])
+def test_half_yes_everywhere_tells_no_threshold_however_it_wavers(n_yes):
+    """Its interval, twice as long as the levels, is no narrow one."""
+    found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="ml")
+    assert found.status == "flat"
