@@ -22,6 +22,7 @@ from tactometry.experiments.simulating import Simulation
 from tactometry.experiments.study import load
 from tactometry.experiments.validation import validate
 from tactometry.experiments.wiring import wire
+from tactometry.force_gate import ForceGate
 from tactometry.journal import Journal
 from tactometry.limits import Limits
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -107,6 +108,14 @@ def test_an_inner_factor_begins_each_round_with_its_next_order():
     cells = counterbalanced({"force_n": [1, 2], "frequency_hz": [30, 60, 120]}, ["force_n", "frequency_hz"], 1)
     frequencies = [cell["frequency_hz"] for cell in cells]
     assert frequencies[:3] != frequencies[3:]
+
+
+def test_two_samples_of_one_stamp_do_not_break_a_hold():
+    gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.01, max_gap_s=0.02)
+    for time_s in (0.0, 0.005, 0.005, 0.01):
+        gate = gate.after(time_s, 1.0)
+    assert gate.open
+    assert not gate.after(0.009, 1.0).open
 
 
 def test_a_signal_longer_than_its_limit_is_not_played():
