@@ -1,0 +1,265 @@
+"""How many trials each procedure needs, against the information bound.
+
+Run: OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000] [--out DIR]. About 10 minutes in full form.
+
+The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses whose threshold lies anywhere within
+three standard deviations of the middle of the levels; slope and lapse rate are unknown to the procedure. The bound on
+the variance of a threshold after N trials is K / N, where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the
+ideal sweat factor (Taylor 1971; Taylor and Creelman 1967). Prints the root-mean-square error and the sweat factor
+N * MSE of each procedure at 40, 80 and 160 trials, the trials that it needs for an error of 1 dB, and how a run ends
+that is asked to stop at a posterior standard deviation of 1 dB; draws the errors.
+"""
+
+import argparse
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.stats import norm
+
+from tactometry.protocols import (
+    ConstantStimuli,
+    MethodOfLimits,
+    ParameterGrid,
+    Quest,
+    QuestPlus,
+    Staircase,
+    WeightedStaircase,
+    psi,
+)
+
+SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
+N_MAX, EVERY, SHOWN = 320, 5, (40, 80, 160)
+LEVELS = tuple(float(x) for x in np.linspace(-24, 24, 61))
+SDS_DB = SD_DB * np.geomspace(0.35, 2.8, 11)
+LAPSES = (0.0, 0.02, 0.04, 0.07, 0.1)
+TO_WIDTH = 2 * 1.6448536269514722
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked: the chance of 1 without a stimulus."""
+
+    name: str
+    guess: float
+
+    def chance(self, level: float, threshold: float) -> float:
+        return self.guess + (1 - self.guess - LAPSE) * float(norm.cdf((level - threshold) / SD_DB))
+
+    def level_of(self, chance: float) -> float:
+        """Where the observer of threshold 0 answers 1 with this chance."""
+        return SD_DB * float(norm.ppf((chance - self.guess) / (1 - self.guess - LAPSE)))
+
+    def bound(self) -> float:
+        """The ideal sweat factor, in units of the observer's variance."""
+
+        def factor(z: float) -> float:
+            p = self.guess + (1 - self.guess - LAPSE) * norm.cdf(z)
+            return p * (1 - p) / ((1 - self.guess - LAPSE) * norm.pdf(z)) ** 2
+
+        return float(minimize_scalar(factor, bounds=(-2, 3), method="bounded").fun)
+
+    def grid(self) -> ParameterGrid:
+        return ParameterGrid(LEVELS, tuple(TO_WIDTH * SDS_DB), (self.guess,), LAPSES, shape="normal")
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A procedure, its estimate, and where on the observer's function that estimate is meant to lie."""
+
+    name: str
+    start: Callable[[np.random.Generator], object]
+    estimate: Callable[[object], float | None]
+    target_db: float = 0.0
+
+
+def mean(rule: QuestPlus) -> float:
+    return rule.mean("threshold")
+
+
+def contenders(task: Task) -> list[Contender]:
+    grid, many = task.grid(), 10**6
+    half = task.guess + (1 - task.guess - LAPSE) / 2
+    whole = QuestPlus(LEVELS, grid, n_trials=many)
+    first = QuestPlus(LEVELS, grid, n_trials=many, aim="threshold")
+    variance = QuestPlus(LEVELS, grid, n_trials=many, aim="threshold", criterion="variance")
+    known = psi(LEVELS, LEVELS, tuple(SDS_DB), guess_rate=task.guess, lapse_rate=LAPSE, n_trials=many)
+    quest = Quest(
+        0.0, 16.0, -24.0, 24.0, 0.4, target=half, slope=2.7, guess_rate=task.guess, blind_share=0.04, n_trials=many
+    )
+    bounds = {"low": -32.0, "high": 32.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
+
+    def late_reversals(rule: Staircase | WeightedStaircase) -> float | None:
+        return rule.threshold(discard=4)
+
+    def staircase(n_down: int) -> Staircase:
+        return Staircase(12.0, (4.0, 2.0), n_down=n_down, **bounds)
+
+    def up_down(n_down: int) -> Contender:
+        rule = staircase(n_down)
+        return Contender(f"1 up {n_down} down", lambda _: rule, late_reversals, task.level_of(0.5 ** (1 / n_down)))
+
+    found = [
+        Contender("QUEST+", lambda _: whole, mean),
+        Contender("QUEST+, threshold first", lambda _: first, mean),
+        Contender("threshold's variance", lambda _: variance, mean),
+        Contender("psi (lapse rate known)", lambda _: known, mean),
+        Contender("QUEST (slope, lapse rate given)", lambda _: quest, lambda rule: rule.posterior @ rule.thresholds),
+        *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
+        Contender(
+            "weighted 3:1",
+            lambda _: WeightedStaircase(12.0, (6.0, 3.0), (2.0, 1.0), **bounds),
+            late_reversals,
+            task.level_of(0.75),
+        ),
+        constant(first),
+    ]
+    if task.guess < 0.5:
+        limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=many, n_start_steps=4)
+        found.append(Contender("limits, alternating", limits.shuffled, lambda rule: rule.threshold()))
+    return found
+
+
+def constant(rule: QuestPlus) -> Contender:
+    """Nine levels over the range where thresholds lie, scored by the same posterior."""
+    stimuli = ConstantStimuli(tuple(np.linspace(-18, 18, 9)), repeats=N_MAX // 9 + 1)
+
+    @dataclass(frozen=True)
+    class Scored:
+        order: ConstantStimuli
+        posterior: QuestPlus
+
+        @property
+        def level(self) -> float:
+            return self.order.level
+
+        def after(self, response: bool) -> "Scored":
+            return Scored(self.order.after(response), self.posterior.after(response, self.level))
+
+    return Contender(
+        "constant stimuli, 9 levels", lambda rng: Scored(stimuli.shuffled(rng), rule), lambda it: mean(it.posterior)
+    )
+
+
+def errors_db(contender: Contender, task: Task, n_observers: int, rng: np.random.Generator) -> np.ndarray:
+    """Estimate less truth after every `EVERY` trials, (n_observers, n_steps); NaN before there is an estimate."""
+    errors = np.full((n_observers, N_MAX // EVERY), np.nan)
+    for observer in range(n_observers):
+        threshold = rng.uniform(-3, 3) * SD_DB
+        rule = contender.start(rng)
+        for n in range(N_MAX):
+            rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
+            if (n + 1) % EVERY == 0:
+                estimate = contender.estimate(rule)
+                found = math.nan if estimate is None else estimate - threshold - contender.target_db
+                errors[observer, n // EVERY] = found
+    return errors
+
+
+def rmse_db(errors: np.ndarray) -> np.ndarray:
+    """Root mean square over observers; infinite where one observer in ten has no estimate."""
+    missing = np.isnan(errors).mean(axis=0) > 0.1
+    squares = np.where(np.isnan(errors), 0.0, errors**2).sum(axis=0) / np.maximum((~np.isnan(errors)).sum(axis=0), 1)
+    return np.where(missing, np.inf, np.sqrt(squares))
+
+
+def trials_to(goal_db: float, rmse: np.ndarray) -> int | None:
+    """The number of trials from which the error stays at the goal or below."""
+    above = np.flatnonzero(rmse > goal_db)
+    step = 0 if above.size == 0 else int(above[-1]) + 1
+    return None if step >= len(rmse) else EVERY * (step + 1)
+
+
+def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
+    bound, curves = task.bound(), {}
+    ideal = bound * (SD_DB / GOAL_DB) ** 2
+    print(f"\n{task.name}: ideal sweat factor {bound:.2f} (in units of the observer's variance)")
+    heads = "".join(f"{f'N={n}':>8} {'K':>6}" for n in SHOWN)
+    print(f"{'RMSE / SD, sweat factor':<34}{heads}{'trials to 1 dB':>16}")
+    print(f"{'bound':<34}" + "".join(f"{math.sqrt(bound / n):>8.3f} {bound:>6.2f}" for n in SHOWN) + f"{ideal:>16.0f}")
+    for contender in contenders(task):
+        rmse = rmse_db(errors_db(contender, task, n_observers, rng))
+        curves[contender.name] = rmse
+        at = [rmse[n // EVERY - 1] / SD_DB for n in SHOWN]
+        needed = trials_to(GOAL_DB, rmse)
+        cells = "".join(f"{e:>8.3f} {n * e**2:>6.2f}" for n, e in zip(SHOWN, at, strict=True))
+        print(f"{contender.name:<34}{cells}{needed if needed else f'above {N_MAX}':>16}", flush=True)
+    ratio_of_trials(curves)
+    return curves
+
+
+def ratio_of_trials(curves: dict[str, np.ndarray]) -> None:
+    """Trials by which the threshold-first rule reaches what QUEST+ has after 160 and at the end."""
+    for n in (160, N_MAX):
+        goal = curves["QUEST+"][n // EVERY - 1]
+        needed = trials_to(goal, curves["QUEST+, threshold first"])
+        print(f"threshold first reaches the error of QUEST+ after {n} trials in {needed} ({100 * needed / n:.0f} %)")
+
+
+def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:
+    """How runs end that are asked to stop at a posterior standard deviation of 1 dB."""
+    start = QuestPlus(LEVELS, task.grid(), n_trials=400, aim="threshold", sd_stop=GOAL_DB)
+    ends, errors = [], []
+    for _ in range(n_observers):
+        threshold, rule = rng.uniform(-3, 3) * SD_DB, start
+        while not rule.finished:
+            rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
+        ends.append((rule.ended, len(rule.responses)))
+        errors.append(mean(rule) - threshold)
+    converged = np.array([ended == "converged" for ended, _ in ends])
+    n_trials = np.array([n for _, n in ends])
+    print(
+        f"stop at a posterior SD of {GOAL_DB:g} dB, at most 400 trials: reached in {100 * converged.mean():.1f} % of "
+        f"runs, median {np.median(n_trials):.0f} trials (90 %: {np.quantile(n_trials, 0.9):.0f}); RMSE of these "
+        f"{math.sqrt(np.mean(np.square(np.array(errors)[converged]))):.2f} dB"
+    )
+
+
+COLOURS = ("#000000", "#0072B2", "#56B4E9", "#009E73", "#CC79A7", "#D55E00", "#E69F00", "#999999", "#7F3C8D", "#A5AA99")
+MARKS = "osv^D<>P*X"
+
+
+def draw(curves: dict[Task, dict[str, np.ndarray]], path: Path) -> None:
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, len(curves), figsize=(12, 5.4), sharey=True, layout="constrained")
+    n = EVERY * np.arange(1, N_MAX // EVERY + 1)
+    for axis, (task, lines) in zip(axes, curves.items(), strict=True):
+        axis.loglog(n, SD_DB * np.sqrt(task.bound() / n), "--", color="0.4", label="information bound")
+        for (name, rmse), colour, mark in zip(lines.items(), COLOURS, MARKS, strict=False):
+            shown = np.isfinite(rmse) & (n >= 10)
+            axis.loglog(n[shown], rmse[shown], color=colour, marker=mark, markevery=0.12, markersize=5, label=name)
+        axis.axhline(GOAL_DB, color="0.8", zorder=0)
+        axis.set(title=task.name, xlabel="Trials", xlim=(10, N_MAX), ylim=(0.25, 12))
+        ticks = (10, 20, 40, 80, 160, 320)
+        axis.set_xticks(ticks, [str(tick) for tick in ticks])
+        axis.set_yticks((0.5, 1, 2, 4, 8), ["0.5", "1", "2", "4", "8"])
+        axis.minorticks_off()
+        axis.legend(fontsize=8, frameon=False)
+    axes[0].set_ylabel(f"RMS error of the threshold (dB); the observer's SD is {SD_DB:g} dB")
+    figure.savefig(path, dpi=120)
+    print(f"\nwrote {path}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--observers", type=int, default=1000)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    rng, curves = np.random.default_rng(), {}
+    for task in (Task("Two-alternative forced choice", 0.5), Task("Yes/no with 2 % false alarms", 0.02)):
+        curves[task] = report(task, options.observers, rng)
+        stops(task, options.observers, rng)
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
+        draw(curves, options.out / "procedures.png")
+
+
+if __name__ == "__main__":
+    main()
