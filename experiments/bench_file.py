@@ -11,6 +11,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
 from tactometry.devices.guarded import Guarded
 from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
+from tactometry.devices.measured import Measured
 from tactometry.devices.output import NullSettings
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import StreamedSensor, streamed_force, streamed_position
@@ -148,6 +149,28 @@ class BenchFile:
         reader = readers[self.position.sensor]
         _check_channels("position.channels", self.position.channels, reader)
         return streamed_position(reader, self.position.channels, self.position.metres_per_count)
+
+
+def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | float | bool | None]:
+    """What a journal says of the devices: calibrations with date and author, load, counts, delays and drifts."""
+    gain, load = bench.output.gain, bench.output.load
+    facts: dict[str, str | int | float | bool | None] = {
+        "output_volts_per_unit": gain.load_volts_per_unit,
+        "output_gain_measured": _when(gain.measured),
+        "output_load": None if load is None else load.kind,
+        "output_capacitance_f": None if load is None else load.capacitance_f,
+        "ramp_s": bench.output.ramp_s,
+        "force_measured": None if bench.force is None else _when(bench.force.calibration.measured),
+    }
+    facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
+    for sensor, reader in devices.readers.items():
+        facts |= {f"{sensor}_{name}": value for name, value in reader.facts().items()}
+    return facts
+
+
+def _when(measured: Measured) -> str | None:
+    said = [str(part) for part in (measured.on, measured.by) if part is not None]
+    return " ".join(said) or None
 
 
 def load_bench(path: Path | None) -> BenchFile:

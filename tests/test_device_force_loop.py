@@ -12,9 +12,9 @@ import pytest
 from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.streamed import streamed_force, streamed_position
 from tactometry.force_gate import ForceGate
-from tactometry.request import Press
+from tactometry.request import Press, Slide
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
 from tactometry.stimuli.electrovibration import Sine
@@ -53,7 +53,9 @@ class Loop:
         self.device = device
         self.everything = device.reader.listen()
         sensor = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
-        self.bench = Bench(screen, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), sensor=sensor)
+        position = streamed_position(device.reader, (0,), metres_per_count=5e-5)
+        texts = texts_in("en", {})
+        self.bench = Bench(screen, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, position=position)
         wait_for(lambda: device.reader.facts()["n_samples"] > 0)
 
     def press(self, request=PRESS):
@@ -131,7 +133,16 @@ def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_tri
     assert log[-1] == "output.stop"
     assert ended_s - unplugged_s[0] < 10.0
     threading.Timer(1.0, loop.device.plug).start()
-    touched, onset_s = loop.press()
+    touched, onset_s = loop.press(replace(PRESS, timeout_s=0.6))
     assert touched.valid
     assert onset_s > unplugged_s[0] + 1.0
     assert loop.device.reader.facts()["n_outages"] >= 1
+
+
+def test_a_slide_tells_the_speed_that_the_position_sensor_measured(loop_of):
+    """The counter, one more each millisecond, stands for a position: 50 um a sample is 50 mm/s."""
+    loop = loop_of("1:100")
+    slide = Slide("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=10.0, speed_m_per_s=0.05)
+    touched = loop.bench.slide(slide)
+    assert touched.valid
+    assert touched.speed_mean_m_per_s == pytest.approx(0.05, rel=0.02)

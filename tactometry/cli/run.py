@@ -62,7 +62,9 @@ def command(
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
     from datetime import date
+    from functools import partial
 
+    from tactometry.experiments.bench_file import device_facts
     from tactometry.experiments.recording import RigKind
     from tactometry.rigs.bench import Bench, open_bench
 
@@ -81,7 +83,10 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             size=(screen.width_px, screen.height_px),
             output=devices.output,
             sensor=devices.force,
+            position=devices.position,
             display_height_m=screen.height_m,
+            ramp_s=bench.output.ramp_s,
+            device_facts=partial(device_facts, bench, devices),
         )
 
     return RigKind("bench", make)

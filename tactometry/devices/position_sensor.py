@@ -74,3 +74,13 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     means_m = np.add.reduceat(positions_m, first, axis=0) / n_each[:, None]
     way_m = np.linalg.norm(np.diff(means_m, axis=0), axis=1).sum()
     return float(way_m / (mean_times_s[-1] - mean_times_s[0]))
+
+
+def speed_during(sensor: PositionSensor | None, begin_s: float, end_s: float) -> float | None:
+    """How fast the finger was from `begin_s` to `end_s` by what the sensor collected; None where nobody measured it."""
+    if sensor is None:
+        return None
+    times_s, positions_m = sensor.read()
+    during = (times_s >= begin_s) & (times_s <= end_s) & np.isfinite(positions_m).all(axis=1)
+    times_s, positions_m = times_s[during], positions_m[during]
+    return mean_speed_m_per_s(times_s, positions_m) if np.all(np.diff(times_s) >= 0) else None

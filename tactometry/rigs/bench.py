@@ -13,6 +13,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.output import NullOutput, Output
+from tactometry.devices.position_sensor import PositionSensor, speed_during
 from tactometry.errors import DeviceFailed
 from tactometry.limits import Limits
 from tactometry.request import (
@@ -36,7 +37,7 @@ from tactometry.request import (
     Wait,
 )
 from tactometry.rigs import entry, form, layout
-from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.emitter import RAMP_S, Emitter
 from tactometry.rigs.page import Answer, Page, Screen
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
@@ -85,11 +86,15 @@ class Bench:
         limits: Limits | None,
         texts: Texts,
         sensor: ForceSensor | None = None,
+        position: PositionSensor | None = None,
         display_height_m: float | None = None,
+        ramp_s: float = RAMP_S,
+        device_facts: Callable[[], Facts] = dict,
     ) -> None:
-        self._screen, self._output, self._sensor = screen, output, sensor
+        self._screen, self._output, self._sensor, self._position = screen, output, sensor, position
         self._stage = Stage(screen)
-        self._emitter = Emitter(bank, output, limits)
+        self._emitter = Emitter(bank, output, limits, ramp_s)
+        self._device_facts = device_facts
         self._texts = texts
         self._display_height_m = display_height_m
         self._zero_s = time.perf_counter()
@@ -99,8 +104,9 @@ class Bench:
     @_safely
     def _open(self) -> None:
         self._output.open()
-        if self._sensor is not None:
-            self._sensor.open()
+        for sensor in (self._sensor, self._position):
+            if sensor is not None:
+                sensor.open()
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
@@ -113,14 +119,16 @@ class Bench:
             "display_height_m": self._display_height_m,
             "output": self._output.name,
             "force_sensor": None if self._sensor is None else self._sensor.name,
+            "position_sensor": None if self._position is None else self._position.name,
+            **self._device_facts(),
             "clock": "time.perf_counter",
             "clock_resolution_s": time.get_clock_info("perf_counter").resolution,
             "utc_minus_clock_s": round(time.time() - time.perf_counter(), 6),
         }
 
     def timing(self) -> Facts:
-        """What became of the frames up to now."""
-        return self._screen.timing()
+        """What became of the frames, and of the devices and their clocks, up to now."""
+        return {**self._screen.timing(), **self._device_facts()}
 
     def resume(self, n_trials: int, elapsed_s: float) -> None:
         del n_trials
@@ -132,8 +140,9 @@ class Bench:
         self.closed = True
         with ExitStack() as last_first:
             last_first.callback(self._screen.close)
-            if self._sensor is not None:
-                last_first.callback(self._sensor.close)
+            for sensor in (self._position, self._sensor):
+                if sensor is not None:
+                    last_first.callback(sensor.close)
             last_first.callback(self._output.close)
             last_first.callback(self._output.stop)
 
@@ -165,8 +174,14 @@ class Bench:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = f"{words}_force" if self._sensor is not None else words
         touch = Touch(request, self._stage, self._emitter, self._texts.message(measured), dress)
+        if self._position is not None:
+            self._position.read()
         touched = touch.unmeasured(signal) if self._sensor is None else touch.held(signal, self._sensor)
-        return replace(touched, onset_s=self._session_s(touched.onset_s))
+        return replace(
+            touched,
+            onset_s=self._session_s(touched.onset_s),
+            speed_mean_m_per_s=speed_during(self._position, touched.onset_s, touched.onset_s + request.duration_s),
+        )
 
     @_safely
     def choose(self, request: Choose) -> Chosen:
@@ -299,7 +314,10 @@ def open_bench(
     size: tuple[int, int] | None = None,
     output: Output | None = None,
     sensor: ForceSensor | None = None,
+    position: PositionSensor | None = None,
     display_height_m: float | None = None,
+    ramp_s: float = RAMP_S,
+    device_facts: Callable[[], Facts] = dict,
 ) -> Bench:
     """A bench with a PsychoPy window.
 
@@ -319,6 +337,12 @@ def open_bench(
         Without one, a `NullOutput` with the study's limits: nothing reaches a finger.
     sensor : ForceSensor, optional
         Without one, the force is not measured: its fields are None and every touch is valid.
+    position : PositionSensor, optional
+        Without one, the finger's speed is not measured.
+    ramp_s : float
+        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    device_facts : callable
+        What the head of the journal says of the devices, once they are open, and `Bench.timing` at any time.
     display_height_m : float, optional
         Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
         `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
@@ -340,7 +364,10 @@ def open_bench(
         limits=limits,
         texts=words,
         sensor=sensor,
+        position=position,
         display_height_m=display_height_m,
+        ramp_s=ramp_s,
+        device_facts=device_facts,
     )
 
 

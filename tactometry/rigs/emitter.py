@@ -15,8 +15,10 @@ RAMP_S = 0.005
 class Emitter:
     """Renders stimuli of a bank, holds them against the limits of study and output, and plays them."""
 
-    def __init__(self, bank: Mapping[str, Stimulus], output: Output, limits: Limits | None) -> None:
-        self._bank, self._output, self._limits = bank, output, limits
+    def __init__(
+        self, bank: Mapping[str, Stimulus], output: Output, limits: Limits | None, ramp_s: float = RAMP_S
+    ) -> None:
+        self._bank, self._output, self._limits, self._ramp_s = bank, output, limits, ramp_s
 
     def final(self, name: str, level: float) -> Signal:
         """The final samples of a stimulus.
@@ -32,7 +34,7 @@ class Emitter:
             raise InvalidParameter(
                 f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}{nearest(name, self._bank)}"
             )
-        signal = with_ramps(self._bank[name].at(level), RAMP_S)
+        signal = with_ramps(self._bank[name].at(level), self._ramp_s)
         check_playable(signal, self._output)
         if self._limits is not None:
             self._limits.check(signal)

@@ -42,10 +42,14 @@ class Grip:
         heard = times_s[np.isfinite(forces_n)]
         self._heard_s = max(self._heard_s, float(heard.max(initial=self._heard_s)))
 
+    def silent(self, now_s: float) -> bool:
+        """Whether the sensor says nothing."""
+        return now_s - self._heard_s > SILENT_S
+
     def lost(self, now_s: float) -> bool:
         """Whether the sensor is silent, or the finger has left."""
         away = self.force_n is not None and self.force_n < AWAY_PART * self._gate.target_n
-        return away or now_s - self._heard_s > SILENT_S
+        return away or self.silent(now_s)
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
         """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""

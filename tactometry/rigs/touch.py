@@ -51,15 +51,20 @@ class Touch:
         return Touched(onset_s, self.request.level, _digest(signal))
 
     def held(self, signal: Signal | None, sensor: ForceSensor) -> Touched:
-        """Play once the force is held, and stop at once when the finger or the sensor is lost."""
+        """Play once the force is held, and stop at once when the finger or the sensor is lost.
+
+        A sensor that says nothing before the stimulus is waited for: the time limit counts while it speaks.
+        """
         request = self.request
         gate = ForceGate(request.target_n, request.tolerance, request.hold_s)
         begin_s = time.perf_counter()
         grip = Grip(sensor, gate, begin_s)
         self._present(self._bar(grip, playing=False))
         while not grip.open:
-            if time.perf_counter() > begin_s + request.timeout_s:
-                return Touched(time.perf_counter(), None, None, valid=False)
+            now_s = time.perf_counter()
+            begin_s = now_s if grip.silent(now_s) else begin_s
+            if now_s > begin_s + request.timeout_s:
+                return Touched(now_s, None, None, valid=False)
             self._watch(grip, playing=False)
         self._present(self._bar(grip, playing=True))
         onset_s = self.emitter.emit(signal)
