@@ -1,0 +1,114 @@
+"""A force-controlled session by the command line: force from a real LSL outlet, sound to a real PortAudio stream."""
+
+import csv
+import importlib.util
+import json
+import os
+
+import numpy as np
+import pytest
+from test_device_audio import alsa  # noqa: F401  # a fixture
+from test_device_sensors import Emulator
+from test_window_session import any_keys, sit, tactometry
+
+from tactometry.devices.audio import AudioSettings
+from tactometry.devices.gain import Gain
+from tactometry.experiments.study import load
+from tactometry.experiments.wiring import wire
+
+N_TRIALS = 3
+STUDY = {
+    "frequency_hz = [60, 240]": "frequency_hz = [60]",
+    'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
+    "catch_rate = 0.2": "catch_rate = 0.0",
+    "levels = [10, 18, 26, 34]": "levels = [34]",
+    "repeats = 4": f"repeats = {N_TRIALS}",
+}
+BENCH = """
+[screen]
+fullscreen = false
+[output]
+kind = "audio"
+device = "tofile"
+rate_hz = 48000
+sample_format = "int16"
+[output.gain]
+volts_per_unit = 2.0
+amplifier_gain = 50.0
+measured_on = 2026-11-01
+measured_by = "ZG"
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[limits]
+voltage_peak_v = 80.0
+current_peak_a = "1 mA"
+duty = 0.8
+session_s = "1 h"
+[sensors.hand]
+kind = "lsl"
+stream = "{stream}"
+rate_hz = 1000
+n_channels = 3
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+"""
+
+
+@pytest.fixture(scope="module")
+def needed():
+    for name in ("sounddevice", "pylsl"):
+        if importlib.util.find_spec(name) is None:
+            pytest.skip(f"no {name}: extras audio, lsl")
+
+
+def study_in(folder):
+    _, content = load("tutorial")
+    text = content.decode()
+    for old, new in STUDY.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "short.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):  # noqa: F811
+    study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
+    (tmp_path / "bench.toml").write_text(BENCH.format(stream=device.name), encoding="utf-8")
+    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
+    try:
+        status, _, errors = sit(
+            tactometry(*command, env={**alsa, "DISPLAY": os.environ["DISPLAY"]}), display, any_keys(3)
+        )
+    finally:
+        device.close()
+    assert status == 0, errors
+    [trials] = (tmp_path / "data" / "data").glob("*_data.csv")
+    rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    assert len(rows) == N_TRIALS
+    assert {(row["valid"], row["force_mean_n"], row["force_in_band"]) for row in rows} == {("1", "1", "1")}
+    [journal] = (tmp_path / "data" / "journals").glob("*.jsonl")
+    facts = json.dumps(json.loads(journal.read_text().splitlines()[0]))
+    for fact in (
+        '"audio tofile"',
+        f'"lsl {device.name}"',
+        '"2026-11-01 ZG"',
+        '"electrode"',
+        '"hand_clock_correction_s"',
+    ):
+        assert fact in facts
+    assert played_signals(tmp_path) == [N_TRIALS, True]
+
+
+def played_signals(folder):
+    """How many signals the file behind the card holds, and whether each is the study's, to the last bit."""
+    [stimulus] = wire(load(str(folder / "short.toml"))[0], "short").bank.values()
+    output = AudioSettings(48e3, sample_format="int16").driver(Gain(2.0, 50.0))
+    wanted = np.trim_zeros(output._numbers(stimulus.at(34.0))[0])
+    raw = np.frombuffer((folder / "played.raw").read_bytes(), "<i2")
+    busy = np.flatnonzero(raw)
+    pieces = np.split(busy, np.flatnonzero(np.diff(busy) > 1000) + 1)
+    return [len(pieces), all(np.array_equal(raw[piece[0] : piece[-1] + 1], wanted) for piece in pieces)]
