@@ -42,7 +42,7 @@ def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[f
     slow = [*plan.between, *plan.sessions, *study.counterbalance]
     rest = [name for name in factors if name not in plan.interleave]
     names = [name for name in dict.fromkeys([*slow, *rest, *plan.interleave]) if name != over]
-    rules = {**dict.fromkeys(study.counterbalance, "williams"), **plan.orders}
+    rules = {**dict.fromkeys(study.counterbalance, "williams"), **plan.rules}
     return Crossing({name: factors[name] for name in names}, rules, nested_levels(study))
 
 

@@ -35,8 +35,9 @@ class PlanTable:
         Factors of which each session holds one level.
     interleave : tuple of str
         Factors whose levels are interleaved in one block, as tracks.
-    orders : mapping of str to str
-        The order of a factor's levels: ``williams`` (those in `counterbalance`), ``complete``, ``random``, ``fixed``.
+    orders : mapping of str to tuple of str
+        Factors by the rule of their order: ``williams`` (as those in `counterbalance`), ``complete``, ``random``;
+        others are fixed.
     longest_s : float or None
         No block begins later in a session.
     """
@@ -44,14 +45,20 @@ class PlanTable:
     between: tuple[str, ...] = ()
     sessions: tuple[str, ...] = ()
     interleave: tuple[str, ...] = ()
-    orders: dict[str, str] = field(default_factory=dict)
+    orders: dict[str, tuple[str, ...]] = field(default_factory=dict)
     longest_s: float | None = None
+
+    @property
+    def rules(self) -> dict[str, str]:
+        """The rule of each factor that has one here."""
+        return {name: rule for rule, names in self.orders.items() for name in names}
 
     @property
     def named(self) -> tuple[tuple[str, str], ...]:
         """Each factor that is named, with where."""
-        lists = (("between", self.between), ("sessions", self.sessions), ("interleave", self.interleave))
-        return (*((key, name) for key, names in lists for name in names), *(("orders", name) for name in self.orders))
+        lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
+        orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
+        return tuple((key, name) for key, names in (lists | orders).items() for name in names)
 
 
 @dataclass(frozen=True)

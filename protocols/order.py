@@ -105,12 +105,12 @@ class Crossing(Generic[T]):
         for name, rule in self.rules.items():
             if rule not in ORDERS:
                 raise InvalidParameter(
-                    f"orders.{name}: found {rule!r}, expected one of {', '.join(ORDERS)}{nearest(rule, ORDERS)}"
+                    f"plan.orders: found {rule!r}, expected one of {', '.join(ORDERS)}{nearest(rule, ORDERS)}"
                 )
             sizes = self._sizes(name)
             if rule in ("williams", "complete") and len(sizes) > 1:
                 raise InvalidParameter(
-                    f"orders.{name}: found a {rule} order over an unequal design "
+                    f"plan.orders, {name}: found a {rule} order over an unequal design "
                     f"({' or '.join(map(str, sizes))} levels), expected as many levels everywhere; make them equal, or "
                     "take random or fixed"
                 )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from tactometry.errors import InvalidParameter
-from tactometry.request import Play, Press, Slide
+from tactometry.request import TRAJECTORY_M, Play, Press, Slide
 
 
 class Touch(Protocol):
@@ -13,22 +13,31 @@ class Touch(Protocol):
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Play | Press | Slide: ...
 
 
+def fair_tolerance(force_n: float) -> float:
+    """The relative tolerance that people can keep: 20 % from 0.5 N on, 30 % below (unverified default).
+
+    >>> fair_tolerance(0.5), fair_tolerance(0.2)
+    (0.2, 0.3)
+    """
+    return 0.2 if force_n >= 0.5 else 0.3
+
+
 def _check(touch: object, names: tuple[str, ...]) -> None:
     for name in names:
         value = getattr(touch, name)
-        if not 0 < value < float("inf"):
+        if value is not None and not 0 < value < float("inf"):
             raise InvalidParameter(f"{type(touch).__name__}.{name}: found {value}, expected a finite number above 0")
 
 
 @dataclass(frozen=True)
 class Pressing:
-    """A finger that rests and presses `force_n` within `tolerance` (relative)."""
+    """A finger that rests and presses `force_n` within `tolerance` (relative; None: `fair_tolerance`)."""
 
     duration_s: float
     force_n: float
-    tolerance: float
     hold_s: float
     timeout_s: float
+    tolerance: float | None = None
 
     def __post_init__(self) -> None:
         _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s"))
@@ -39,7 +48,7 @@ class Pressing:
             level,
             self.duration_s,
             self.force_n,
-            self.tolerance,
+            fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance,
             self.hold_s,
             self.timeout_s,
             interval,
@@ -48,17 +57,24 @@ class Pressing:
 
 @dataclass(frozen=True)
 class Sliding:
-    """A finger that slides at `speed_m_per_s` and presses `force_n` within `tolerance` (relative)."""
+    """A finger that follows a cursor out and back over `length_m` at `speed_m_per_s`, and presses `force_n`.
+
+    Both are gated within a relative tolerance: `tolerance` of the force (None: `fair_tolerance`), `speed_tolerance` of
+    the speed (None: not gated).
+    """
 
     duration_s: float
     force_n: float
-    tolerance: float
     hold_s: float
     timeout_s: float
     speed_m_per_s: float
+    tolerance: float | None = None
+    length_m: float = TRAJECTORY_M
+    speed_tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s", "speed_m_per_s"))
+        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s"))
+        _check(self, ("speed_m_per_s", "length_m", "speed_tolerance"))
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
         return Slide(
@@ -66,9 +82,11 @@ class Sliding:
             level,
             self.duration_s,
             self.force_n,
-            self.tolerance,
+            fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance,
             self.hold_s,
             self.timeout_s,
             self.speed_m_per_s,
             interval,
+            self.length_m,
+            self.speed_tolerance,
         )

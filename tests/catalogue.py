@@ -15,16 +15,24 @@ from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
+    AdjustmentTask,
     Block,
+    Comparison,
     Condition,
     ConstantStimuli,
     ForcedChoice,
+    Inquiry,
+    Localisation,
+    Magnitude,
     MethodOfLimits,
     ParameterGrid,
+    Preference,
     Pressing,
     PsiSettings,
     Quest,
     QuestPlus,
+    Rating,
+    SameDifferent,
     SharedQuestPlus,
     Sliding,
     Staircase,
@@ -34,6 +42,8 @@ from tactometry.protocols import (
     session,
 )
 from tactometry.protocols.block import run_block
+from tactometry.protocols.task import Alternative
+from tactometry.questionnaire import load as load_form
 from tactometry.rigs.console import Console
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
@@ -140,14 +150,36 @@ TOUCHES = {
     "slide": Sliding(duration_s=0.2, force_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05),
 }
 
-TASKS = {"yes_no": YesNo(), "two_interval": ForcedChoice(2), "four_interval": ForcedChoice(4)}
+TASKS = {
+    "yes_no": YesNo(),
+    "two_interval": ForcedChoice(2),
+    "four_interval": ForcedChoice(4),
+    "same_different": SameDifferent(standard_level=20.0),
+    "comparison": Comparison(standard_level=20.0),
+    "magnitude": Magnitude(),
+    "localisation": Localisation(),
+    "preference": Preference(),
+    "adjustment": AdjustmentTask(step=2.0, low=0.0, high=40.0),
+    "rating": Rating(load_form("attrakdiff-haptic"), shuffled=True, n_touches=2),
+    "rating_statements": Rating(load_form("sus")),
+}
+DETECTION = ("yes_no", "two_interval", "four_interval")
+PLACES = tuple(Alternative(f"place {n}", str(n), {"frequency_hz": 60.0 * n}) for n in (1, 2))
 
 
 def block(task, procedure, touch="slide", stimulus="amplitude_modulated"):
     """A block of the catalogue's parts, by their names."""
-    condition = Condition({"frequency_hz": 240.0}, stimulus, "dB re 1 V", TOUCHES[touch])
+    condition = Condition({"frequency_hz": 240.0}, stimulus, "dB re 1 V", TOUCHES[touch], alternatives=PLACES)
     catch_rate = 0.25 if TASKS[task].takes_catch_trials else 0.0
     return Block((Track(condition, PROCEDURES[procedure]),), TASKS[task], catch_rate)
+
+
+def interleaved(interleaving):
+    """Three procedures in one block, with feedback and rests."""
+    condition = Condition({"frequency_hz": 240.0}, "amplitude_modulated", "dB re 1 V", TOUCHES["press"])
+    names = ("constant_stimuli", "staircase_1_up_1_down", "quest_plus")
+    tracks = tuple(Track(condition, PROCEDURES[name], name) for name in names)
+    return Block(tracks, YesNo(), 0.25, interleaving=interleaving, feedback=True, rest_after=20, longest_s=1e4)
 
 
 def _one_block(task, procedure):
@@ -160,8 +192,11 @@ def _built_in(name):
 
 
 PROTOCOLS = {
-    **{f"{task} x {rule}": _one_block(task, rule) for task in TASKS for rule in PROCEDURES},
+    **{f"{task} x {rule}": _one_block(task, rule) for task in DETECTION for rule in PROCEDURES},
+    **{task: _one_block(task, "constant_stimuli_shuffled") for task in TASKS if task not in DETECTION},
     "session": lambda rng: session([block("yes_no", rule) for rule in PROCEDURES], rng),
+    "interleaved": lambda rng: session([interleaved("random"), Inquiry(load_form("nasa-tlx"))], rng),
+    "interleaved in rounds": lambda rng: session([interleaved("balanced")], rng, longest_s=3600.0),
     **{name: _built_in(name) for name in builtin()},
 }
 
@@ -201,20 +236,21 @@ def simulated(seed=0, observer="default"):
 
 
 def console(seed=0):
-    """A console whose input is one endless answer."""
+    """A console with an endless input."""
     return Console(AnyStimulus(), LIMITS, texts_in("en", {}), source=Answers(seed), output=io.StringIO())
 
 
 class Answers(io.StringIO):
-    """An input of which every line is 1, an answer that every question takes."""
+    """An input of 1 and 0 in turn: one of the two answers every question."""
 
     def __init__(self, seed):
         super().__init__()
-        del seed
+        self.n_lines = seed
 
     def readline(self, size=-1):
         del size
-        return "1\n"
+        self.n_lines += 1
+        return f"{self.n_lines % 2}\n"
 
     def isatty(self):
         return False

@@ -128,7 +128,7 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
         f"  ({block.content})"
         for block in blocks
     ]
-    drawn = "random" in experiment.study.plan.orders.values() and who.seed is None
+    drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     text = "\n".join(
         ["block", *rows, *notes, f"at most {minutes:.0f} minutes, trials that are asked again not counted"]

@@ -180,7 +180,6 @@ class Console:
 
     def show(self, request: Show) -> Done:
         self._say(self._texts.message(request.message, request.values).strip())
-        time.sleep(request.duration_s or 0.0)
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:

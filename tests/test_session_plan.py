@@ -1,0 +1,315 @@
+"""Session plans: who meets what, in which order, in which session; and what a block does with several tracks."""
+
+import itertools
+from collections import Counter
+from dataclasses import replace
+from math import factorial
+
+import catalogue
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from memory import Memory
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.planning import duration_s, plan
+from tactometry.experiments.session_plan import session_cells
+from tactometry.experiments.study import builtin, load, parse
+from tactometry.experiments.wiring import wire
+from tactometry.protocols import Block, Condition, ConstantStimuli, Track
+from tactometry.protocols.block import run_block, turns
+from tactometry.protocols.order import ORDERS, Crossing, nth_permutation
+from tactometry.protocols.practice import Practice
+from tactometry.request import Show
+from tactometry.run import run
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+LEVELS = "levels = [10, 18, 26, 34]                       # dB re 1 V peak\nrepeats = 4"
+
+
+def study(*changes, more=""):
+    """The tutorial with some changes of its text."""
+    text = TUTORIAL + more
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return parse(text.encode(), "s.toml")
+
+
+def experiment(*changes, more=""):
+    return wire(study(*changes, more=more), "s.toml")
+
+
+def lived(protocol, seed=1):
+    memory = Memory()
+    ended = run(protocol, catalogue.simulated(seed), memory)
+    return ended, memory
+
+
+# --- orders
+
+
+@given(n=st.integers(1, 6))
+def test_complete_counterbalancing_gives_every_order_once(n):
+    orders = {tuple(nth_permutation(n, row)) for row in range(factorial(n))}
+    assert len(orders) == factorial(n)
+
+
+@given(n=st.integers(1, 8), row=st.integers(0, 10**6), rule=st.sampled_from(sorted(ORDERS)))
+def test_every_rule_gives_each_level_once(n, row, rule):
+    assert sorted(ORDERS[rule](n, row, np.random.default_rng(row))) == list(range(n))
+
+
+sizes = st.lists(st.integers(2, 5), min_size=1, max_size=3)
+
+
+@given(sizes=sizes)
+@settings(max_examples=25)
+def test_over_a_full_square_each_level_precedes_each_other_equally_often(sizes):
+    """Within every run of the fastest factor, whatever the slower ones are."""
+    factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}
+    crossing = Crossing(factors, dict.fromkeys(factors, "williams"))
+    name, levels = list(factors.items())[-1]
+    n_rows = 2 * len(levels) * int(np.prod(sizes[:-1]))
+    pairs = Counter()
+    for row in range(n_rows):
+        cells = crossing.cells(row, np.random.default_rng(0))
+        for k in range(0, len(cells), len(levels)):
+            pairs.update(itertools.pairwise(cell[name] for cell in cells[k : k + len(levels)]))
+    assert len(pairs) == len(levels) * (len(levels) - 1)
+    assert len(set(pairs.values())) == 1
+
+
+def test_nested_levels_belong_to_their_outer_level():
+    crossing = Crossing(
+        {"wave": ("sine", "square"), "hz": (30, 60)}, {"hz": "random"}, {"wave": {"square": {"hz": (1, 2, 3)}}}
+    )
+    cells = crossing.cells(0, np.random.default_rng(1))
+    assert sorted(cell["hz"] for cell in cells if cell["wave"] == "square") == [1, 2, 3]
+    assert sorted(cell["hz"] for cell in cells if cell["wave"] == "sine") == [30, 60]
+
+
+def test_a_balanced_order_over_an_unequal_design_is_refused():
+    with pytest.raises(InvalidParameter, match=r"williams order over an unequal design \(2 or 3 levels\), expected as"):
+        Crossing({"w": ("a", "b"), "hz": (1, 2)}, {"hz": "williams"}, {"w": {"b": {"hz": (1, 2, 3)}}})
+
+
+# --- plans
+
+
+def test_the_plan_is_a_pure_function_of_study_number_and_seed():
+    drawn = study(more='\n[plan]\norders = { random = ["frequency_hz"] }\n')
+    plans = [session_cells(drawn, None, 17, 1, seed) for seed in (3, 3)]
+    assert plans[0] == plans[1]
+    orders = {tuple(cell["frequency_hz"] for cell in session_cells(drawn, None, 17, 1, seed)) for seed in range(40)}
+    assert len(orders) == 2
+
+
+def test_groups_by_number_meet_one_level_each_and_the_same_orders():
+    grouped = study(
+        ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
+        ("force_n = 1.0\n", ""),
+        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
+        more='\n[plan]\nbetween = ["force_n"]\n',
+    )
+    met = [
+        [(cell["frequency_hz"], cell["force_n"]) for cell in session_cells(grouped, None, n, 1, 0)] for n in range(1, 5)
+    ]
+    assert [{force for _, force in cells} for cells in met] == [{0.5}, {1.0}, {0.5}, {1.0}]
+    orders = [[hz for hz, _ in cells] for cells in met]
+    assert orders[0] == orders[1] != orders[2] == orders[3]
+
+
+def test_sessions_hold_one_level_each_and_together_all_cells():
+    split = study(
+        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
+        more='\n[plan]\nsessions = ["frequency_hz"]\n',
+    )
+    first, second = (session_cells(split, None, 2, n, 0) for n in (1, 2))
+    assert [cell["frequency_hz"] for cell in (*first, *second)] == [240, 60]
+    with pytest.raises(InvalidParameter, match="--session: found 3, expected from 1 to 2"):
+        session_cells(split, None, 2, 3, 0)
+
+
+def test_interleaved_factors_share_a_block_and_are_told_apart_by_their_track():
+    made = experiment(more='\n[plan]\ninterleave = ["frequency_hz"]\n')
+    (block,) = made.parts(1, np.random.default_rng(1))
+    assert [track.name for track in block.tracks] == ["frequency_hz=60", "frequency_hz=240"]
+    assert "track" in [column.name for column in made.design(b"").columns]
+    memory = Memory()
+    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    runs = [len(list(group)) for _, group in itertools.groupby(trial.track for trial in memory.trials)]
+    assert len(runs) > 4
+    assert {(trial.track, trial.factors["frequency_hz"]) for trial in memory.trials} == {
+        ("frequency_hz=60", 60.0),
+        ("frequency_hz=240", 240.0),
+    }
+
+
+QUEST_PLUS = """kind = "quest_plus"
+low = 0
+high = 38
+n_levels = 20
+width_low = 4
+width_high = 16
+n_widths = 3
+guess_rates = [0.0]
+n_trials = 12
+shared = true"""
+
+
+def test_conditions_that_share_a_posterior_run_interleaved():
+    made = experiment(
+        (f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS), more='\n[plan]\ninterleave = ["frequency_hz"]\n'
+    )
+    memory = Memory()
+    tracks = run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    assert {track.ended for track in tracks} <= {"trials", "converged"}
+    felt = Counter(trial.track for trial in memory.trials if trial.valid and not trial.catch)
+    assert felt == {"frequency_hz=60": 12, "frequency_hz=240": 12}
+
+
+def test_a_dry_run_counts_trials_items_and_time():
+    made = wire(load("hybrid-button")[0], "hybrid-button")
+    blocks = plan(made, 1)
+    assert [(block.n_trials_at_most, block.n_items) for block in blocks] == [(4, 12), (4, 12), (0, 6)]
+    assert duration_s(made, blocks) == 8 * 8.0 + 30 * 5.0
+
+
+def test_practice_comes_first_and_is_marked():
+    made = experiment(more="\n[practice]\nlevels = [34]\nn_correct = 2\nn_of = 2\n")
+    memory = Memory()
+    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    marks = [trial.practice for trial in memory.trials]
+    assert marks == sorted(marks, reverse=True)
+    assert 2 <= marks.count(True) < 20
+    assert {trial.procedure for trial in memory.trials if trial.practice} == {"practice"}
+    said = [request.message for request, _ in memory.entries if isinstance(request, Show)]
+    assert said[2] == "practice"
+    assert set(said) & {"right", "wrong"}
+
+
+def test_practice_that_never_meets_its_criterion_ends():
+    rule = Practice(levels=(1.0,), n_correct=3, n_of=3, n_trials=7)
+    for n in range(7):
+        assert not rule.finished
+        rule = rule.after(n % 2)
+    assert rule.ended == "trials"
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ('[plan]\nsessions = ["force_n"]', "plan.sessions: found 'force_n', expected a factor (frequency_hz)"),
+        ('[plan]\norders = { latin = ["frequency_hz"] }', "plan.orders: found 'latin', expected one of williams"),
+        ('[plan]\norders = { random = ["hz"] }', "plan.orders.random: found 'hz', expected a factor (frequency_hz)"),
+        ("[nested.frequency_hz.61]\nfrequency_hz = [1]", "nested.frequency_hz: found '61', expected one of its levels"),
+        ("[variants.frequency_hz.60.limit]\n", "variants.frequency_hz.60: found 'limit', expected a table"),
+        ('[inquiries.a]\nform = "sos"', "inquiries.a.form: found 'sos', expected one of attrakdiff"),
+        ('[inquiries.a]\nform = "sus"\nafter = "never"', "inquiries.a.after: found 'never', expected one of block"),
+        ("[practice]\nlevels = [34]\nn_correct = 9", "practice.n_correct: found 9, expected from 1 to 5"),
+        ("[practice]\nlevels = [90]", "practice: found the highest level 90, expected one within the limits"),
+    ],
+)
+def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
+    with pytest.raises((InvalidParameter, Exception)) as refused:
+        experiment(more=f"\n{more}\n")
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_form_of_the_studys_own_is_used():
+    form = """
+[inquiries.end]
+form = "mine"
+
+[forms.mine]
+title = "Mine"
+reference = "none"
+low = 0.0
+high = 1.0
+score_low = 0.0
+score_high = 1.0
+items = [{ id = "A", dimension = "D", order = 1, poles = { en = ["Bad", "Good"] } }]
+
+[forms.mine.dimensions.D]
+min_answered = 1
+"""
+    memory = Memory()
+    made = experiment(more=form)
+    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    assert [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-1:]] == [("mine", "A", "rating")]
+
+
+# --- blocks of several tracks
+
+
+def two_tracks(**how):
+    condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"])
+    rules = {"a": ConstantStimuli((10.0, 20.0), 10), "b": ConstantStimuli((30.0,), 20)}
+    tracks = tuple(Track(condition, rule, name) for name, rule in rules.items())
+    return Block(tracks, catalogue.TASKS["yes_no"], **how)
+
+
+def test_balanced_interleaving_presents_every_track_once_a_round():
+    _, memory = lived(run_block(two_tracks(interleaving="balanced"), 1, 1, np.random.default_rng(1)))
+    order = [trial.track for trial in memory.trials]
+    assert all(set(order[n : n + 2]) == {"a", "b"} for n in range(0, 40, 2))
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5))
+@settings(max_examples=30)
+def test_random_turns_are_those_of_their_seed(seed, n):
+    drawn = [turns("random", np.random.default_rng(seed)) for _ in range(2)]
+    assert [drawn[0](range(n)) for _ in range(20)] == [drawn[1](range(n)) for _ in range(20)]
+
+
+def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
+    _, memory = lived(run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1)))
+    assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
+
+
+def test_a_block_that_lasts_too_long_ends():
+    (first, second), memory = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))[0][0], None
+    del memory
+    assert {first.ended, second.ended} == {"aborted"}
+
+
+def test_feedback_says_whether_the_answer_was_right():
+    _, memory = lived(run_block(two_tracks(feedback=True), 1, 1, np.random.default_rng(1)))
+    said = [request.message for request, _ in memory.entries if isinstance(request, Show)]
+    assert said == ["right" if trial.correct else "wrong" for trial in memory.trials if trial.valid]
+
+
+class Losing:
+    """A rig that loses the touches of these numbers (from 1)."""
+
+    def __init__(self, lost):
+        self._rig, self._lost, self._n = catalogue.simulated(), lost, 0
+
+    def press(self, request):
+        self._n += 1
+        return replace(self._rig.press(request), valid=self._n not in self._lost)
+
+    def __getattr__(self, name):
+        return getattr(self._rig, name)
+
+
+@given(lost=st.sets(st.integers(1, 48), max_size=12))
+@settings(max_examples=30, deadline=None)
+def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
+    memory = Memory()
+    block = two_tracks(catch_rate=0.25)
+    tracks, next_trial = run(run_block(block, 1, 1, np.random.default_rng(2)), Losing(lost), memory)
+    assert next_trial == 1 + max(trial.trial for trial in memory.trials)
+    attempts = Counter((trial.trial, trial.attempt) for trial in memory.trials)
+    assert set(attempts.values()) == {1}
+    for track in tracks:
+        felt = [t.level for t in memory.trials if t.track == track.name and t.valid and not t.catch]
+        asked_for = block.tracks[tracks.index(track)].procedure.order
+        assert track.ended == "aborted" or sorted(felt) == sorted(asked_for)
+        owed = {t.trial for t in memory.trials if t.track == track.name} - {
+            t.trial for t in memory.trials if t.track == track.name and t.valid
+        }
+        assert track.ended == "aborted" or not owed
