@@ -2,8 +2,9 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000] [--out DIR]. About 10 minutes in full form.
 
-The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses whose threshold lies anywhere within
-three standard deviations of the middle of the levels; slope and lapse rate are unknown to the procedure. The bound on
+The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses, whose threshold lies anywhere in the
+middle half of the levels. Slope and lapse rate are unknown to the procedure: seven standard deviations from half to
+twice the true one, log-normal with a factor of 1.5, and lapse rates of 0, 2 and 4 %, flat. The bound on
 the variance of a threshold after N trials is K / N, where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the
 ideal sweat factor (Taylor 1971; Taylor and Creelman 1967). Prints the root-mean-square error and the sweat factor
 N * MSE of each procedure at 40, 80 and 160 trials, the trials that it needs for an error of 1 dB, and how a run ends
@@ -11,9 +12,10 @@ that is asked to stop at a posterior standard deviation of 1 dB; draws the error
 """
 
 import argparse
+import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +35,11 @@ from tactometry.protocols import (
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
 N_MAX, EVERY, SHOWN = 320, 5, (40, 80, 160)
-LEVELS = tuple(float(x) for x in np.linspace(-24, 24, 61))
-SDS_DB = SD_DB * np.geomspace(0.35, 2.8, 11)
-LAPSES = (0.0, 0.02, 0.04, 0.07, 0.1)
+LEVELS = tuple(float(x) for x in np.linspace(-12, 12, 31))
+SPAN_DB = 6.0
+SDS_DB = SD_DB * np.geomspace(0.5, 2, 7)
+SD_PRIOR = tuple(float(w) for w in np.exp(-0.5 * (np.log(SDS_DB / SD_DB) / math.log(1.5)) ** 2))
+LAPSES = (0.0, 0.02, 0.04)
 TO_WIDTH = 2 * 1.6448536269514722
 
 
@@ -83,14 +87,15 @@ def mean(rule: QuestPlus) -> float:
 def contenders(task: Task) -> list[Contender]:
     grid, many = task.grid(), 10**6
     half = task.guess + (1 - task.guess - LAPSE) / 2
-    whole = QuestPlus(LEVELS, grid, n_trials=many)
-    first = QuestPlus(LEVELS, grid, n_trials=many, aim="threshold")
-    variance = QuestPlus(LEVELS, grid, n_trials=many, aim="threshold", criterion="variance")
+    prior = {"width": SD_PRIOR}
+    whole = QuestPlus(LEVELS, grid, n_trials=many, prior=prior)
+    first = replace(whole, aim="threshold")
+    variance = replace(first, criterion="variance")
     known = psi(LEVELS, LEVELS, tuple(SDS_DB), guess_rate=task.guess, lapse_rate=LAPSE, n_trials=many)
     quest = Quest(
-        0.0, 16.0, -24.0, 24.0, 0.4, target=half, slope=2.7, guess_rate=task.guess, blind_share=0.04, n_trials=many
+        0.0, 8.0, -12.0, 12.0, 0.4, target=half, slope=2.7, guess_rate=task.guess, blind_share=0.04, n_trials=many
     )
-    bounds = {"low": -32.0, "high": 32.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
+    bounds = {"low": -24.0, "high": 24.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
 
     def late_reversals(rule: Staircase | WeightedStaircase) -> float | None:
         return rule.threshold(discard=4)
@@ -104,8 +109,8 @@ def contenders(task: Task) -> list[Contender]:
 
     found = [
         Contender("QUEST+", lambda _: whole, mean),
-        Contender("QUEST+, threshold first", lambda _: first, mean),
-        Contender("threshold's variance", lambda _: variance, mean),
+        Contender("threshold first, entropy", lambda _: first, mean),
+        Contender("threshold first, variance", lambda _: variance, mean),
         Contender("psi (lapse rate known)", lambda _: known, mean),
         Contender("QUEST (slope, lapse rate given)", lambda _: quest, lambda rule: rule.posterior @ rule.thresholds),
         *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
@@ -118,14 +123,14 @@ def contenders(task: Task) -> list[Contender]:
         constant(first),
     ]
     if task.guess < 0.5:
-        limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=many, n_start_steps=4)
+        limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=N_MAX, n_start_steps=6)
         found.append(Contender("limits, alternating", limits.shuffled, lambda rule: rule.threshold()))
     return found
 
 
 def constant(rule: QuestPlus) -> Contender:
     """Nine levels over the range where thresholds lie, scored by the same posterior."""
-    stimuli = ConstantStimuli(tuple(np.linspace(-18, 18, 9)), repeats=N_MAX // 9 + 1)
+    stimuli = ConstantStimuli(tuple(np.linspace(-12, 12, 9)), repeats=N_MAX // 9 + 1)
 
     @dataclass(frozen=True)
     class Scored:
@@ -148,7 +153,7 @@ def errors_db(contender: Contender, task: Task, n_observers: int, rng: np.random
     """Estimate less truth after every `EVERY` trials, (n_observers, n_steps); NaN before there is an estimate."""
     errors = np.full((n_observers, N_MAX // EVERY), np.nan)
     for observer in range(n_observers):
-        threshold = rng.uniform(-3, 3) * SD_DB
+        threshold = rng.uniform(-SPAN_DB, SPAN_DB)
         rule = contender.start(rng)
         for n in range(N_MAX):
             rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
@@ -192,19 +197,21 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, 
 
 
 def ratio_of_trials(curves: dict[str, np.ndarray]) -> None:
-    """Trials by which the threshold-first rule reaches what QUEST+ has after 160 and at the end."""
-    for n in (160, N_MAX):
-        goal = curves["QUEST+"][n // EVERY - 1]
-        needed = trials_to(goal, curves["QUEST+, threshold first"])
-        print(f"threshold first reaches the error of QUEST+ after {n} trials in {needed} ({100 * needed / n:.0f} %)")
+    """Trials by which the threshold-first rules reach what QUEST+ has after 160 and at the end."""
+    for n, name in itertools.product((160, N_MAX), ("threshold first, entropy", "threshold first, variance")):
+        needed = trials_to(curves["QUEST+"][n // EVERY - 1], curves[name])
+        found = "no" if needed is None else f"{needed} trials ({100 * needed / n:.0f} %)"
+        print(f"{name}: as good as QUEST+ after {n} trials in {found}")
 
 
 def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:
     """How runs end that are asked to stop at a posterior standard deviation of 1 dB."""
-    start = QuestPlus(LEVELS, task.grid(), n_trials=400, aim="threshold", sd_stop=GOAL_DB)
+    start = QuestPlus(
+        LEVELS, task.grid(), 400, GOAL_DB, aim="threshold", criterion="variance", prior={"width": SD_PRIOR}
+    )
     ends, errors = [], []
     for _ in range(n_observers):
-        threshold, rule = rng.uniform(-3, 3) * SD_DB, start
+        threshold, rule = rng.uniform(-SPAN_DB, SPAN_DB), start
         while not rule.finished:
             rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
         ends.append((rule.ended, len(rule.responses)))
