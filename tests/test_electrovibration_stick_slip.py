@@ -136,6 +136,19 @@ def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, 
     np.testing.assert_allclose(motion.stretch_m, expected_m, rtol=0, atol=1e-9 * np.abs(expected_m).max())
 
 
+@pytest.mark.parametrize("tau_s", [1e-5, 1e-4])
+def test_the_force_of_a_slope_that_has_settled_against_an_adaptive_solver(tau_s: float) -> None:
+    layer = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s), 1e-4)
+    slopes = Trapezoid(rise_s=0.02, high_s=0.0, fall_s=0.03, low_s=0.0, duration_s=0.1).pieces(46.0)
+    peak_v = np.abs(Solution(slopes, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
+    form = ForceForm(layer.relaxations, 0.5 / peak_v**2)
+    motion = run(slopes, form=form, force_n=0.2, travel=Travel(0.1))
+    expected_m, events_s = reference(slopes, Travel(0.1), 0.2, form)
+    assert len(motion.events_s) >= 2
+    np.testing.assert_allclose(motion.events_s, events_s, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(motion.stretch_m, expected_m, rtol=0, atol=1e-9 * np.abs(expected_m).max())
+
+
 @pytest.mark.parametrize("pieces", [SINE, SQUARE, TRAPEZOID])
 def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> None:
     coarse, fine = run(pieces, T_S[::40]), run(pieces, np.linspace(0, 0.1, 8001))

@@ -1,0 +1,147 @@
+"""Details that mutations of the code showed to be held by no other test."""
+
+import numpy as np
+import pytest
+
+from tactometry.stimuli.electrovibration import (
+    CoulombFriction,
+    DryFriction,
+    Finger,
+    Grating,
+    PositionSensor,
+    PowerLawArea,
+    PulseTrain,
+    Region,
+    Sampled,
+    Sine,
+    Skin,
+    Step,
+    TableArea,
+    Travel,
+    Velvet,
+    charge_c,
+    current_a,
+    figures,
+    sliding,
+    stick_slip,
+)
+from tactometry.stimuli.electrovibration.force import force_form
+from tactometry.stimuli.electrovibration.pieces import straight
+from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.sensation import _room_for_the_square
+
+AREA_M2, FINGER = 1e-4, Finger()
+
+
+@pytest.mark.parametrize("gap_m", [1e-7, 5e-6])
+def test_share_and_time_constant_of_a_skin_with_a_gap_are_those_of_its_stack(gap_m: float) -> None:
+    skin = Skin(gap_m=gap_m)
+    found = skin.relaxations(AREA_M2)
+    assert found.gains[0] == pytest.approx(skin.k, rel=1e-13)
+    assert 1 / found.rates_per_s[0] == pytest.approx(skin.tau_s, rel=1e-13)
+
+
+def test_an_infinite_rate_passes_nothing_not_even_the_first_sample() -> None:
+    assert not Relaxations((1.0,), (np.inf,)).sampled(np.array([5.0, 1.0, -3.0]), 1e3).any()
+
+
+def test_the_currents_of_stacked_voltages_are_those_of_each() -> None:
+    voltages_v = np.array([[0.0, 1.0, 4.0], [2.0, 2.0, -1.0]])
+    together = current_a(voltages_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2)
+    for row, voltage_v in zip(together, voltages_v, strict=True):
+        np.testing.assert_array_equal(row, current_a(voltage_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2))
+        charge = charge_c(voltage_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2)
+        assert row.sum() / 1e4 == pytest.approx(charge[-1], rel=1e-13)
+
+
+def test_the_skin_of_a_stuck_finger_accelerates_as_the_finger_does() -> None:
+    motion = stick_slip(
+        np.linspace(0, 0.1, 11), straight([0, 1.0], [0, 0]), force_form("sc_layer", Skin(), AREA_M2), finger=FINGER,
+        friction=DryFriction(), force_n=100.0, travel=Travel(0.01, 0.3),
+    )  # fmt: skip
+    assert not motion.direction.any()
+    np.testing.assert_array_equal(motion.stretch_m_per_s2, 0.3)
+
+
+def test_a_table_of_areas_starts_at_no_area_without_force() -> None:
+    table = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
+    np.testing.assert_allclose(table.area_m2([0.0, 0.1, 0.2]), [0.0, 0.25e-4, 0.5e-4], atol=1e-18)
+
+
+def test_a_constant_area_is_none_without_force() -> None:
+    np.testing.assert_array_equal(PowerLawArea(exponent=0.0).area_m2([0.0, 1.0]), [0.0, 1e-4])
+
+
+def test_a_grating_has_the_same_frequency_in_both_directions() -> None:
+    assert Grating(1e-3).temporal_frequency_hz(-0.1) == Grating(1e-3).temporal_frequency_hz(0.1) == pytest.approx(100.0)
+
+
+def test_a_region_ends_at_both_of_its_edges() -> None:
+    share = Region(0.01, 0.03).force_share([0.0, 0.01, 0.02, 0.03, 0.04])
+    np.testing.assert_array_equal(share, [0.0, 1.0, 1.0, 0.0, 0.0])
+
+
+def test_a_second_reversal_starts_from_where_the_pile_lay() -> None:
+    velvet = Velvet(with_pile=0.2, against_pile=1.0, tuft_depth=0.0, reversal_m=2e-3)
+    path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0.049, 11)[1:], np.linspace(0.049, 0.06, 111)[1:]]
+    share = velvet.force_share_along(path_m)
+    turned = 1 - 0.8 * np.exp(-0.5)
+    assert share[510] == pytest.approx(turned, rel=1e-9)
+    np.testing.assert_allclose(share[511:], 0.2 + (turned - 0.2) * np.exp(-(path_m[511:] - 0.049) / 2e-3), rtol=1e-9)
+
+
+def test_a_sensor_knows_nothing_of_the_future() -> None:
+    known_m = PositionSensor(rate_hz=130.0, latency_s=0.003).reported_m(np.arange(1000.0), 1000.0)
+    assert (known_m <= np.maximum(np.arange(1000.0) - 3, 0) + 1e-9).all()
+    assert (np.arange(1000.0) - known_m).max() <= 3 + 1000 / 130 + 1
+
+
+@pytest.mark.parametrize("n", [8, 9, 400, 401])
+def test_samples_at_twice_the_rate_pass_through_the_old_ones(n: int) -> None:
+    voltage_v = np.random.default_rng(n).normal(size=n)
+    found_v, rate_hz = _room_for_the_square(voltage_v, 20e3)
+    assert (found_v.size, rate_hz) == (2 * n, 40e3)
+    np.testing.assert_allclose(found_v[::2], voltage_v, atol=1e-12)
+
+
+def test_alternating_pulses_change_sign_at_the_frequency_of_the_pulses() -> None:
+    train = PulseTrain(frequency_hz=50.0, width_s=1e-3, duration_s=0.1, ramp_s=0.0, polarity="alternating")
+    samples = train.at(0.0).samples[0]
+    starts = np.flatnonzero(np.diff(np.abs(samples), prepend=0) > 0)
+    assert starts.tolist() == [0, 400, 800, 1200, 1600]
+    assert samples[starts].tolist() == [1.0, -1.0, 1.0, -1.0, 1.0]
+    assert (train.voltage_frequency_hz, train.force_frequency_hz) == (25.0, 50.0)
+
+
+def test_times_that_are_almost_even_are_not_taken_for_even_ones() -> None:
+    pieces, form = (
+        Sine(frequency_hz=240.0, ramp_s=0.0, duration_s=0.05).pieces(40.0),
+        force_form("interface", Skin(), AREA_M2),
+    )
+    even_s = np.linspace(0, 0.05, 51)[1:-1]
+    jitter_s = even_s * (1 + 3e-5 * np.sin(np.arange(even_s.size)))
+
+    def deflection_m(t_s: np.ndarray) -> np.ndarray:
+        return sliding(t_s, pieces, form, finger=FINGER, friction=CoulombFriction(), force_n=0.01).deflection_m
+
+    together = deflection_m(jitter_s)
+    alone = [deflection_m(np.array([t_s]))[0] for t_s in jitter_s]
+    np.testing.assert_allclose(together, alone, rtol=1e-11)
+
+
+def test_a_step_falls_before_its_end() -> None:
+    samples = Step(fall_s=0.2, duration_s=0.4, rate_hz=10.0).at(20.0).samples[0]
+    np.testing.assert_allclose(samples, [10.0, 10.0, 10.0, 5.0])
+
+
+def test_the_error_bar_of_the_applied_forces_is_the_95_percent_t_interval() -> None:
+    figure = figures.applied_forces({"1 N": [0.9, 1.0, 1.2]})
+    (bars,) = figure.axes[0].collections
+    (segment,) = bars.get_segments()
+    half_n = 4.302652729911275 * np.std([0.9, 1.0, 1.2], ddof=1) / np.sqrt(3)
+    np.testing.assert_allclose(np.ptp(segment[:, 1]), 2 * half_n, rtol=1e-9)
+
+
+def test_sampled_tones_double_in_the_force() -> None:
+    tone = Sampled(tuple(np.sin(2 * np.pi * 50 * np.arange(1000) / 1000)), rate_hz=1000.0)
+    assert (tone.voltage_frequency_hz, tone.force_frequency_hz) == pytest.approx((50.0, 100.0))
