@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_device_audio import alsa, sink  # noqa: F401  # fixtures
+from test_device_audio import server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available
 
 from tactometry.devices.reader import Block, Reader
@@ -246,9 +246,6 @@ def calibrate(*arguments, cwd, env=None, answers=""):
 
 def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa: F811
     """Output 0 to the sensor, output 1 to the reference, through PortAudio, PulseAudio's sink and its monitor."""
-    config = tmp_path / "alsa.conf"
-    monitor = 'pcm.monitor {\ntype pulse\ndevice "finger.monitor"\n}\n'
-    config.write_text(config.read_text(encoding="utf-8") + monitor, encoding="utf-8")
     (tmp_path / "bench.toml").write_text(LOOPBACK, encoding="utf-8")
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
     arguments += ["--quantity", "displacement", "--voltage-v", 10.0, "--band-hz", 200, 20000, "--sequence-order", 14]

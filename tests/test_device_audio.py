@@ -26,18 +26,25 @@ if importlib.util.find_spec("sounddevice") is None:
     pytest.skip("no sounddevice: pip install 'tactometry[audio]'", allow_module_level=True)
 
 
-@pytest.fixture
-def alsa(tmp_path):
-    """An environment in which ALSA knows two more devices: `tofile`, and `pulse`."""
+def alsa_in(folder):
+    """An environment in which ALSA knows more devices: `tofile`, `pulse`, and `monitor`, what a sink hears."""
     if not ALSA.exists():
         pytest.skip("no ALSA here: apt-get install libasound2")
     devices = {
-        "tofile": f'type file\nslave.pcm null\nfile "{tmp_path}/played.raw"\nformat raw',
+        "tofile": f'type file\nslave.pcm null\nfile "{folder}/played.raw"\nformat raw',
         "pulse": "type pulse",
+        "monitor": 'type pulse\ndevice "finger.monitor"',
     }
     written = "\n".join(f"pcm.{name} {{\n{text}\n}}" for name, text in devices.items())
-    (tmp_path / "alsa.conf").write_text(f"<{ALSA}>\n{written}\npcm.!default pcm.tofile\n", encoding="utf-8")
-    return {**os.environ, "ALSA_CONFIG_PATH": str(tmp_path / "alsa.conf")}
+    (folder / "alsa.conf").write_text(f"<{ALSA}>\n{written}\npcm.!default pcm.tofile\n", encoding="utf-8")
+    return {**os.environ, "ALSA_CONFIG_PATH": str(folder / "alsa.conf")}
+
+
+@pytest.fixture
+def alsa(tmp_path):
+    """The file over the null device takes what it gets as fast as it comes: it is large, and does not stay."""
+    yield alsa_in(tmp_path)
+    (tmp_path / "played.raw").unlink(missing_ok=True)
 
 
 def asked(n_channels, device, duration_s, **more):
@@ -135,12 +142,15 @@ class Sink:
             self.close()
             raise
 
+    def begin(self):
+        """What is heard from now on is the next record."""
+        self.n_before = self.raw.stat().st_size // 4 * 4
+
     def end(self):
         """Wait until the record holds what was played; then its frames."""
         n_bytes = self.raw.stat().st_size
         wait_for(lambda: self.raw.stat().st_size > n_bytes + 4 * 24_000)
-        self.close()
-        raw = self.raw.read_bytes()
+        raw = self.raw.read_bytes()[self.n_before :]
         return np.frombuffer(raw[: len(raw) // 4 * 4], "<i2").reshape(-1, 2)
 
     def close(self):
@@ -157,14 +167,21 @@ def wait_for(what, longest_s=20.0):
         time.sleep(0.01)
 
 
-@pytest.fixture
-def sink(alsa, tmp_path):
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
     missing = [name for name in ("pulseaudio", "parec") if shutil.which(name) is None]
     if missing:
         pytest.skip(f"no {' and no '.join(missing)}: apt-get install pulseaudio pulseaudio-utils libasound2-plugins")
-    sound = Sink(tmp_path, alsa)
+    folder = tmp_path_factory.mktemp("sound")
+    sound = Sink(folder, alsa_in(folder))
     yield sound
     sound.close()
+
+
+@pytest.fixture
+def sink(server):
+    server.begin()
+    return server
 
 
 def heard_part(frames):
