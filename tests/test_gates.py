@@ -1,0 +1,160 @@
+"""Force and speed gates against brute force: gaps, doubled stamps, time that goes back, saturation, lost samples."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.force_gate import ForceGate
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.request import Press, Slide
+from tactometry.speed_gate import SpeedGate, motion, triangle
+
+steps_s = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.0200001, 0.05, 0.0, -0.01, -1.0, math.nan])
+forces_n = st.sampled_from([0.0, 0.79, 0.8, 1.0, 1.2, 1.21, 5.0, -1.0, math.nan, math.inf])
+positions_m = st.sampled_from([0.0, 0.0005, 0.001, 0.002, -0.001, 0.1, math.nan, math.inf])
+
+
+def stamped(trace):
+    """Stamps from steps; after a lost stamp time goes on from the last good one."""
+    now_s, samples = 0.0, []
+    for step_s, value in trace:
+        now_s = now_s if math.isnan(step_s) else now_s + step_s
+        samples.append((math.nan if math.isnan(step_s) else now_s, value))
+    return samples
+
+
+def follows(earlier_s, later_s, *, doubled):
+    return (0 if doubled else 1e-300) <= later_s - earlier_s <= 0.02
+
+
+def force_was_held(samples, hold_s):
+    """Some earlier sample is the begin of a hold: all from there to the last are in the band, without a gap."""
+    for begin in range(len(samples)):
+        part = samples[begin:]
+        in_band = all(math.isfinite(t) and abs(f - 1.0) <= 0.2 for t, f in part)
+        whole = all(follows(a, b, doubled=True) for (a, _), (b, _) in itertools.pairwise(part))
+        if in_band and whole and part[-1][0] - part[0][0] >= hold_s:
+            return True
+    return False
+
+
+@given(trace=st.lists(st.tuples(steps_s, forces_n), max_size=30), hold_s=st.sampled_from([0.0, 0.01, 0.05]))
+def test_the_force_gate_is_open_if_and_only_if_a_force_was_held(trace, hold_s):
+    gate, samples = ForceGate(1.0, 0.2, hold_s), []
+    for sample in stamped(trace):
+        samples.append(sample)
+        gate = gate.after(*sample)
+        assert gate.open == force_was_held(samples, hold_s)
+
+
+def speed_at(samples, window_s=0.05):
+    """The speed at the last of the samples by its definition, None where it is not known."""
+    run = []
+    for t, x in samples:
+        if not (math.isfinite(t) and math.isfinite(x)):
+            run = []
+            continue
+        run = [*run, (t, x)] if run and follows(run[-1][0], t, doubled=False) else [(t, x)]
+    run = [(t, x) for t, x in run if t >= run[-1][0] - window_s]
+    if not run or run[-1][0] - run[0][0] < window_s / 2:
+        return None
+    return abs(run[-1][1] - run[0][1]) / (run[-1][0] - run[0][0])
+
+
+def motion_was_held(samples, hold_s):
+    speeds = [speed_at(samples[: n + 1]) for n in range(len(samples))]
+    for begin in range(len(samples)):
+        kept = all(speed is not None and abs(speed - 0.05) <= 0.5 * 0.05 for speed in speeds[begin:])
+        if kept and samples[-1][0] - samples[begin][0] >= hold_s:
+            return True
+    return False
+
+
+@st.composite
+def glides(draw):
+    """A finger near 50 mm/s that slips now and then, with defects of the sensor."""
+    place_m, trace = 0.0, []
+    for step_s in draw(st.lists(steps_s, max_size=25)):
+        advance_s = 0.0 if math.isnan(step_s) else max(step_s, 0.0)
+        place_m += advance_s * draw(st.sampled_from([0.05, 0.04, 0.07, 0.0, 0.2, -0.05]))
+        trace.append((step_s, draw(st.sampled_from([place_m] * 8 + [math.nan, math.inf]))))
+    return trace
+
+
+@given(trace=glides(), hold_s=st.sampled_from([0.0, 0.01, 0.03]))
+def test_the_speed_gate_is_open_if_and_only_if_a_speed_was_kept(trace, hold_s):
+    gate, samples = SpeedGate(0.05, 0.5, hold_s), []
+    for sample in stamped(trace):
+        samples.append(sample)
+        gate = gate.after(*sample)
+        assert gate.speed_m_per_s == speed_at(samples)
+        assert gate.open == motion_was_held(samples, hold_s)
+
+
+def test_a_finger_at_rest_never_opens_the_speed_gate():
+    gate = SpeedGate(0.05, 0.99)
+    for n in range(1000):
+        gate = gate.after(0.001 * n, 0.03)
+        assert not gate.open
+
+
+@pytest.mark.parametrize("length_m", [0.02, 0.1])
+def test_out_and_back_at_constant_speed_is_in_band_but_for_the_turns(length_m):
+    times_s = np.arange(2000) / 1000
+    moved = motion(times_s, triangle(0.05 * times_s, length_m), 0.05, tolerance=0.2)
+    n_turns = math.floor(0.05 * 2 / length_m - 1e-9)
+    assert moved.mean_m_per_s == pytest.approx(0.05, rel=0.01)
+    assert moved.in_band >= 1 - n_turns * 0.05 / 2.0 - 1e-9
+
+
+@given(speed=st.floats(0.005, 0.5), tolerance=st.floats(0.05, 0.9))
+def test_a_constant_speed_is_in_band_if_and_only_if_it_is_near_its_target(speed, tolerance):
+    if abs(abs(speed / 0.05 - 1) - tolerance) < 1e-6:
+        return
+    times_s = np.arange(300) / 1000
+    moved = motion(times_s, speed * times_s, 0.05, tolerance)
+    assert moved.in_band == float(abs(speed / 0.05 - 1) <= tolerance)
+
+
+@pytest.mark.parametrize(
+    ("times_s", "places_m", "words"),
+    [
+        ([0.0], [0.0], "at least two"),
+        ([0.0, 0.0], [0.0, 1.0], r"times_s\[1\]: found 0.0 after 0.0, expected a later stamp"),
+        ([0.0, 1.0], [0.0, math.nan], "not finite; leave lost samples out"),
+        ([0.0, 1.0], [0.0], "as many of both"),
+    ],
+)
+def test_what_is_no_path_is_refused(times_s, places_m, words):
+    with pytest.raises(InvalidParameter, match=words):
+        motion(times_s, places_m, 0.05, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("target_m_per_s", 0.0), ("tolerance", math.nan), ("hold_s", -1.0), ("window_s", math.inf)]
+)
+def test_an_impossible_gate_is_refused(name, value):
+    settings = {"target_m_per_s": 0.05, "tolerance": 0.2} | {name: value}
+    with pytest.raises(InvalidParameter, match=rf"SpeedGate.{name}: found .*, expected a finite number"):
+        SpeedGate(**settings)
+
+
+def test_the_simulated_finger_follows_the_path_that_it_is_asked_for():
+    finger = SimulatedFinger(speed_cv=0.0, speed_waver_cv=0.0)
+    slide = Slide("tone", 20.0, 1.0, 1.0, 0.2, 0.5, 5.0, 0.05, length_m=0.02, speed_tolerance=0.2)
+    grip = finger.hold(slide, np.random.default_rng(1))
+    assert grip.positions_m.min() >= 0
+    assert grip.positions_m.max() == pytest.approx(0.02, abs=1e-3)
+    assert grip.speed_m_per_s == pytest.approx(0.05)
+    assert motion(grip.times_s, grip.positions_m, 0.05, 0.2).mean_m_per_s == pytest.approx(0.05, rel=0.05)
+
+
+def test_a_pressing_finger_rests():
+    grip = SimulatedFinger().hold(Press("tone", 20.0, 1.0, 1.0, 0.2, 0.5, 5.0), np.random.default_rng(1))
+    assert grip.speed_m_per_s == 0.0
+    assert not grip.positions_m.any()

@@ -1,0 +1,267 @@
+"""Each task in its details: what it asks, what a row says, what the procedure learns, what an observer makes of it."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import catalogue
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from memory import Memory
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import (
+    AdjustmentTask,
+    Block,
+    Comparison,
+    Condition,
+    ConstantStimuli,
+    Localisation,
+    Rating,
+    Track,
+)
+from tactometry.protocols.block import run_block
+from tactometry.protocols.rating import filled_in, pages
+from tactometry.protocols.task import Alternative, Outcome, Presentation
+from tactometry.questionnaire import load
+from tactometry.request import Adjust, Choose, Enter, Fill, Filled, Press, Record, Slide
+from tactometry.rigs.simulated import ANSWERS
+from tactometry.run import run
+
+AT_1E_4 = 3.89
+FULL = load("attrakdiff")
+
+
+def lived(task, procedure="constant_stimuli_shuffled", seed=1, observer="default", **how):
+    memory = Memory()
+    block = replace(catalogue.block(task, procedure), **how)
+    run(run_block(block, 1, 1, np.random.default_rng(seed)), catalogue.simulated(seed, observer), memory)
+    return memory
+
+
+def answered(task, shown, rng, answers):
+    """The outcome of a trial whose questions get these answers; touches are those of a steady finger."""
+    rig, course = catalogue.simulated(), task.trial(shown, rng)
+    request = next(course)
+    try:
+        while True:
+            answer = request.put_to(rig) if isinstance(request, Press | Slide) else answers(request)
+            request = course.send(answer)
+    except StopIteration as stop:
+        return stop.value
+
+
+def shown(level, **more):
+    return Presentation("tone", level, catalogue.TOUCHES["press"], **more)
+
+
+def choosing(option):
+    """Gives the option that `option` picks from a request."""
+    return lambda request: Choose.answer(option(request), 0.0, 1.0)
+
+
+def touches_of_trials(memory):
+    """Each trial with the touches that came before its row."""
+    touches = []
+    for request, _ in memory.entries:
+        if isinstance(request, Slide):
+            touches.append(request)
+        if isinstance(request, Record):
+            yield request.trial, touches
+            touches = []
+
+
+@pytest.mark.parametrize("task", ["same_different", "comparison"])
+def test_each_pair_holds_the_standard_and_the_level_at_its_target(task):
+    orders = Counter()
+    for trial, touches in touches_of_trials(lived(task, catch_rate=0.25)):
+        if trial.valid:
+            pair = [touch.level for touch in touches]
+            compared = 20.0 if trial.level is None else trial.level
+            assert pair[trial.target - 1] == compared
+            assert pair[2 - trial.target] == trial.standard_level == 20.0
+            assert [touch.interval for touch in touches] == [1, 2]
+            orders[trial.target] += 1
+    assert set(orders) == {1, 2}
+
+
+@given(seed=st.integers(0, 2**32 - 1), level=st.sampled_from([10.0, 20.0, 30.0]), option=st.sampled_from([1, 2]))
+def test_a_comparison_is_scored_by_which_one_was_called_stronger(seed, level, option):
+    outcome = answered(Comparison(20.0), shown(level), np.random.default_rng(seed), choosing(lambda request: option))
+    (told,) = outcome.replies
+    stronger = option == outcome.target
+    assert told.response == int(stronger) == int(outcome.success)
+    assert told.correct == (None if level == 20.0 else stronger == (level > 20.0))
+
+
+def test_a_same_pair_is_a_catch_trial_and_delivers_no_level():
+    memory = lived("same_different", catch_rate=0.5)
+    same = [trial for trial in memory.trials if trial.catch]
+    assert same
+    assert all(trial.level is None and trial.level_delivered is None for trial in same)
+    scored = [trial for trial in memory.trials if trial.valid]
+    assert all(trial.correct == (trial.response == (not trial.catch)) for trial in scored)
+
+
+def test_magnitudes_rise_with_the_level_and_tell_the_procedure_whether_anything_was_felt():
+    memory = lived("magnitude", observer="keen")
+    means = {
+        level: np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
+        for level in (10.0, 30.0)
+    }
+    assert means[10.0] < means[30.0]
+    assert {request for request, _ in memory.entries if isinstance(request, Enter)} == {Enter("how_strong", 0.0)}
+
+
+PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2, 3))
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_place_is_drawn_and_its_factors_stand_in_the_row(seed):
+    rng = np.random.default_rng(seed)
+    outcome = answered(
+        Localisation(), shown(20.0, alternatives=PLACES), rng, choosing(lambda request: request.options[0])
+    )
+    assert outcome.factors == {"x": float(outcome.target)}
+    assert outcome.success == (outcome.target == 1)
+
+
+def test_a_strong_focus_is_located_and_a_weak_one_is_guessed():
+    condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"], alternatives=PLACES)
+    n = 300
+
+    def share(level):
+        block = Block((Track(condition, ConstantStimuli((level,), n)),), Localisation())
+        memory = Memory()
+        run(run_block(block, 1, 1, np.random.default_rng()), catalogue.simulated(observer="keen"), memory)
+        valid = [trial.correct for trial in memory.trials if trial.valid]
+        return np.mean(valid), len(valid)
+
+    strong, n_strong = share(40.0)
+    weak, n_weak = share(-60.0)
+    assert strong == 1.0
+    assert abs(weak - 1 / 3) <= AT_1E_4 * math.sqrt(2 / 9 / n_weak)
+    assert n_strong >= n
+
+
+def test_a_preference_row_names_both_items_in_the_order_in_which_they_were_felt():
+    memory = lived("preference")
+    orders = Counter((trial.item, trial.item_b) for trial in memory.trials if trial.valid)
+    assert set(orders) == {("1", "2"), ("2", "1")}
+    assert {trial.response for trial in memory.trials if trial.valid} <= {1, 2}
+    for trial, touches in touches_of_trials(memory):
+        if trial.valid:
+            assert [touch.stimulus for touch in touches] == [f"place {trial.item}", f"place {trial.item_b}"]
+
+
+def test_an_adjustment_starts_at_the_level_and_ends_where_it_is_just_felt():
+    memory = lived("adjustment")
+    asked = [request for request, _ in memory.entries if isinstance(request, Adjust)]
+    assert [request.start for request in asked] == [trial.level for trial in memory.trials]
+    assert {(request.target_n, request.speed_m_per_s) for request in asked} == {(1.0, 0.05)}
+    settings = [trial.response for trial in memory.trials]
+    assert all(0.0 <= level <= 40.0 for level in settings)
+    assert abs(np.mean(settings) - 20.0) < 10.0
+    assert {trial.force_mean_n for trial in memory.trials} == {None}
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"), [((2.0, 9.0, 3.0), "less than high"), ((20.0, 0.0, 10.0), "at most the range")]
+)
+def test_an_adjustment_of_nothing_is_refused(numbers, words):
+    with pytest.raises(InvalidParameter, match=words):
+        AdjustmentTask(*numbers)
+
+
+# --- questionnaires
+
+
+def test_a_stimulus_is_felt_then_rated_with_a_row_for_each_item():
+    memory = lived("rating")
+    trial = [row for row in memory.trials if row.trial == 1 and row.valid]
+    assert sorted(row.item for row in trial) == sorted(item.id for item in load("attrakdiff-haptic").items)
+    assert {row.procedure for row in trial} == {"attrakdiff-haptic"}
+    assert {row.task for row in trial} == {"rating"}
+    assert {row.response for row in trial} <= set(range(1, 8))
+
+
+def test_items_come_in_the_published_order_or_in_one_drawn_for_each_trial():
+    def orders(*, shuffled):
+        block = catalogue.block("rating", "constant_stimuli")
+        memory = Memory()
+        task = Rating(load("attrakdiff-mini"), shuffled=shuffled)
+        run(run_block(replace(block, task=task), 1, 1, np.random.default_rng(1)), catalogue.simulated(), memory)
+        asked = [request for request, _ in memory.entries if isinstance(request, Fill)]
+        pairs = zip(asked[::2], asked[1::2], strict=True)
+        return {tuple(q.item for page in pair for q in page.questions) for pair in pairs}
+
+    published = tuple(item.id for item in load("attrakdiff-mini").items)
+    assert orders(shuffled=False) == {published}
+    drawn = orders(shuffled=True)
+    assert len(drawn) > 5
+    assert {tuple(sorted(order)) for order in drawn} == {tuple(sorted(published))}
+
+
+@pytest.mark.parametrize(("name", "sizes"), [("attrakdiff", [7] * 4), ("attrakdiff-mini", [5, 5]), ("sus", [5, 5])])
+def test_pages_are_equally_long(name, sizes):
+    form = load(name)
+    assert [len(page.questions) for page in pages(form, form.items)] == sizes
+
+
+def test_an_item_that_was_left_open_has_an_empty_response():
+    course = filled_in(load("attrakdiff-haptic"), np.random.default_rng(1), shuffled=False)
+    page = next(course)
+    values = (None, *(float(n) for n in range(1, len(page.questions))))
+    with pytest.raises(StopIteration) as stop:
+        course.send(Filled(values, 0.0, 9.0))
+    replies = stop.value.value
+    assert [reply.response for reply in replies] == list(values)
+    assert Outcome((), replies=replies).valid
+
+
+def test_a_participant_who_answers_by_the_poles_gets_the_straight_line_scores():
+    """Raw 7 at every item, in the order and with the reversals of the presentation (science folder 9.1)."""
+    course = filled_in(FULL, np.random.default_rng(1), shuffled=True)
+    page, replies = next(course), None
+    try:
+        while True:
+            page = course.send(Filled((7.0,) * len(page.questions), 0.0, 1.0))
+    except StopIteration as stop:
+        replies = stop.value
+    scores = FULL.scores({reply.item: reply.response for reply in replies})
+    assert {name: round(7 * score, 9) for name, score in scores.items()} == {
+        "PQ": -3,
+        "HQI": 3,
+        "HQS": -3,
+        "ATT": -3,
+        "HQ": 0,
+    }
+
+
+# --- the simulated participant answers every question
+
+
+def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
+    asked = {
+        request.question
+        for task in catalogue.TASKS
+        for request, _ in lived(task).entries
+        if isinstance(request, Choose)
+    }
+    assert asked == set(ANSWERS)
+
+
+def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():
+    with pytest.raises(InvalidParameter, match="was asked 'fellt', expected one of felt.*did you mean 'felt'"):
+        catalogue.simulated().choose(Choose("fellt", (0, 1), ("no", "yes")))
+
+
+def test_equal_pairs_are_called_different_as_often_as_the_rule_says():
+    from scipy.stats import norm
+
+    observer, rng, n = catalogue.OBSERVERS["default"], np.random.default_rng(), 4000
+    share = np.mean([observer.differ([5.0, 5.0], rng) for _ in range(n)])
+    expected = 2 * norm.sf(observer.criterion) * (1 - observer.lapse_rate) + observer.lapse_rate / 2
+    assert abs(share - expected) <= AT_1E_4 * math.sqrt(expected * (1 - expected) / n)
