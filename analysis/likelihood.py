@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.analysis.counts import Array, Counts
-from tactometry.analysis.responses import ByPoint, bend, by_point, weighted
+from tactometry.analysis.responses import ByPoint, bend, by_point, expected_information, weighted
 from tactometry.psychometric import Shape, log_mixture
 
 N_PARAMETERS = 4
@@ -62,7 +62,8 @@ def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
     """The log-likelihood with its exact gradient and Hessian."""
     z = _z(shape, counts.u, theta)
     guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
-    return _chain(shape, z, theta, by_point(shape, z, guess, lapse, (counts.n_yes, counts.n_trials - counts.n_yes)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _chain(shape, z, theta, by_point(shape, z, guess, lapse, (counts.n_yes, counts.n_trials - counts.n_yes)))
 
 
 def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
@@ -89,6 +90,16 @@ def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
 
 def _sums(*parts: Array) -> list[Array]:
     return [part.sum(axis=-1) for part in parts]
+
+
+def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
+    """Fisher's information (n, 2, 2) of threshold and log width."""
+    z = _z(shape, counts.u, theta)
+    info = expected_information(shape, z, theta[..., GUESS, None], theta[..., LAPSE, None], counts.n_trials)
+    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
+    one, by_v, by_vv = _sums(info, info * to_v, info * to_v * to_v)
+    mm, mv = one * to_m * to_m, by_v * to_m
+    return np.stack([np.stack([mm, mv], axis=-1), np.stack([mv, by_vv], axis=-1)], axis=-2)
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:

@@ -84,8 +84,8 @@ def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> 
     if prior.on_curve:
         gap = prior.gap.reshape(-1, *([1] * (theta.ndim - 2)))
         parts |= {
-            THRESHOLD: _threshold(theta[..., THRESHOLD]),
-            LOG_WIDTH: _width(theta[..., LOG_WIDTH], gap, scale_free=prior.scale_free_width),
+            THRESHOLD: log_threshold(theta[..., THRESHOLD]),
+            LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap, scale_free=prior.scale_free_width),
         }
     value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
     if not derivatives:
@@ -100,14 +100,14 @@ def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Arr
     parts = {}
     nothing = np.zeros(1)
     if prior.lapse_rate is None:
-        parts[LAPSE] = _beta(theta[..., LAPSE], nothing, nothing)
+        parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing)
     if prior.guess_rate is None:
         fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
-        parts[GUESS] = _beta(theta[..., GUESS], fa, catch - fa)
+        parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa)
     return parts
 
 
-def _beta(x: Array, n_yes: Array, n_no: Array) -> tuple[Array, Array, Array]:
+def log_rate(x: Array, n_yes: Array, n_no: Array) -> tuple[Array, Array, Array]:
     """Beta(1 + n_yes, 10 + n_no), and its derivatives; a count of 0 makes no pole."""
     b = BETA_B - 1 + n_no
     safe = np.maximum(x, 1e-300)
@@ -129,13 +129,14 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
     )
 
 
-def _threshold(m: Array) -> tuple[Array, Array, Array]:
+def log_threshold(m: Array) -> tuple[Array, Array, Array]:
+    """Flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1, and its derivatives."""
     outside = np.maximum(np.abs(m) - 0.5, 0.0)
     value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
     return value, first, np.where(outside > 0, second, 0.0)
 
 
-def _width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
+def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
     """Flat in the width w = exp(v), or in its logarithm; the derivatives are along v. The fall at the wide end has
     precedence."""
     w = np.exp(v)
@@ -152,11 +153,11 @@ def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
     one."""
     along = [np.zeros(len(axis)) for axis in axes]
     if prior.on_curve:
-        along[THRESHOLD] = _threshold(axes[THRESHOLD])[0]
-        along[LOG_WIDTH] = _width(axes[LOG_WIDTH], prior.gap, scale_free=prior.scale_free_width)[0]
+        along[THRESHOLD] = log_threshold(axes[THRESHOLD])[0]
+        along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.gap, scale_free=prior.scale_free_width)[0]
     if prior.lapse_rate is None:
-        along[LAPSE] = _beta(axes[LAPSE], np.zeros(1), np.zeros(1))[0]
+        along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1))[0]
     if prior.guess_rate is None:
         n_no = prior.n_catch - prior.n_false_alarms
-        along[GUESS] = _beta(axes[GUESS], prior.n_false_alarms, n_no)[0]
+        along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no)[0]
     return along

@@ -118,6 +118,15 @@ def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[A
     return found, np.minimum(yes, no)
 
 
+def expected_information(shape: Shape, z: Array, guess: Array, lapse: Array, n_trials: Array) -> Array:
+    """Fisher's information along z of `n_trials` answers, elementwise; 0 where a chance has vanished."""
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    variance = (guess + span * cdf) * (lapse + span * sf)
+    with np.errstate(all="ignore"):
+        return np.asarray(np.where(variance > 0, n_trials * np.square(span * pdf) / variance, 0.0))
+
+
 def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
     yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
     value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])
