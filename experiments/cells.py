@@ -48,6 +48,9 @@ STIMULI: Mapping[str, StimulusKind] = {
     },
     "focus": FOCUSING,
     "pattern": FOCUSING,
+    "measured_focus": StimulusKind(
+        FOCUSING.stimulus, "tactometry.stimuli.time_reversal.reading:FocusReading", FOCUSING.shared
+    ),
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 

@@ -12,6 +12,7 @@ from tactometry.protocols import (
     ForcedChoice,
     Localisation,
     Magnitude,
+    Measurement,
     Preference,
     Rating,
     SameDifferent,
@@ -74,6 +75,7 @@ TASKS: Mapping[str, type] = {
     "preference": Over,
     "adjustment": AdjustmentTask,
     "rating": RatingTable,
+    "measurement": Measurement,
 }
 """The kinds of tasks, with the keys that each one has."""
 CHOOSING: Mapping[str, Task] = {"localisation": Localisation(), "preference": Preference()}

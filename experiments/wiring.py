@@ -98,6 +98,7 @@ class Experiment:
             "standard_level": kind in ("same_different", "comparison"),
             "item_b": kind == "preference",
             "practice": bool(study.practice),
+            "level_measured": kind == "measurement",
         }
         return ["attempt", "level_delivered", "speed_mean_m_per_s", *(name for name, yes in applies.items() if yes)]
 

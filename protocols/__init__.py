@@ -7,6 +7,7 @@ from tactometry.protocols.constant_stimuli import ConstantStimuli
 from tactometry.protocols.forced_choice import ForcedChoice
 from tactometry.protocols.localisation import Localisation
 from tactometry.protocols.magnitude import Magnitude
+from tactometry.protocols.measurement import Measurement
 from tactometry.protocols.method_of_limits import MethodOfLimits
 from tactometry.protocols.order import counterbalanced, williams_square
 from tactometry.protocols.outcome_model import FunctionModel, OutcomeModel, TableModel
@@ -38,6 +39,7 @@ __all__ = [
     "Inquiry",
     "Localisation",
     "Magnitude",
+    "Measurement",
     "MethodOfLimits",
     "OutcomeModel",
     "ParameterGrid",

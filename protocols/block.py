@@ -280,6 +280,7 @@ def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: Ou
         catch=(asked.level is None) if block.task.takes_catch_trials else None,
         item=reply.item,
         level_delivered=felt.level_delivered if felt and asked.level is not None else None,
+        level_measured=reply.level_measured,
         speed_target_m_per_s=track.condition.speed_m_per_s,
         speed_mean_m_per_s=felt.speed_mean_m_per_s if felt else None,
         target=outcome.target,

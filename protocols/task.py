@@ -42,6 +42,7 @@ class Reply:
     valid: bool = True
     item: str | None = None
     item_b: str | None = None
+    level_measured: float | None = None
 
 
 def reply(

@@ -104,27 +104,14 @@ class Receptances:
         if of.shape[1] < to.shape[1]:
             return self.correction(of, to, at, stiffness).swapaxes(0, 1)
         out = np.empty((to.shape[1], of.shape[1], len(stiffness)), complex)
-        for toward, taken in zip(self._toward(to, at, stiffness), out, strict=True):
+        for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
             for start in range(0, len(stiffness), CHUNK):
                 part = slice(start, start + CHUNK)
                 motion = _times(at, toward[:, part]) * self.compliance[:, part]
                 taken[:, part] = _times(of.T, motion)
         return out
 
-    def _toward(self, to: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
-        """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1."""
-        among = self._among(at)
-        a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
-        system = among * a[:, None, :]
-        np.einsum("fkk->fk", system)[...] += b
-        carried = self.between(to, at) * a.T
-        try:
-            turned = np.linalg.solve(system.transpose(0, 2, 1), carried.transpose(2, 1, 0))
-        except np.linalg.LinAlgError as error:
-            raise InvalidParameter(COINCIDENT_PINS) from error
-        return np.ascontiguousarray(turned.transpose(2, 1, 0))
-
-    def _among(self, at: FloatArray) -> ComplexArray:
+    def among(self, at: FloatArray) -> ComplexArray:
         """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
         i, j = np.triu_indices(at.shape[1])
         found = self._pairs(at[:, i] * at[:, j])
@@ -136,6 +123,33 @@ class Receptances:
         """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
         found = _times(weights.reshape(len(weights), -1).T, self.compliance)
         return found.reshape(*weights.shape[1:], -1)
+
+
+def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexArray) -> ComplexArray:
+    """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
+
+    Parameters
+    ----------
+    to_contacts : (n_to, k, n_frequencies) array
+        H_rc.
+    among : (n_frequencies, k, k) array
+        H_cc.
+    stiffness : (n_frequencies, k) array
+        Dynamic stiffness of each contact; infinite pins it.
+
+    Raises
+    ------
+    InvalidParameter
+        If pinned contacts coincide.
+    """
+    a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
+    system = among * a[:, None, :]
+    np.einsum("fkk->fk", system)[...] += b
+    try:
+        turned = np.linalg.solve(system.transpose(0, 2, 1), (to_contacts * a.T).transpose(2, 1, 0))
+    except np.linalg.LinAlgError as error:
+        raise InvalidParameter(COINCIDENT_PINS) from error
+    return np.ascontiguousarray(turned.transpose(2, 1, 0))
 
 
 def loaded_receptance(

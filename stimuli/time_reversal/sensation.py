@@ -102,7 +102,7 @@ class TimeReversalSensation:
 
     def displacement_m(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,): what the plate does under the finger, as far as it counts."""
-        free = _free_displacement(_Keyed(signal), self.setup, self._place)
+        free = _free_displacement(Keyed(signal), self.setup, self._place)
         if self.criterion == "unloaded":
             return free
         return loaded_displacement(free, self.setup, self._finger(contact.force_n))
@@ -188,21 +188,21 @@ def _gain() -> tuple[FloatArray, FloatArray]:
     return frequency_hz, np.asarray(gain / gain.sum())
 
 
-class _Keyed:
+class Keyed:
     """A signal that equals another one of the same digest, so that a trace is computed once per waveform."""
 
     def __init__(self, signal: Signal) -> None:
         self.signal = signal
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyed) and self.signal.digest() == other.signal.digest()
+        return isinstance(other, Keyed) and self.signal.digest() == other.signal.digest()
 
     def __hash__(self) -> int:
         return hash(self.signal.digest())
 
 
 @lru_cache(maxsize=N_CACHED)
-def _free_displacement(keyed: _Keyed, setup: Setup, at_m: tuple[float, float]) -> FloatArray:
+def _free_displacement(keyed: Keyed, setup: Setup, at_m: tuple[float, float]) -> FloatArray:
     return np.asarray(emitted(keyed.signal, setup.responses_at(*at_m))[0])
 
 

@@ -1,0 +1,52 @@
+"""A measurement: a stimulus under a held contact, and what an instrument reads meanwhile."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from tactometry.protocols.task import Outcome, Presentation, reply
+from tactometry.request import Enter, Rated, Touched
+from tactometry.run import Course
+
+QUESTION: Final = "vibrometer_nm"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One stimulus, then the reading of a vibrometer in nm: entered by the experimenter, simulated or recorded.
+
+    The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
+    below what the instrument resolves: it has no level in decibels.
+
+    Parameters
+    ----------
+    level_unit : str
+        That of the stimulus, ``dB re 1 um`` or ``m``.
+    """
+
+    level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
+
+    name = "measurement"
+    takes_catch_trials = False
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        del rng
+        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+        if not touch.valid:
+            return Outcome((touch,), touch)
+        read: Rated = yield Enter(QUESTION, 0.0)
+        found = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
+        return Outcome((touch,), touch, (found,), success=True)
+
+
+def level_of(reading_nm: float | None, level_unit: str) -> float | None:
+    """A reading in the unit of the levels; None where there is none.
+
+    >>> level_of(10e3, "dB re 1 um"), level_of(500.0, "m"), level_of(0.0, "dB re 1 um")
+    (20.0, 5e-07, None)
+    """
+    if reading_nm is None or (reading_nm == 0 and level_unit != "m"):
+        return None
+    return reading_nm * 1e-9 if level_unit == "m" else round(20 * math.log10(reading_nm / 1e3), 6)
