@@ -22,11 +22,17 @@ def fair_tolerance(force_n: float) -> float:
     return 0.2 if force_n >= 0.5 else 0.3
 
 
-def _check(touch: object, names: tuple[str, ...]) -> None:
-    for name in names:
+def _check(touch: "Pressing | Sliding", names: tuple[str, ...]) -> None:
+    owner = type(touch).__name__
+    for name in ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s", *names):
         value = getattr(touch, name)
         if value is not None and not 0 < value < float("inf"):
-            raise InvalidParameter(f"{type(touch).__name__}.{name}: found {value}, expected a finite number above 0")
+            raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number above 0")
+    if touch.hold_s >= touch.timeout_s:
+        raise InvalidParameter(
+            f"{owner}.hold_s: found {touch.hold_s:g} s, expected less than timeout_s ({touch.timeout_s:g} s): no touch "
+            "could ever begin"
+        )
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class Pressing:
     tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s"))
+        _check(self, ())
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(
@@ -73,7 +79,6 @@ class Sliding:
     speed_tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s"))
         _check(self, ("speed_m_per_s", "length_m", "speed_tolerance"))
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:

@@ -262,3 +262,10 @@ def test_a_response_is_right_or_wrong_and_nothing_else():
     for response in (2, -1, 0.5, None, "1"):
         with pytest.raises(InvalidParameter, match=r"expected 1 \(correct, felt\) or 0"):
             rule.after(response)
+
+
+@pytest.mark.parametrize("hold_s", [20.0, 30.0])
+def test_a_hold_that_outlasts_its_timeout_is_refused(hold_s):
+    study = replace(STUDY, touch={**STUDY.touch, "hold_s": hold_s})
+    with pytest.raises(InvalidParameter, match=r"touch\.hold_s: found .* s, expected less than timeout_s \(20 s\)"):
+        wire(study, "x")
