@@ -257,3 +257,26 @@ class Answers(io.StringIO):
 
 
 RIGS = {"simulated": simulated, "console": console}
+
+OUTPUTS = {
+    "null": {"kind": "null"},
+    "file": {"kind": "file", "folder": "played"},
+    "wav": {"kind": "file", "folder": "played", "format": "wav"},
+    "packed": {"kind": "packed", "path": "board", "n_channels": 2, "rate_hz": 1e6, "gain": {"volts_per_unit": 30.0}},
+    "audio": {
+        "kind": "audio",
+        "device": "tofile",
+        "channels": [0, 1],
+        "rate_hz": 48e3,
+        "gain": {"volts_per_unit": 30.0},
+    },
+}
+"""Outputs of a bench file; files are in the working folder."""
+
+SENSORS = {
+    "serial": {"kind": "serial", "rate_hz": 1000.0, "n_channels": 3},
+    "udp": {"kind": "udp", "rate_hz": 1000.0, "address": "127.0.0.1"},
+    "lsl": {"kind": "lsl", "rate_hz": 1000.0, "n_channels": 3},
+    "recorded": {"kind": "recorded", "path": "recording.csv", "rate_hz": 100.0},
+}
+"""Sensors of a bench file; the address of an emulator is filled in."""

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.devices.calibration import ForceCalibration
@@ -70,18 +70,30 @@ def test_a_datagram_of_another_length_holds_no_record(datagram):
 
 
 def test_lost_samples_are_counted_over_the_wrap():
-    samples = CountedSamples(1e-6)
+    samples = CountedSamples(1e-6, settling_s=0.0)
     block = samples.block([(2**32 - 2, 2**32 - 1000, (1,)), (1, 2000, (2,))], 5.0)
     assert samples.n_lost == 2
     assert np.diff(block.times_s) == pytest.approx(3e-3, abs=1e-9)
 
 
 def test_a_device_that_starts_again_loses_nothing():
-    samples = CountedSamples(1e-6)
+    samples = CountedSamples(1e-6, settling_s=0.0)
     samples.block([(5000, 9_000_000, (1,))], 5.0)
     block = samples.block([(0, 0, (1,))], 6.0)
     assert samples.n_lost == 0
     assert block.times_s[-1] == pytest.approx(6.0, abs=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-5, 0.05))
+@settings(max_examples=20)
+def test_stamps_of_a_device_never_go_back_nor_stretch_its_time(seed, late_s):
+    """However late the samples come: what the device measured as 0.2 s is never more than 0.1 % off."""
+    delays_s = np.random.default_rng(seed).exponential(late_s, 1000)
+    samples, times_s = CountedSamples(1e-6), []
+    for n, delay_s in enumerate(delays_s):
+        times_s += samples.block([(n, 2000 * n, (0,))], n * 2e-3 + delay_s).times_s.tolist()
+    assert len(times_s) == 750
+    assert np.allclose(np.diff(times_s), 2e-3, rtol=1.01e-3)
 
 
 @given(st.lists(st.floats(0, 0.05), min_size=20, max_size=200), st.floats(-1e4, 1e4))

@@ -267,3 +267,10 @@ def test_the_tighter_limits_are_stated_where_one_is(one, other):
     for name in ("voltage_peak_v", "current_peak_a", "session_s"):
         stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
         assert getattr(both, name) == min(stated, default=None)
+
+
+def test_duties_of_different_windows_hold_both():
+    """A second in a second, and 6 s in a minute: at most a second in any minute keeps both."""
+    short, long = Limits(1.0, duty=1.0, duty_window_s=1.0), Limits(1.0, duty=0.1, duty_window_s=60.0)
+    for both in (short.tighter(long), long.tighter(short)):
+        assert (both.duty, both.duty_window_s) == (pytest.approx(1 / 60), 60.0)

@@ -7,35 +7,61 @@ import numpy as np
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.reader import Block
 
+SETTLING_S = 0.5
+"""Samples of the first while only tell how the clocks are related, and are dropped."""
+SLEW = 1e-3
+"""Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
+
 
 class CountedSamples:
-    """Keeps the last counter and time, and how many samples were lost between."""
+    """Keeps the last counter and time, how many samples were lost between, and how the clocks are related."""
 
-    def __init__(self, tick_s: float) -> None:
-        self._tick_s = tick_s
-        self._clocks = ClockMap()
+    def __init__(self, tick_s: float, settling_s: float = SETTLING_S) -> None:
+        self._tick_s, self._settling_s = tick_s, settling_s
         self._counter: int | None = None
-        self._ticks = 0
         self.n_lost = 0
+        self._begin(0)
+
+    def _begin(self, ticks: int) -> None:
+        self._clocks, self._ticks = ClockMap(), ticks
+        self._first_s: float | None = None
+        self._last: tuple[float, float] | None = None
 
     @property
     def drift(self) -> float | None:
         return self._clocks.drift
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> Block:
-        """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32."""
+        """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
+
+        Their stamps never go back, unless the device started again.
+        """
         devices_s = [self._device_s(counter, ticks) for counter, ticks, _ in samples]
         for device_s in devices_s:
             self._clocks = self._clocks.after(device_s, arrival_s)
-        times_s = [self._clocks.ours_s(device_s) for device_s in devices_s]
-        return Block(np.array(times_s), np.array([values for _, _, values in samples], dtype=np.float64))
+        settled = [n for n, device_s in enumerate(devices_s) if self._settled(device_s)]
+        times_s = [self._stamp_s(devices_s[n]) for n in settled]
+        return Block(np.array(times_s), np.array([samples[n][2] for n in settled], dtype=np.float64))
+
+    def _settled(self, device_s: float) -> bool:
+        self._first_s = device_s if self._first_s is None else self._first_s
+        return device_s - self._first_s >= self._settling_s
+
+    def _stamp_s(self, device_s: float) -> float:
+        stamp_s = self._clocks.ours_s(device_s)
+        if self._last is not None:
+            elapsed_s = device_s - self._last[0]
+            expected_s = self._last[1] + elapsed_s
+            stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
+        self._last = (device_s, stamp_s)
+        return stamp_s
 
     def _device_s(self, counter: int, ticks: int) -> float:
         """Unwrapped time; a counter that jumps back is a device that started again."""
         if self._counter is not None:
             n_missing = (counter - self._counter - 1) % 2**32
             if n_missing > 2**31:
-                self._clocks, self._ticks = ClockMap(), ticks
+                self._begin(ticks)
             else:
                 self.n_lost += n_missing
         self._counter = counter

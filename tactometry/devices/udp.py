@@ -20,6 +20,8 @@ BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
 RECORD: Final = struct.Struct(">III6i")
 WAIT_S = 0.05
+RECEIVED_BYTES = 2**22
+"""What the system is asked to keep for us, as far as it allows."""
 SILENT_S = 0.5
 """After this silence the request is sent again: the sensor may have been off."""
 
@@ -78,6 +80,7 @@ class UdpSource:
     def open(self) -> None:
         try:
             self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
             self._socket.settimeout(WAIT_S)
             self._socket.connect((self._settings.address, self._settings.port))
             self._heard_s = now_s() - SILENT_S

@@ -1,0 +1,119 @@
+"""What holds for every output and sensor of the catalogue, as a bench file makes them."""
+
+import time
+from datetime import date
+
+import catalogue
+import numpy as np
+import pytest
+from test_device_sensors import LIBRARIES, Emulator, available
+
+from tactometry.devices.kinds import OUTPUTS, SENSORS
+from tactometry.errors import LimitExceeded
+from tactometry.experiments.bench_file import parse_bench
+from tactometry.limits import Limits
+from tactometry.signal import Signal
+
+STUDY = Limits(1000.0)
+LIMITS = {"voltage_peak_v": 40.0, "current_peak_a": 10.0, "displacement_peak_m": 1e-3, "duty": 1.0, "session_s": 60.0}
+LOAD = {"kind": "piezo", "capacitance_f": 1e-9, "displacement_m_per_v": [1e-6]}
+per_output = pytest.mark.parametrize("name", catalogue.OUTPUTS)
+per_sensor = pytest.mark.parametrize("name", catalogue.SENSORS)
+
+
+def output_of(name, limits=None):
+    tables = {"output": {**catalogue.OUTPUTS[name], "load": LOAD}, "limits": LIMITS if limits is None else limits}
+    return parse_bench(tables).devices(STUDY, date(2026, 11, 21)).output
+
+
+def one_bit(output, voltage_v=30.0):
+    bits = np.where(np.random.default_rng(0).random((2, 500)) < 0.5, voltage_v, -voltage_v)
+    return Signal(bits, output.rate_hz or 48e3, "V")
+
+
+@pytest.fixture
+def output(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return output_of(name)
+
+
+@pytest.mark.parametrize("name", catalogue.OUTPUTS.keys() - {"audio"})  # a card: test_device_audio.py, test_check.py
+def test_an_output_plays_stops_and_closes_and_may_be_closed_again(output):
+    output.stop()
+    output.open()
+    before_s = time.perf_counter()
+    onset_s = output.play(one_bit(output))
+    assert before_s <= onset_s
+    output.stop()
+    output.stop()
+    output.close()
+    output.close()
+
+
+@per_output
+def test_what_it_says_it_would_emit_keeps_the_limits(name):
+    output = output_of(name)
+    signal = one_bit(output)
+    _, final = output.check(signal)
+    assert final.peak <= signal.peak * (1 + 1e-12)
+    assert np.allclose(final.samples, signal.samples, atol=1e-3)
+
+
+@per_output
+@pytest.mark.parametrize("limit", ["voltage_peak_v", "current_peak_a", "displacement_peak_m", "session_s"])
+def test_no_output_plays_what_passes_a_limit(name, limit, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    output = output_of(name, {**LIMITS, limit: 1e-9})
+    with pytest.raises(LimitExceeded, match=f"limits.{limit}: .*nothing was played"):
+        output.play(one_bit(output))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_catalogue_has_every_output_but_that_of_a_device_that_nobody_has():
+    assert {table["kind"] for table in catalogue.OUTPUTS.values()} == OUTPUTS.keys() - {"ni"}
+
+
+def test_the_catalogue_has_every_sensor_but_the_card():
+    assert {table["kind"] for table in catalogue.SENSORS.values()} == SENSORS.keys() - {"audio"}
+
+
+@pytest.fixture
+def sensor(name, tmp_path, monkeypatch):
+    """A force sensor as a bench file makes it, of an emulator that presses with 1 N."""
+    monkeypatch.chdir(tmp_path)
+    table = dict(catalogue.SENSORS[name])
+    device = None
+    if name == "recorded":
+        rows = "".join(f"{n / 100},100\n" for n in range(500))
+        (tmp_path / "recording.csv").write_text("time_s,count\n" + rows, encoding="utf-8")
+    else:
+        if not available(name):
+            pytest.skip(f"no {LIBRARIES[name]}: extra {name}")
+        device = Emulator(name, tmp_path)
+        table |= {
+            "serial": {"port": str(device.port)},
+            "udp": {"port": device.udp_port},
+            "lsl": {"stream": device.name},
+        }[name]
+    force = {"sensor": "hand", "channel": 0 if name == "recorded" else 2, "newtons_per_count": 0.01}
+    yield parse_bench({"sensors": {"hand": table}, "force": force}).devices(STUDY, date(2026, 11, 21)).force
+    if device is not None:
+        device.close()
+
+
+@per_sensor
+def test_a_sensor_gives_stamped_newtons_and_never_waits(sensor):
+    assert sensor.read()[0].size == 0
+    begin_s = time.perf_counter()
+    sensor.open()
+    end_s = begin_s + 20
+    times_s, forces_n = sensor.read()
+    while times_s.size == 0 and time.perf_counter() < end_s:
+        time.sleep(0.01)
+        times_s, forces_n = sensor.read()
+    now_s = time.perf_counter()
+    assert np.all(forces_n == 1.0)
+    assert np.all(np.diff(times_s) >= 0)
+    assert begin_s - 60 < times_s[0] <= times_s[-1] <= now_s + 1e-3
+    sensor.close()
+    sensor.close()
