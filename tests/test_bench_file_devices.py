@@ -2,7 +2,9 @@
 
 import subprocess
 import sys
+import tomllib
 from datetime import date
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -179,6 +181,12 @@ def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
     assert change[0] in WHOLE
     with pytest.raises(InvalidParameter, match=message):
         read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
+
+
+def test_the_bench_file_of_the_docs_is_one():
+    page = (Path(__file__).resolve().parents[1] / "docs" / "devices.md").read_text(encoding="utf-8")
+    bench = parse_bench(tomllib.loads(page.split("```toml\n")[1].split("```")[0]))
+    assert bench.devices(STUDY, date(2026, 11, 21)).output.name == "audio Interface"
 
 
 def test_reading_a_bench_file_loads_no_device_library(tmp_path):
