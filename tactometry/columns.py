@@ -21,15 +21,19 @@ FIRST = (
     Column("trial", "Number of the trial within the session, from 1; attempts of one trial share it"),
 )
 ALWAYS = (
-    Column("procedure", "Rule that chose the level"),
-    Column("level", "Level that was asked for; empty for a catch trial"),
+    Column("procedure", "Rule that chose the level; in the rows of a questionnaire its name"),
+    Column("level", "Level that was asked for; empty for a catch trial; of an adjustment the start"),
     Column("level_unit", "Unit of all levels"),
     Column(
         "task",
         "One of yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, "
         "preference, measurement",
     ),
-    Column("response", "1 or 0 for yes/no detection, else the chosen interval or item value; empty: no answer"),
+    Column(
+        "response",
+        "1 or 0 for felt, different or stronger than the standard; the chosen interval or alternative; the number, the "
+        "level that was set, or the raw value of an item as presented; empty: no answer",
+    ),
     Column("correct", "1 correct, 0 wrong, empty: no answer or not defined"),
     Column("onset_s", "Onset of the (first) stimulus since the start of the session", "s"),
     Column("latency_s", "From the onset of the question to the answer", "s"),
@@ -45,7 +49,7 @@ ALWAYS = (
 OPTIONAL = (
     Column("track", "Interleaved procedure that the trial belongs to"),
     Column("attempt", "Number of the attempt at this trial, from 1"),
-    Column("catch", "1: catch trial without stimulus, 0: not"),
+    Column("catch", "1: catch trial without stimulus (or with two standards), 0: not"),
     Column("item", "Item of a questionnaire, or first of a pair"),
     Column("level_delivered", "Level that was delivered, in level_unit; empty for a catch trial"),
     Column("level_measured", "Level that was measured, in level_unit"),

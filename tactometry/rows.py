@@ -86,6 +86,11 @@ RESPONSES: Mapping[str, Rule] = {
     "comparison": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
     "same_different": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
     "forced_choice": Rule("the number of an interval, from 1, or nothing", _COUNT.holds),
+    "localisation": Rule("the number of an alternative, from 1, or nothing", _COUNT.holds),
+    "preference": Rule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
+    "magnitude": Rule("a number, at least 0, or nothing", _number(0)),
+    "adjustment": Rule("the level that was set, or nothing", _number(-math.inf)),
+    "rating": Rule("the raw value of the answer, a number, or nothing", _number(-math.inf)),
 }
 
 

@@ -5,7 +5,7 @@ import math
 from tactometry.rigs import layout
 from tactometry.rigs.page import EDGE, INK, QUIET, Answer, Box, Button, Item, Page, Text
 
-ROWS = ("789", "456", "123", "0.<")
+ROWS = ("789", "456", "123", ".0<")
 POINT, ERASE = ".", "<"
 N_LONGEST = 9
 KEYS = {
@@ -52,7 +52,7 @@ def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool)
     for row, symbols in enumerate(ROWS):
         for column, symbol in enumerate(symbols):
             x, y = 0.16 * (column - 1), 0.12 - 0.11 * row
-            items += [Box(x, y, 0.14, 0.09, line=EDGE), Text("⌫" if symbol == ERASE else symbol, x, y, layout.BODY)]
+            items += [Box(x, y, 0.14, 0.09, line=EDGE), Text(symbol, x, y, layout.BODY)]
             buttons.append(Button(symbol, KEYS[symbol], x, y, 0.14, 0.09))
     line = INK if ready else EDGE
     items += [Box(0.42, -0.21, 0.2, 0.09, line=line), Text("OK", 0.42, -0.21, layout.BODY, line)]
