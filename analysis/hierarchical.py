@@ -36,6 +36,7 @@ from tactometry.psychometric import shape_named
 ZERO_SD = 1e-3
 """A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
 LARGEST_GRADIENT = 1e-2
+START_FACTORS = (1.0, 0.3, 3.0)
 COMPONENTS = ("threshold", "log_width", "threshold_cell", "log_width_cell")
 
 
@@ -158,7 +159,7 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
     if not told.n_conditions:
         return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
     model = mixed_model(told)
-    found = maximise(model, start(told, model, *alone.start(told)))
+    found = _maximised(model, start(told, model, *alone.start(told)))
     status = _status(told, model, found)
     if status == GroupStatus.NOT_CONVERGED:
         return _untold(layout, study, alone, status, interval)
@@ -184,6 +185,20 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
         interval,
         *_means_of_all(layout, study, told, alone, found, inflation),
     )
+
+
+def _maximised(model: MixedModel, at: Array) -> MixedFit:
+    """From scales as they are, then smaller and larger ones, until one start converges."""
+    n = len(model.basis)
+    for factor in START_FACTORS:
+        found = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
+        if _converged(found):
+            break
+    return found
+
+
+def _converged(found: MixedFit) -> bool:
+    return bool(np.isfinite(found.log_marginal) and found.gradient <= LARGEST_GRADIENT)
 
 
 def _means_of_all(
@@ -217,7 +232,7 @@ def _untold(layout: Layout, study: Study, alone: Alone, status: GroupStatus, int
 
 
 def _status(study: Study, model: MixedModel, found: MixedFit) -> GroupStatus:
-    if not np.isfinite(found.log_marginal) or found.gradient > LARGEST_GRADIENT:
+    if not _converged(found):
         return GroupStatus.NOT_CONVERGED
     if study.n_participants == 1:
         return GroupStatus.ONE_PARTICIPANT
