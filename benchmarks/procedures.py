@@ -1,6 +1,6 @@
 """How many trials each procedure needs, against the information bound.
 
-Run: OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000] [--out DIR]. About 10 minutes in full form.
+Run: OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000] [--out DIR]. Minutes in full form.
 
 The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses, whose threshold lies anywhere in the
 middle half of the levels. Slope and lapse rate are unknown to the procedure: seven standard deviations from half to
@@ -8,7 +8,8 @@ twice the true one, log-normal with a factor of 1.5, and lapse rates of 0, 2 and
 the variance of a threshold after N trials is K / N, where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the
 ideal sweat factor (Taylor 1971; Taylor and Creelman 1967). Prints the root-mean-square error and the sweat factor
 N * MSE of each procedure at 40, 80 and 160 trials, the trials that it needs for an error of 1 dB, and how a run ends
-that is asked to stop at a posterior standard deviation of 1 dB; draws the errors.
+that is asked to stop at a posterior standard deviation of 1 dB; draws the errors. Observers of a QUEST+ rule are
+simulated together, by the same sums over all of them at once; `check` holds their choices against the rule itself.
 """
 
 import argparse
@@ -20,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 from scipy.optimize import minimize_scalar
+from scipy.special import ndtr
 from scipy.stats import norm
 
 from tactometry.protocols import (
-    ConstantStimuli,
     MethodOfLimits,
     ParameterGrid,
     Quest,
@@ -32,6 +33,7 @@ from tactometry.protocols import (
     WeightedStaircase,
     psi,
 )
+from tactometry.protocols.outcome_model import p_log_p
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
 N_MAX, EVERY, SHOWN = 320, 5, (40, 80, 160)
@@ -50,8 +52,8 @@ class Task:
     name: str
     guess: float
 
-    def chance(self, level: float, threshold: float) -> float:
-        return self.guess + (1 - self.guess - LAPSE) * float(norm.cdf((level - threshold) / SD_DB))
+    def chance(self, level, threshold):
+        return self.guess + (1 - self.guess - LAPSE) * ndtr((level - threshold) / SD_DB)
 
     def level_of(self, chance: float) -> float:
         """Where the observer of threshold 0 answers 1 with this chance."""
@@ -70,14 +72,77 @@ class Task:
         return ParameterGrid(LEVELS, tuple(TO_WIDTH * SDS_DB), (self.guess,), LAPSES, shape="normal")
 
 
+Run = Callable[["Task", np.ndarray, np.random.Generator], np.ndarray]
+"""Estimates of thresholds (dB) after every `EVERY` trials, (n_observers, n_steps), NaN where there is none."""
+
+
 @dataclass(frozen=True)
 class Contender:
-    """A procedure, its estimate, and where on the observer's function that estimate is meant to lie."""
+    """A procedure, and where on the observer's function its estimate is meant to lie."""
 
     name: str
-    start: Callable[[np.random.Generator], object]
-    estimate: Callable[[object], float | None]
+    run: Run
     target_db: float = 0.0
+
+
+def one_by_one(start: Callable[[np.random.Generator], object], estimate: Callable[[object], float | None]) -> Run:
+    """Each observer with the procedure itself."""
+
+    def run(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        found = np.full((len(truths_db), N_MAX // EVERY), np.nan)
+        for observer, truth in enumerate(truths_db):
+            rule = start(rng)
+            for n in range(N_MAX):
+                rule = rule.after(bool(rng.random() < task.chance(rule.level, truth)))
+                if (n + 1) % EVERY == 0:
+                    value = estimate(rule)
+                    found[observer, n // EVERY] = math.nan if value is None else value
+        return found
+
+    return run
+
+
+def together(rule: QuestPlus, levels: Callable[..., np.ndarray] | None = None) -> Run:
+    """All observers of a QUEST+ rule at once; or of levels in an order of their own, by their indices."""
+    first, rest = rule.posterior.shape
+    yes = np.exp(np.stack([rule.grid.log_chance(level, 1) for level in rule.levels]))
+    by_first = np.ascontiguousarray(yes.reshape(len(yes), first, rest).transpose(1, 0, 2))
+    cost = p_log_p(yes) + p_log_p(1 - yes)
+    thresholds = np.asarray(rule.grid.thresholds)
+
+    def losses(weights: np.ndarray) -> np.ndarray:
+        joint = by_first @ weights.reshape(-1, first, rest).transpose(1, 2, 0)
+        both = np.stack([weights.reshape(-1, first, rest).sum(axis=2).T[:, None] - joint, joint])
+        mass = both.sum(axis=1)
+        if rule.criterion == "variance":
+            means, squares = (np.tensordot(both, thresholds**power, (1, 0)) for power in (1, 2))
+            return (squares - means**2 / np.maximum(mass, 1e-300)).sum(axis=0)
+        spread = p_log_p(mass).sum(axis=0)
+        return spread - (p_log_p(both).sum(axis=(0, 1)) if rule.aim == "threshold" else cost @ weights.T)
+
+    def run(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        weights = np.tile(rule.posterior.ravel(), (len(truths_db), 1))
+        found, at = np.empty((len(truths_db), N_MAX // EVERY)), np.asarray(rule.levels)
+        for n in range(N_MAX):
+            chosen = losses(weights).argmin(axis=0) if levels is None else levels(n, len(truths_db), rng)
+            answers = rng.random(len(truths_db)) < task.chance(at[chosen], truths_db)
+            weights *= np.where(answers[:, None], yes[chosen], 1 - yes[chosen])
+            weights /= weights.sum(axis=1, keepdims=True)
+            found[:, n // EVERY] = weights.reshape(-1, first, rest).sum(axis=2) @ thresholds
+        return found
+
+    return run
+
+
+def check(task: Task, rng: np.random.Generator) -> None:
+    """The rules' own estimates and those of `together` are alike for the same stream of random numbers."""
+    truth_db = np.array([rng.uniform(-SPAN_DB, SPAN_DB)])
+    for aim, criterion in (("parameters", "entropy"), ("threshold", "entropy"), ("threshold", "variance")):
+        rule = QuestPlus(LEVELS, task.grid(), n_trials=10**6, aim=aim, criterion=criterion, prior={"width": SD_PRIOR})
+        seed = int(rng.integers(2**31))
+        batch = together(rule)(task, truth_db, np.random.default_rng(seed))
+        alone = one_by_one(lambda _, rule=rule: rule, mean)(task, truth_db, np.random.default_rng(seed))
+        np.testing.assert_allclose(batch, alone, atol=1e-6)
 
 
 def mean(rule: QuestPlus) -> float:
@@ -100,68 +165,39 @@ def contenders(task: Task) -> list[Contender]:
     def late_reversals(rule: Staircase | WeightedStaircase) -> float | None:
         return rule.threshold(discard=4)
 
-    def staircase(n_down: int) -> Staircase:
-        return Staircase(12.0, (4.0, 2.0), n_down=n_down, **bounds)
-
     def up_down(n_down: int) -> Contender:
-        rule = staircase(n_down)
-        return Contender(f"1 up {n_down} down", lambda _: rule, late_reversals, task.level_of(0.5 ** (1 / n_down)))
+        rule = Staircase(12.0, (4.0, 2.0), n_down=n_down, **bounds)
+        target_db = task.level_of(0.5 ** (1 / n_down))
+        return Contender(f"1 up {n_down} down", one_by_one(lambda _: rule, late_reversals), target_db)
 
+    weighted = WeightedStaircase(12.0, (6.0, 3.0), (2.0, 1.0), **bounds)
     found = [
-        Contender("QUEST+", lambda _: whole, mean),
-        Contender("threshold first, entropy", lambda _: first, mean),
-        Contender("threshold first, variance", lambda _: variance, mean),
-        Contender("psi (lapse rate known)", lambda _: known, mean),
-        Contender("QUEST (slope, lapse rate given)", lambda _: quest, lambda rule: rule.posterior @ rule.thresholds),
-        *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
+        Contender("QUEST+", together(whole)),
+        Contender("threshold first, entropy", together(first)),
+        Contender("threshold first, variance", together(variance)),
+        Contender("psi (lapse rate known)", together(known)),
         Contender(
-            "weighted 3:1",
-            lambda _: WeightedStaircase(12.0, (6.0, 3.0), (2.0, 1.0), **bounds),
-            late_reversals,
-            task.level_of(0.75),
+            "QUEST (slope, lapse rate given)",
+            one_by_one(lambda _: quest, lambda rule: float(rule.posterior @ rule.thresholds)),
         ),
-        constant(first),
+        *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
+        Contender("weighted 3:1", one_by_one(lambda _: weighted, late_reversals), task.level_of(0.75)),
+        Contender("constant stimuli, 9 levels", together(whole, nine_levels)),
     ]
     if task.guess < 0.5:
         limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=N_MAX, n_start_steps=6)
-        found.append(Contender("limits, alternating", limits.shuffled, lambda rule: rule.threshold()))
+        found.append(Contender("limits, alternating", one_by_one(limits.shuffled, lambda rule: rule.threshold())))
     return found
 
 
-def constant(rule: QuestPlus) -> Contender:
-    """Nine levels over the range where thresholds lie, scored by the same posterior."""
-    stimuli = ConstantStimuli(tuple(np.linspace(-12, 12, 9)), repeats=N_MAX // 9 + 1)
-
-    @dataclass(frozen=True)
-    class Scored:
-        order: ConstantStimuli
-        posterior: QuestPlus
-
-        @property
-        def level(self) -> float:
-            return self.order.level
-
-        def after(self, response: bool) -> "Scored":
-            return Scored(self.order.after(response), self.posterior.after(response, self.level))
-
-    return Contender(
-        "constant stimuli, 9 levels", lambda rng: Scored(stimuli.shuffled(rng), rule), lambda it: mean(it.posterior)
-    )
+NINE = np.linspace(0, len(LEVELS) - 1, 9).round().astype(int)
 
 
-def errors_db(contender: Contender, task: Task, n_observers: int, rng: np.random.Generator) -> np.ndarray:
-    """Estimate less truth after every `EVERY` trials, (n_observers, n_steps); NaN before there is an estimate."""
-    errors = np.full((n_observers, N_MAX // EVERY), np.nan)
-    for observer in range(n_observers):
-        threshold = rng.uniform(-SPAN_DB, SPAN_DB)
-        rule = contender.start(rng)
-        for n in range(N_MAX):
-            rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
-            if (n + 1) % EVERY == 0:
-                estimate = contender.estimate(rule)
-                found = math.nan if estimate is None else estimate - threshold - contender.target_db
-                errors[observer, n // EVERY] = found
-    return errors
+def nine_levels(n: int, n_observers: int, rng: np.random.Generator) -> np.ndarray:
+    """Constant stimuli: every nine trials each of nine levels once, scored by the posterior of QUEST+."""
+    if n % 9 == 0:
+        nine_levels.order = np.argsort(rng.random((n_observers, 9)), axis=1)
+    return NINE[nine_levels.order[:, n % 9]]
 
 
 def rmse_db(errors: np.ndarray) -> np.ndarray:
@@ -186,7 +222,8 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, 
     print(f"{'RMSE / SD, sweat factor':<34}{heads}{'trials to 1 dB':>16}")
     print(f"{'bound':<34}" + "".join(f"{math.sqrt(bound / n):>8.3f} {bound:>6.2f}" for n in SHOWN) + f"{ideal:>16.0f}")
     for contender in contenders(task):
-        rmse = rmse_db(errors_db(contender, task, n_observers, rng))
+        truths_db = rng.uniform(-SPAN_DB, SPAN_DB, n_observers)
+        rmse = rmse_db(contender.run(task, truths_db, rng) - truths_db[:, None] - contender.target_db)
         curves[contender.name] = rmse
         at = [rmse[n // EVERY - 1] / SD_DB for n in SHOWN]
         needed = trials_to(GOAL_DB, rmse)
@@ -261,6 +298,7 @@ def main() -> None:
     options = parser.parse_args()
     rng, curves = np.random.default_rng(), {}
     for task in (Task("Two-alternative forced choice", 0.5), Task("Yes/no with 2 % false alarms", 0.02)):
+        check(task, rng)
         curves[task] = report(task, options.observers, rng)
         stops(task, options.observers, rng)
     if options.out:

@@ -48,6 +48,9 @@ class QuestPlusSettings:
         ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape ``weibull``).
     width_low, width_high, n_widths
         Widths, with equal ratios. In the unit of the levels, or in natural logarithms for ``weibull``.
+    width_prior_factor : float
+        If given, the widths' prior is log-normal about the geometric middle of their grid with this factor, above 1,
+        for a standard deviation; else it is flat on the grid.
     threshold_low, threshold_high, n_thresholds
         Thresholds; as the levels where they are not given.
 
@@ -68,6 +71,7 @@ class QuestPlusSettings:
     width_low: float
     width_high: float
     n_widths: int = 10
+    width_prior_factor: float | None = None
     spacing: Spacing = "linear"
     shape: str = "gumbel"
     guess_rates: tuple[float, ...] = (0.5,)
@@ -81,7 +85,16 @@ class QuestPlusSettings:
     criterion: Criterion = "entropy"
 
     def procedure(self) -> QuestPlus:
-        return QuestPlus(self._levels(), self._grid(), self.n_trials, self.sd_stop, self.aim, self.criterion)
+        grid = self._grid()
+        prior = {} if self.width_prior_factor is None else {"width": self._width_prior(grid.widths)}
+        return QuestPlus(self._levels(), grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
+
+    def _width_prior(self, widths: tuple[float, ...]) -> tuple[float, ...]:
+        factor = self.width_prior_factor
+        if factor is None or not 1 < factor < math.inf:
+            raise InvalidParameter(f"QuestPlusSettings.width_prior_factor: found {factor}, expected a number above 1")
+        middle = math.sqrt(widths[0] * widths[-1])
+        return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
     def _levels(self) -> tuple[float, ...]:
         return spaced(self.low, self.high, self.n_levels, self.spacing, "QuestPlusSettings.levels")
