@@ -14,7 +14,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
 from tactometry.devices.lsl import LslSettings
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import RAMP_S, BenchFile, load_bench
+from tactometry.experiments.bench_file import RAMP_S, BenchFile, load_bench, parse_bench
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
