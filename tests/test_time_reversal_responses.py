@@ -1,6 +1,7 @@
 """Impulse responses of the model: reciprocity, causality, energy, Parseval, patches, bad input."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tactometry.stimuli.time_reversal.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.modes import laplacians, values
 from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
 
 FAST = {"rate_hz": 50e3, "duration_s": 4e-3, "f_max_hz": 5e3}
@@ -57,6 +59,32 @@ def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x
     assert np.isfinite(there).all()
     assert np.abs(there - back).max() <= 1e-12 * np.abs(there).max()
     assert abs(there[0]) <= 1e-12 * np.abs(there).max()
+
+
+@settings(max_examples=200 if os.environ.get("TACTOMETRY_SOAK") == "1" else 12, deadline=None)
+@given(
+    boundary=st.text("SCF", min_size=4, max_size=4),
+    aspect=st.floats(1.0, 20.0),
+    thickness_m=st.floats(1e-4, 1e-2),
+    x=st.floats(0.0, 1.0),
+    y=st.floats(0.0, 1.0),
+    tau_s=st.floats(1e-6, 1.0),
+    n_modes=st.integers(1, 20),
+)
+def test_any_plate_with_any_edges_is_finite_reciprocal_and_causal(boundary, aspect, thickness_m, x, y, tau_s, n_modes):
+    plate = Plate(0.3, 0.3 / aspect, thickness_m, 70e9, 0.22, 2400.0, boundary)
+    p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
+    f_max = (n_modes + 2 * aspect) / plate.modal_density_s
+    timing = {"rate_hz": 2.5 * f_max, "duration_s": 100 / f_max, "f_max_hz": f_max}
+    there = impulse_responses(point_screen(plate, p, tau_s=tau_s), [q], **timing).samples[0, 0]
+    back = impulse_responses(point_screen(plate, q, tau_s=tau_s), [p], **timing).samples[0, 0]
+    assert np.isfinite(there).all()
+    assert np.abs(there - back).max() <= 1e-12 * np.abs(there).max()
+    assert abs(there[0]) <= 1e-12 * np.abs(there).max()
+    frequencies = plate.frequencies_hz(f_max)
+    n_rigid = {0: 3, 1: 1}.get(4 - boundary.count("F"), 0) if boundary.count("C") == 0 else 0
+    assert np.count_nonzero(frequencies == 0) == n_rigid
+    assert (np.diff(frequencies) >= 0).all()
 
 
 def test_energy_balance_of_an_impulse():
@@ -238,3 +266,43 @@ def test_bad_input_is_refused_in_one_sentence(call, message):
         call()
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
+
+
+STATIC_SCREEN = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(3.5e-3))
+STATIC_POINTS = [(0.1, 0.08), (0.2, 0.15)]
+
+
+def static_responses(f_max_hz, static_to_hz=None):
+    return impulse_responses(
+        STATIC_SCREEN, STATIC_POINTS, rate_hz=400e3, duration_s=25e-3, f_max_hz=f_max_hz, static_to_hz=static_to_hz
+    )
+
+
+def test_the_static_residual_saves_modes():
+    """Below 10 kHz, the modes to 20 kHz and the residual do better than those to 60 kHz without it."""
+    band = Band(0.0, 10e3)
+    whole = band_limited(static_responses(190e3), band).samples
+
+    def error(responses):
+        return np.linalg.norm(band_limited(responses, band).samples - whole) / np.linalg.norm(whole)
+
+    corrected = error(static_responses(20e3, 190e3))
+    assert corrected < error(static_responses(60e3)) / 2
+    assert corrected < error(static_responses(20e3)) / 5
+
+
+def test_with_the_static_residual_the_static_compliance_is_that_of_all_modes():
+    static = static_responses(12e3, 190e3).samples.sum(axis=2)
+    assert static == pytest.approx(static_responses(190e3).samples.sum(axis=2), rel=2e-3)
+
+
+def test_the_static_residual_is_on_sample_0_alone():
+    change = static_responses(12e3, 190e3).samples - static_responses(12e3).samples
+    assert change[..., 0].all()
+    assert not change[..., 1:].any()
+
+
+@pytest.mark.parametrize("keywords", [{"static_to_hz": 5e3}, {"static_to_hz": 1e5, "quantity": "velocity"}])
+def test_a_static_residual_that_cannot_be_is_refused(keywords):
+    with pytest.raises(InvalidParameter, match=r"^static_to_hz: found"):
+        impulse_responses(STATIC_SCREEN, STATIC_POINTS, rate_hz=50e3, duration_s=1e-3, f_max_hz=1e4, **keywords)
