@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from memory import Memory
 
 from tactometry.errors import InvalidParameter
+from tactometry.interval_bias import interval_bias
 from tactometry.protocols import (
     AdjustmentTask,
     Block,
@@ -265,3 +266,35 @@ def test_equal_pairs_are_called_different_as_often_as_the_rule_says():
     share = np.mean([observer.differ([5.0, 5.0], rng) for _ in range(n)])
     expected = 2 * norm.sf(observer.criterion) * (1 - observer.lapse_rate) + observer.lapse_rate / 2
     assert abs(share - expected) <= AT_1E_4 * math.sqrt(expected * (1 - expected) / n)
+
+
+# --- bias between intervals
+
+
+def test_an_observer_without_bias_has_a_criterion_near_zero():
+    targets = np.random.default_rng().integers(1, 3, 4000)
+    responses = np.where(np.random.default_rng().random(4000) < 0.75, targets, 3 - targets)
+    bias = interval_bias(targets.tolist(), responses.tolist())
+    assert abs(bias.criterion) <= AT_1E_4 * math.sqrt(2 * 0.75 * 0.25 / 2000) / 0.3178 / 2
+    assert bias.p > 1e-4
+
+
+def test_who_always_says_two_is_found_out():
+    bias = interval_bias([1, 2] * 50, [2] * 100)
+    assert bias.share_correct == (0.0, 1.0)
+    assert bias.criterion < -2
+    assert bias.p < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("targets", "responses", "words"),
+    [([], [], "at least one"), ([1], [3], "trial 0: found target 1 and response 3"), ([1, 2], [1], "as many of both")],
+)
+def test_what_is_no_forced_choice_is_refused(targets, responses, words):
+    with pytest.raises(InvalidParameter, match=words):
+        interval_bias(targets, responses)
+
+
+def test_what_cannot_be_tested_is_not():
+    assert interval_bias([1, 2], [1, 2]).p is None
+    assert interval_bias([1, 1], [1, 1], n_intervals=3).share_correct == (1.0, None, None)
