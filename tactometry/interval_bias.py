@@ -64,8 +64,8 @@ def _table(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -
     for n, (target, response) in enumerate(zip(targets, responses, strict=True)):
         if not (1 <= target <= n_intervals and 1 <= response <= n_intervals):
             raise InvalidParameter(
-                f"interval_bias, trial {n}: found target {target} and response {response}, expected intervals from 1 to "
-                f"{n_intervals}"
+                f"interval_bias, trial {n}: found target {target} and response {response}, expected intervals from 1 "
+                f"to {n_intervals}"
             )
         table[target - 1, response - 1] += 1
     return table
