@@ -40,7 +40,7 @@ CHUNK = 4_000_000
 
 
 @dataclass(frozen=True)
-class _Grid:
+class Grid:
     """Nodes and log weights along the four parameters."""
 
     nodes: list[Array]
@@ -75,12 +75,17 @@ def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, in
 
 def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
+    grid, along = marginal_masses(shape, counts, prior, mode)
+    return _described(grid, along, interval), _resolved(prior, grid, along)
+
+
+def marginal_masses(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Grid, list[Array]]:
+    """The grid of data sets on the same levels, and along each parameter the masses (n_sets, n_nodes) of each."""
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):
         low, high = _shrunk(shape, counts, prior, mode, _search_grid(prior, low, high))
     grid = _final_grid(prior, low, high, _sizes(mode, high - low))
-    along = _marginal_masses(shape, counts, prior, grid)
-    return _described(grid, along, interval), _resolved(prior, grid, along, high)
+    return grid, _marginal_masses(shape, counts, prior, grid)
 
 
 def _sizes(mode: Mode, reach: Array) -> list[int]:
@@ -93,27 +98,27 @@ def _sizes(mode: Mode, reach: Array) -> list[int]:
     return sizes
 
 
-def _search_grid(prior: Prior, low: Array, high: Array) -> _Grid:
+def _search_grid(prior: Prior, low: Array, high: Array) -> Grid:
     nodes = [
         np.linspace(max(low[place], 1e-9 if place in (LAPSE, GUESS) else -np.inf), high[place], n)
         if place in prior.free
         else low[place, None]
         for place, n in enumerate(SEARCH_NODES)
     ]
-    return _Grid(nodes, [np.zeros(len(axis)) for axis in nodes])
+    return Grid(nodes, [np.zeros(len(axis)) for axis in nodes])
 
 
-def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> _Grid:
+def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid:
     nodes = [np.linspace(low[place], high[place], n) for place, n in enumerate(sizes)]
     log_weights = [np.zeros(sizes[0]), nodes[LOG_WIDTH]]  # the density is one of the width itself
     for place in (LAPSE, GUESS):
         unit, weight = rate_rule(RATE_NODES) if place in prior.free else (np.zeros(1), np.ones(1))
         nodes.append(low[place] + (high[place] - low[place]) * unit)
         log_weights.append(np.log(weight))
-    return _Grid(nodes, log_weights)
+    return Grid(nodes, log_weights)
 
 
-def _tables(shape: Shape, counts: Counts, prior: Prior, grid: _Grid) -> tuple[Array, Array]:
+def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Array, Array]:
     """log psi and log(1 - psi) of the levels used (2 n_levels, n_nodes), and the log prior times weight (n_nodes,)."""
     used = counts.n_trials[0] > 0
     m, v, lapse, guess = grid.nodes
@@ -136,7 +141,7 @@ def _answers(counts: Counts) -> Array:
     return np.hstack([counts.n_yes[:, used], (counts.n_trials - counts.n_yes)[:, used]])
 
 
-def _shrunk(shape: Shape, counts: Counts, prior: Prior, mode: Mode, grid: _Grid) -> tuple[Array, Array]:
+def _shrunk(shape: Shape, counts: Counts, prior: Prior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
     """The ends of the nodes between which any data set holds density, one node more on each side."""
     table, outside = _tables(shape, counts, prior, grid)
     answers, kept = _answers(counts), np.zeros(len(outside), dtype=bool)
@@ -159,7 +164,7 @@ def _chunks(n_sets: int, n_nodes: int) -> list[slice]:
     return [slice(start, start + size) for start in range(0, n_sets, size)]
 
 
-def _marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: _Grid) -> list[Array]:
+def _marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> list[Array]:
     """Along each parameter the masses (n_sets, n_nodes) of every data set."""
     table, outside = _tables(shape, counts, prior, grid)
     answers, (n_m, n_v, n_lapse, n_guess) = _answers(counts), grid.sizes
@@ -174,7 +179,7 @@ def _marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: _Grid) ->
     return [np.concatenate(along).astype(np.float64) for along in zip(*parts, strict=True)]
 
 
-def _described(grid: _Grid, along: list[Array], interval: float) -> Marginals:
+def _described(grid: Grid, along: list[Array], interval: float) -> Marginals:
     shares = np.array([(1 - interval) / 2, (1 + interval) / 2])
     values = [grid.nodes[THRESHOLD], np.exp(grid.nodes[LOG_WIDTH]), grid.nodes[LAPSE], grid.nodes[GUESS]]
     mean = np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in zip(along, values, strict=True)], axis=1)
@@ -185,11 +190,11 @@ def _described(grid: _Grid, along: list[Array], interval: float) -> Marginals:
     return Marginals(mean, ends[0], np.exp(ends[1]), np.zeros(len(mean)))
 
 
-def _resolved(prior: Prior, grid: _Grid, along: list[Array], high: Array) -> Bools:
+def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
     resolved = np.ones(len(along[0]), dtype=bool)
     for place in prior.free:
         is_rate = place in (LAPSE, GUESS)
-        finest = RESOLVED_RATE * high[place] if is_rate else RESOLVED_STEPS * grid.step(place)
+        finest = RESOLVED_RATE * grid.nodes[place][-1] if is_rate else RESOLVED_STEPS * grid.step(place)
         resolved &= _spread(along[place], grid.nodes[place]) > finest
     return resolved
 
