@@ -72,13 +72,13 @@ def cells(trials: Trials) -> list[Cell]:
     """The cells of all psychophysical trials, ordered by participant, condition and task."""
     rows = used_rows(trials)
     rows = rows[rows["task"].isin(FITTED_TASKS)]
-    rows = rows.assign(yes=_yes(rows), is_catch=_is_catch(rows), x=_delivered(rows))
+    rows = rows.assign(yes=yes(rows), is_catch=is_catch(rows), x=_delivered(rows))
     rows = rows[rows["yes"].notna()]
     keys = ["participant", *trials.factors, "task"]
     return [_cell(key, part, len(trials.factors)) for key, part in rows.groupby(keys, sort=True, observed=True)]
 
 
-def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
+def yes(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was
     right."""
     answer = parsed(rows["response"])
@@ -89,7 +89,7 @@ def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     return answer.where(rows["task"] != "forced_choice", correct)
 
 
-def _is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
+def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
     return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
 
 
@@ -114,6 +114,16 @@ def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
         n_catch=int(catch.sum()),
         n_false_alarms=int(part["yes"].to_numpy()[catch].sum()),
     )
+
+
+def count_table(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    """A row per participant, condition and level: what the curves are fitted to."""
+    rows = [
+        (cell.participant, *cell.condition, cell.task, level, k, n)
+        for cell in found
+        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+    ]
+    return pd.DataFrame(rows, columns=["participant", *factors, "task", "level", "n_yes", "n_trials"])
 
 
 def n_alternatives(trials: Trials) -> int:

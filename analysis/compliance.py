@@ -5,15 +5,13 @@ Rules are stated before the data are seen, in a file or as arguments; without an
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tactometry.analysis.group import mean_with_interval, quality
 from tactometry.analysis.table import Trials, used_rows
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
-from tactometry.strict import build
+from tactometry.errors import InvalidParameter, nearest
 
 TARGET = "force_n"
 MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")
@@ -68,27 +66,6 @@ class Exclusion:
         """
         values = {each.name: getattr(self, each.name) for each in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
-
-
-def read_exclusion(path: Path) -> Exclusion:
-    """Rules from a TOML file with the keys of `Exclusion`.
-
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or holds anything else.
-    """
-    import tomllib
-
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-        return build(Exclusion, content, "")
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected rules of exclusion") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{path}: found no valid TOML ({damage}), expected rules of exclusion") from None
-    except InvalidParameter as wrong:
-        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None
 
 
 def applied(trials: Trials, rules: Exclusion) -> tuple[Trials, pd.DataFrame]:

@@ -88,7 +88,7 @@ def mixed_model(
     Notes
     -----
     Cells may be missing: the model needs no complete design, but takes them as missing at random, which a censored
-    threshold is not (`censored_model` takes those). t and F have the degrees of freedom that a balanced design has:
+    threshold is not. t and F have the degrees of freedom that a balanced design has:
     values less coefficients less participants plus one.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]

@@ -125,11 +125,11 @@ def _estimate(design: Design, factors: Sequence[str]) -> Array:
     """The effect's own part of the cell means: sums and differences of marginal means."""
     means = design.values.mean(axis=0, keepdims=True)
     places = [place for place, name in enumerate(design.factors, 1) if name in factors]
-    found = np.zeros_like(means)
+    found: Array = np.zeros_like(means)
     for r in range(len(places) + 1):
         for kept in combinations(places, r):
             others = tuple(axis for axis in range(1, means.ndim) if axis not in kept)
-            found = found + (-1) ** (len(places) - r) * means.mean(axis=others, keepdims=True)
+            found += (-1) ** (len(places) - r) * means.mean(axis=others, keepdims=True)
     return found
 
 
@@ -139,5 +139,4 @@ def _rounded(values: Array) -> Array:
 
 
 def _ranks(values: Array) -> Array:
-    ranks = np.asarray(rankdata(_rounded(values).ravel()), dtype=np.float64)
-    return np.reshape(ranks, values.shape)
+    return np.reshape(np.asarray(rankdata(_rounded(values), axis=None), dtype=np.float64), values.shape)

@@ -1,16 +1,19 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis import apa, cells, group, words
-from tactometry.analysis.anova import MAX_FACTORS, repeated_measures
+from tactometry.analysis import cells, group, words
 from tactometry.analysis.column_map import ColumnMap
-from tactometry.analysis.complete import largest_complete
+from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
+from tactometry.analysis.outcomes import Outcome, outcome
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.ratings import Ratings, ratings
 from tactometry.analysis.table import Trials, read_trials
+from tactometry.analysis.tracks import tracks
 from tactometry.errors import InvalidFile, InvalidParameter
 
 OUTCOMES = {
@@ -18,21 +21,6 @@ OUTCOMES = {
     "forced_choice": ("threshold",),
     "comparison": ("pse", "jnd"),
 }
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One dependent value of one task: its group table and, where it could be done, its analysis of
-    variance."""
-
-    task: str
-    dependent: str
-    estimates: pd.DataFrame
-    group: pd.DataFrame
-    cross: pd.DataFrame
-    anova: pd.DataFrame | None
-    notes: tuple[str, ...]
-    sentences: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -50,8 +38,11 @@ class Analysis:
     tables: Mapping[str, pd.DataFrame]
     warnings: tuple[str, ...]
     methods: str
+    forms: tuple[Ratings, ...] = ()
+    plan: Plan = field(default_factory=Plan)
     report: Path | None = None
     tables_folder: Path | None = None
+    figures_folder: Path | None = None
 
     def summary(self) -> dict[str, object]:
         """The result as plain values for JSON."""
@@ -62,20 +53,26 @@ class Analysis:
             "factors": list(self.trials.factors),
             "level_unit": self.unit,
             "warnings": list(self.warnings),
-            "thresholds": words.plain_rows(self.tables["thresholds"]),
-            "outcomes": [_plain_outcome(outcome) for outcome in self.outcomes],
+            "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
+            "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
+            "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
+            "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
+            "excluded": words.plain_rows(self.tables.get("excluded", pd.DataFrame())),
             "report": None if self.report is None else str(self.report),
             "tables": None if self.tables_folder is None else str(self.tables_folder),
+            "figures": None if self.figures_folder is None else str(self.figures_folder),
         }
 
 
-def _plain_outcome(outcome: Outcome) -> dict[str, object]:
+def _plain_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
     return {
         "task": outcome.task,
         "dependent": outcome.dependent,
         "group": words.plain_rows(outcome.group),
         "anova": None if outcome.anova is None else words.plain_rows(outcome.anova),
+        "status": None if outcome.status is None else outcome.status.value,
         "sentences": list(outcome.sentences),
+        "statistics": outcome.all_sentences(unit),
         "notes": list(outcome.notes),
     }
 
@@ -87,6 +84,8 @@ def analyse(
     pdf: bool = False,
     within: Sequence[str] = (),
     column_map: ColumnMap | None = None,
+    plan: Plan | None = None,
+    figures: Path | None = None,
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 
@@ -97,95 +96,80 @@ def analyse(
     report : Path, optional
         An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
     pdf : bool
-        Also print the report to ``<name>.pdf`` through an installed browser.
+        Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
     within : sequence of str
         Factors; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
+    plan : Plan, optional
+        What is left out, and which differences count as none, stated before the data.
+    figures : Path, optional
+        A folder for every figure as SVG and, at 300 dots per inch, PNG.
 
     Raises
     ------
     InvalidFile, InvalidParameter
         If the table cannot be read or holds nothing to analyse.
     DeviceFailed
-        If the report cannot be written, or no browser prints it.
+        If the report cannot be written, or nothing prints it.
     """
-    found = analysed(read_trials(path, within=within, column_map=column_map))
-    if report is None:
-        if pdf:
-            raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
+    found = analysed(read_trials(path, within=within, column_map=column_map), plan or Plan())
+    if report is None and pdf:
+        raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
+    if report is None and figures is None:
         return found
-    from tactometry.analysis.report import write_report
+    from tactometry.analysis.report import write_figures, write_report
 
-    return write_report(found, report, pdf=pdf)
+    if figures is not None:
+        found = write_figures(found, figures)
+    return found if report is None else write_report(found, report, pdf=pdf)
 
 
-def analysed(trials: Trials) -> Analysis:
+def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     """All estimates, tables and warnings of a trials table; nothing is written."""
-    unit = cells.level_unit(trials)
-    found = cells.cells(trials)
-    if not found:
+    plan = plan or Plan()
+    plan.check(everything.factors)
+    trials, excluded = applied(everything, plan.exclusion)
+    found, forms = cells.cells(trials), ratings(trials)
+    if not found and not forms:
         raise InvalidFile(
-            f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task, "
-            "expected some to analyse"
+            f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task nor to a known "
+            "questionnaire, expected some to analyse"
         )
-    n_choices = cells.n_alternatives(trials)
+    unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
     table = cells.estimate_table(estimates, trials.factors, unit)
+    forces = force_of_participants(trials) if has_force(trials) else None
     outcomes = tuple(
-        _outcome(table[table["task"] == task], trials.factors, task, dependent)
+        outcome(table[table["task"] == task], trials.factors, task, dependent, forces=forces, bounds=plan.equivalence)
         for task, dependents in OUTCOMES.items()
-        if (table["task"] == task).any()
+        if len(table) and (table["task"] == task).any()
         for dependent in dependents
     )
-    quality = group.quality(trials)
+    quality = group.quality(everything)
     return Analysis(
         trials=trials,
         unit=unit,
         estimates=tuple(estimates),
         outcomes=outcomes,
-        tables=_tables(table, outcomes, found, trials, quality),
-        warnings=words.warnings(trials, table, quality, n_choices),
-        methods=words.methods(table, n_choices),
+        forms=forms,
+        plan=plan,
+        tables=_tables(table, outcomes, found, trials, quality)
+        | _other_tables(forms, forces, trials.factors, excluded),
+        warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
+        methods=words.methods(table, n_choices, forms, plan),
     )
 
 
-def _outcome(table: pd.DataFrame, factors: Sequence[str], task: str, dependent: str) -> Outcome:
-    together = group.group_table(table, factors, dependent)
-    anova, notes = _variance(table, factors, dependent)
-    return Outcome(
-        task=task,
-        dependent=dependent,
-        estimates=table,
-        group=together,
-        cross=group.cross_table(together, factors),
-        anova=anova,
-        notes=tuple(notes),
-        sentences=() if anova is None else tuple(apa.anova_sentences(anova)),
-    )
-
-
-def _variance(table: pd.DataFrame, factors: Sequence[str], dependent: str) -> tuple[pd.DataFrame | None, list[str]]:
-    """The analysis of variance of the largest complete sub-design, with what was left out; or why there is
-    none."""
-    varied = [name for name in factors if table[name].nunique() > 1]
-    if not varied:
-        return None, ["no analysis of variance: no factor has two levels"]
-    if len(varied) > MAX_FACTORS:
-        return None, [f"no analysis of variance: {len(varied)} factors, at most {MAX_FACTORS} can be taken"]
-    if table.groupby("participant")[varied[0]].nunique().max() < 2:
-        return None, [f"no analysis of variance: {varied[0]} does not vary within participants"]
-    part = largest_complete(table, dependent=dependent, within=varied, subject="participant")
-    if part is None:
-        return None, ["no analysis of variance: no three participants share two conditions with a value"]
-    notes = []
-    if part.left_out:
-        notes = [f"the analysis of variance uses the largest complete sub-design; left out: {', '.join(part.left_out)}"]
-    try:
-        anova = repeated_measures(part.table, dependent=dependent, within=list(part.within), subject="participant")
-    except InvalidParameter as refusal:
-        return None, [*notes, f"no analysis of variance: {refusal}"]
-    return anova, [*notes, *anova.attrs["notes"]]
+def _other_tables(
+    forms: Sequence[Ratings], forces: pd.DataFrame | None, factors: Sequence[str], excluded: pd.DataFrame
+) -> dict[str, pd.DataFrame]:
+    found: dict[str, pd.DataFrame] = {}
+    for form in forms:
+        found |= form.tables()
+    if forces is not None:
+        found |= {"force_participants": forces, "force": force_table(forces, factors)}
+    return found | ({"excluded": excluded} if len(excluded) else {})
 
 
 def _tables(
@@ -195,16 +179,17 @@ def _tables(
     trials: Trials,
     quality: pd.DataFrame,
 ) -> dict[str, pd.DataFrame]:
+    if not found:
+        return {"quality": quality}
     tables = {
         "thresholds": table,
         "rates": group.detection_rates(found, trials.factors),
         "mean_rates": group.mean_rates(found, trials.factors),
+        "counts": cells.count_table(found, trials.factors),
+        "tracks": tracks(trials),
         "quality": quality,
     }
-    for outcome in outcomes:
-        name = outcome.dependent if len({o.task for o in outcomes}) == 1 else f"{outcome.task}_{outcome.dependent}"
-        tables[f"group_{name}"] = outcome.group
-        tables[f"cross_{name}"] = outcome.cross
-        if outcome.anova is not None:
-            tables[f"anova_{name}"] = outcome.anova
-    return tables
+    several = len({o.task for o in outcomes}) > 1
+    for each in outcomes:
+        tables |= each.tables(f"{each.task}_{each.dependent}" if several else each.dependent)
+    return {name: part for name, part in tables.items() if len(part)}

@@ -4,6 +4,7 @@ equal data."""
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008)."""
+PRINT_DPI = 300
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _SETTINGS: dict[str, Any] = {
     "svg.fonttype": "none",
@@ -51,12 +53,28 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
     return figure
 
 
-def svg(figure: "Figure") -> str:
-    """The figure as an SVG element without date; the same figure gives the same bytes."""
+@dataclass(frozen=True)
+class Drawing:
+    """A finished figure; the same figure gives the same bytes."""
+
+    figure: "Figure"
+    svg: str
+    """An SVG element without date."""
+
+    def png(self) -> bytes:
+        """Pixels for print."""
+        target = io.BytesIO()
+        with house_style():
+            self.figure.savefig(target, format="png", dpi=PRINT_DPI, metadata={"Software": None})
+        return target.getvalue()
+
+
+def drawn(figure: "Figure") -> Drawing:
+    """The figure as it stands, within the house style."""
     target = io.StringIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "tactometry"})
     text = target.getvalue()
-    return text[text.index("<svg") :]
+    return Drawing(figure, text[text.index("<svg") :])
 
 
 def look(place: int) -> dict[str, Any]:

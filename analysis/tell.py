@@ -5,10 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tactometry.analysis.group import cross_table
+
 if TYPE_CHECKING:
+    import pandas as pd
     from rich.table import Table
 
-    from tactometry.analysis.pipeline import Analysis, Outcome
+    from tactometry.analysis.outcomes import Outcome
+    from tactometry.analysis.pipeline import Analysis
 
 NAMES = {"threshold": "threshold", "pse": "point of subjective equality", "jnd": "just noticeable difference"}
 
@@ -24,15 +28,25 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
                 *outcome.sentences,
             ),
         )
+    for form in found.forms:
+        sentences = [line for lines in form.sentences().values() for line in lines] if form.crossed is not None else []
+        yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), sentences
+    if "force" in found.tables:
+        yield text_table(cross_table(found.tables["force"], found.trials.factors), "applied force (mean ± SD)"), ()
 
 
 def outcome_table(outcome: "Outcome", title: str) -> "Table":
     """The group table in the thesis's form."""
+    return text_table(outcome.cross, title)
+
+
+def text_table(cross: "pd.DataFrame", title: str) -> "Table":
+    """Rows as they stand."""
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", min_width=min(len(title), 78))
-    for name in outcome.cross.columns:
+    for name in cross.columns:
         table.add_column(str(name), justify="right")
-    for row in outcome.cross.itertuples(index=False, name=None):
+    for row in cross.itertuples(index=False, name=None):
         table.add_row(*(f"{v:g}" if isinstance(v, int | float | np.number) else str(v) for v in row))
     return table

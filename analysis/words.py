@@ -7,9 +7,12 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.cells import FITTED_TASKS
-from tactometry.analysis.figures import condition_name
+from tactometry.analysis.labels import condition_name
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
+from tactometry.questionnaire import shipped
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 MANY_FALSE_ALARMS = 0.25
@@ -42,12 +45,20 @@ def _plain(value: object) -> object:
 
 def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choices: int) -> tuple[str, ...]:
     """What a reader must know before the numbers."""
-    return (
-        *_status_warnings(table, trials.factors),
-        *_few_trials(table, trials.factors),
-        *_answer_warnings(trials, table, n_choices),
-        *_quality_warnings(quality),
-    )
+    of_fits = []
+    if len(table):
+        of_fits = [*_status_warnings(table, trials.factors), *_few_trials(table, trials.factors)]
+        of_fits += _answer_warnings(trials, table, n_choices)
+    return (*of_fits, *_other_tasks(trials), *_quality_warnings(quality))
+
+
+def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
+    """One for each rule that left something out."""
+    return [
+        f"left out by the rule {rule} = {part['bound'].iloc[0]:g}: "
+        + ", ".join(f"{n} trials of {code}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
+        for rule, part in excluded.groupby("rule", sort=False)
+    ]
 
 
 def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
@@ -88,11 +99,18 @@ def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> lis
         found.append(
             f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
         )
-    other = trials.rows[~trials.rows["task"].isin(FITTED_TASKS)]
-    if len(other):
-        tasks = ", ".join(sorted(other["task"].unique()))
-        found.append(f"{len(other)} rows of other tasks are not analysed here ({tasks})")
     return found
+
+
+def _other_tasks(trials: Trials) -> list[str]:
+    rows = trials.rows
+    known = rows["task"].isin(FITTED_TASKS)
+    if "procedure" in rows.columns:
+        known |= (rows["task"] == "rating") & rows["procedure"].isin(shipped())
+    other = rows[~known]
+    if not len(other):
+        return []
+    return [f"{len(other)} rows of other tasks are not analysed here ({', '.join(sorted(other['task'].unique()))})"]
 
 
 def _quality_warnings(quality: pd.DataFrame) -> list[str]:
@@ -112,8 +130,63 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
 CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (in decibels; Weibull of the amplitude)"}
 
 
-def methods(table: pd.DataFrame, n_choices: int) -> str:
+REFERENCES = {
+    "fits": "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
+    "estimation of psychometric functions for (potentially) overdispersed data. Vision Research, 122, 105-123.",
+    "anova": "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
+    "Methods, 37, 379-384.",
+    "pingouin": "Vallat, R. (2018). Pingouin: statistics in Python. Journal of Open Source Software, 3(31), 1026.",
+    "eta": "Steiger, J. H. (2004). Beyond the F test: Effect size confidence intervals and tests of close fit in the "
+    "analysis of variance and contrast analysis. Psychological Methods, 9, 164-182.",
+    "bayes": "Rouder, J. N., Speckman, P. L., Sun, D., Morey, R. D., & Iverson, G. (2009). Bayesian t tests for "
+    "accepting and rejecting the null hypothesis. Psychonomic Bulletin & Review, 16, 225-237.",
+    "tost": "Schuirmann, D. J. (1987). A comparison of the two one-sided tests procedure and the power approach for "
+    "assessing the equivalence of average bioavailability. Journal of Pharmacokinetics and Biopharmaceutics, 15, "
+    "657-680.",
+}
+
+
+def methods(table: pd.DataFrame, n_choices: int, forms: Sequence[Ratings] = (), plan: Plan | None = None) -> str:
     """A paragraph for the methods section, with versions."""
+    parts = [*_fit_methods(table, n_choices), *_plan_methods(plan or Plan())]
+    if len(table) or forms:
+        parts.append(
+            "Means over participants are given with t-intervals; a condition in which a threshold is censored is given "
+            "as a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction, partial and "
+            "generalised eta squared (Bakeman 2005) with 90 % intervals of the noncentral F distribution (Steiger "
+            "2004); where an error matrix is singular, a permutation test of the signs of participants' contrasts is "
+            "added. "
+            "Pairs are compared by paired t-tests with Holm's correction, dz and Bayes factors (Rouder et al. 2009)."
+        )
+    parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in forms]
+    parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
+    return " ".join(parts)
+
+
+def references(table: pd.DataFrame, plan: Plan | None = None) -> list[str]:
+    """The works that the methods paragraph names."""
+    left_out = set() if plan is not None and plan.equivalence else {"tost"}
+    left_out |= set() if len(table) else {"fits"}
+    return sorted(text for name, text in REFERENCES.items() if name not in left_out)
+
+
+def _plan_methods(plan: Plan) -> list[str]:
+    stated = plan.exclusion.stated()
+    parts = []
+    if stated:
+        rules = ", ".join(f"{name} = {bound:g}" for name, bound in stated.items())
+        parts.append(f"Trials and participants were left out by rules stated beforehand ({rules}).")
+    for name, bound in plan.equivalence.items():
+        parts.append(
+            f"Levels of {name} count as equivalent if two one-sided tests (Schuirmann 1987) put their difference "
+            f"within +-{bound:g}, a bound stated beforehand."
+        )
+    return parts
+
+
+def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
+    if not len(table):
+        return []
     tasks = set(table["task"])
     curves = " or ".join(f"a {CURVES[name]}" for name in dict.fromkeys(table["shape"]))
     parts = [
@@ -136,10 +209,4 @@ def methods(table: pd.DataFrame, n_choices: int) -> str:
             "are maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile "
             "likelihood's 95 % interval for the former and Wald's, of the logarithm, for the latter."
         )
-    parts.append(
-        "Means over participants are given with t-intervals; a condition in which a threshold is censored is given as "
-        "a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction and generalised eta "
-        "squared (Bakeman 2005)."
-    )
-    parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
-    return " ".join(parts)
+    return parts

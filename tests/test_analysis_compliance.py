@@ -12,8 +12,8 @@ from tactometry.analysis.compliance import (
     force_of_participants,
     force_table,
     has_force,
-    read_exclusion,
 )
+from tactometry.analysis.plan import Plan, read_plan
 from tactometry.analysis.table import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
 
@@ -106,32 +106,41 @@ def test_a_force_that_was_not_measured_breaks_no_rule(some) -> None:
     assert kept.rows["force_mean_n"].isna().sum() == 1
 
 
-def test_rules_are_read_from_a_file(tmp_path) -> None:
-    file = tmp_path / "rules.toml"
-    file.write_text("force_in_band_share_min = 0.8\nlatency_max_s = 10\n")
-    assert read_exclusion(file).stated() == {"force_in_band_share_min": 0.8, "latency_max_s": 10}
+def test_a_plan_is_read_from_a_file(tmp_path) -> None:
+    file = tmp_path / "plan.toml"
+    file.write_text("[exclusion]\nforce_in_band_share_min = 0.8\nlatency_max_s = 10\n[equivalence]\nforce_n = 1\n")
+    plan = read_plan(file)
+    assert plan.exclusion.stated() == {"force_in_band_share_min": 0.8, "latency_max_s": 10}
+    assert plan.equivalence == {"force_n": 1.0}
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("[exclusions]", "exclusions: found an unknown key, expected one of exclusion, equivalence; did you mean"),
+        ("[exclusion]\nin_band = 0.8", "exclusion.in_band: found an unknown key, expected one of force_in_band_share_"),
         (
-            "force_in_band_share_mni = 0.8",
-            "force_in_band_share_mni: found an unknown key, expected one of force_in_band_share_min",
+            "[exclusion]\nforce_in_band_share_min = 80",
+            "force_in_band_share_min: found 80.0, expected a number from 0 to 1",
         ),
-        ("force_in_band_share_min = 80", "force_in_band_share_min: found 80.0, expected a number from 0 to 1"),
-        ("latency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
-        ("latency_max_s = nan", "latency_max_s: found nan, expected a number from 0"),
-        ("latency_min_s = 2\nlatency_max_s = 1", "latency_max_s: found 1.0, expected more than latency_min_s, 2.0"),
-        ("latency_max_s = 'long'", "latency_max_s: found 'long', expected a number"),
+        ("[exclusion]\nlatency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
+        ("[exclusion]\nlatency_max_s = nan", "latency_max_s: found nan, expected a number from 0"),
+        ("[exclusion]\nlatency_min_s = 2\nlatency_max_s = 1", "found 1.0, expected more than latency_min_s, 2.0"),
+        ("[exclusion]\nlatency_max_s = 'long'", "latency_max_s: found 'long', expected a number"),
+        ("[equivalence]\nforce_n = 0", "equivalence.force_n: found 0.0, expected a difference above 0"),
         ("= 3", "found no valid TOML"),
     ],
 )
-def test_rules_that_are_none_are_refused(tmp_path, text, message) -> None:
-    file = tmp_path / "rules.toml"
+def test_a_plan_that_is_none_is_refused(tmp_path, text, message) -> None:
+    file = tmp_path / "plan.toml"
     file.write_text(text)
     with pytest.raises(InvalidFile, match=re.escape(message)):
-        read_exclusion(file)
+        read_plan(file)
+
+
+def test_a_bound_names_a_factor() -> None:
+    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor, expected some of force_n"):
+        Plan(equivalence={"force": 1.0}).check(["force_n"])
 
 
 def test_a_rule_names_the_column_that_it_needs(some) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -12,8 +13,12 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
+from tactometry.analysis.compliance import Exclusion
 from tactometry.analysis.group import cross_table, group_table
 from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.printing import BROWSERS, WEASYPRINT, print_pdf
+from tactometry.analysis.report_figures import figures_of
 from tactometry.cli.analyse import command
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 
@@ -136,7 +141,10 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
     assert re.fullmatch(r"> \d+\.\d \(4 of 4 above the levels\)", first["text"])
     assert outcome.notes == (
         "the analysis of variance uses the largest complete sub-design; left out: frequency_hz = 60",
+        "the mixed model leaves 4 censored thresholds out, as if missing at random: its estimates lean to the known "
+        "ones",
     )
+    assert outcome.model.n == 8
     assert any("4 of 12 cells have a threshold above their levels" in warning for warning in found.warnings)
 
 
@@ -241,7 +249,9 @@ def test_refuses_a_report_that_is_no_page_or_cannot_be_written(study, tmp_path) 
 def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
-    with pytest.raises(InvalidFile, match="found no valid answer of a yes/no, forced-choice or comparison task"):
+    with pytest.raises(
+        InvalidFile, match="found no valid answer of a yes/no, forced-choice or comparison task nor to a known"
+    ):
         analyse(path)
 
 
@@ -252,3 +262,125 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
     )
     with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as before"):
         analyse(path)
+
+
+# --- force, questionnaires, plan, figures
+
+
+@pytest.fixture(scope="module")
+def patterns(tmp_path_factory) -> Path:
+    """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
+    from test_analysis_attrakdiff import study as answers_of
+
+    better = {f"P{n}": 1.5 for n in (4, 5, 6)}
+    table = answers_of(np.random.default_rng(), n=6, effect=better)
+    table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)
+    path = tmp_path_factory.mktemp("patterns") / "answers.csv"
+    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
+    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def pressed(study, tmp_path_factory) -> Path:
+    """The study with a measured force: 10 % above the target, P02 out of the band."""
+    rng = np.random.default_rng()
+    table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
+    force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))
+    band = np.where(table["participant"] == "P02", 0.3, 0.95)
+    path = tmp_path_factory.mktemp("pressed") / "trials.csv"
+    table.assign(force_mean_n=force.round(4), force_in_band=band).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def planned(pressed, tmp_path_factory) -> Analysis:
+    plan = Plan(Exclusion(force_in_band_share_min=0.5), {"force_n": 50.0})
+    return analyse(pressed, plan=plan, report=tmp_path_factory.mktemp("planned") / "report.html")
+
+
+def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
+    assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
+    assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5: ")
+    assert set(planned.tables["excluded"]["participant"]) == {"P02"}
+    assert "rules stated beforehand (force_in_band_share_min = 0.5)" in planned.methods
+
+
+def test_the_report_has_force_models_pairs_and_references(planned) -> None:
+    page = planned.report.read_text()
+    headings = (
+        "Applied force",
+        "Data quality",
+        "Left out by the plan",
+        "Pairs of frequency_hz",
+        "Equivalence over force_n",
+    )
+    for text in (*headings, "Linear mixed model", "Schuirmann, D. J. (1987)", "Vallat, R. (2018)"):
+        assert text in page
+    assert page.index("<h2>Warnings") < page.index("<h2>Detection threshold")
+    outcome = planned.outcomes[0]
+    assert outcome.model_title == "frequency_hz * log2 of the measured force, participants at random"
+    assert outcome.equivalence["force_n"]["equivalent"].all()
+    assert len(outcome.pairs["frequency_hz"]) == 3
+    assert planned.tables["force"]["mean"].iloc[0] == pytest.approx(0.55, abs=0.01)
+
+
+def test_every_figure_is_a_file_with_its_numbers(pressed, tmp_path) -> None:
+    from PIL import Image
+
+    found = analyse(pressed, figures=tmp_path / "figures")
+    names = {path.stem for path in found.figures_folder.iterdir()}
+    assert {"threshold", "force", "rates_yes_no", "mean_rates_yes_no", "P01_curves"} <= names
+    for name in names:
+        assert (found.figures_folder / f"{name}.svg").read_text().startswith("<svg")
+        assert len(pd.read_csv(found.figures_folder / f"{name}.csv")) > 0
+    with Image.open(found.figures_folder / "threshold.png") as picture:
+        assert picture.info["dpi"][0] == pytest.approx(300, abs=1)
+    one = set(pd.read_csv(found.figures_folder / "P01_curves.csv")["participant"])
+    assert one == {"P01"}
+
+
+def test_a_figure_has_the_same_bytes_again(patterns) -> None:
+    found = analyse(patterns)
+    one, other = (figures_of(found)[1].drawing for _ in range(2))
+    assert (one.svg, one.png()) == (other.svg, other.png())
+
+
+def test_a_study_of_a_questionnaire_alone_is_reported(patterns, tmp_path) -> None:
+    found = analyse(patterns, report=tmp_path / "r.html")
+    page = found.report.read_text()
+    for text in ("AttrakDiff", "Portfolio", "Word pairs", "Patterns against P0", "Cronbach&#39;s alpha"):
+        assert text in page
+    assert (found.outcomes, found.warnings) == ((), ())
+    (form,) = found.forms
+    assert form.crossed.set_index(["dimension", "Source"]).loc[("HQ", "frequency"), "p_unc"] < 0.05
+    assert list(form.cross().columns) == ["condition", "PQ", "HQI", "HQS", "ATT", "HQ"]
+    assert {"attrakdiff_scores", "attrakdiff_portfolio", "attrakdiff_against_P0"} <= set(found.tables)
+    assert found.summary()["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
+
+
+def test_the_terminal_shows_scores_and_comparisons(patterns) -> None:
+    result = CliRunner().invoke(command, [str(patterns)])
+    assert result.exit_code == 0, result.output
+    assert "AttrakDiff (mean, 95 % interval, n)" in result.output
+    assert "frequency: F(1, 5)" in " ".join(result.output.split())
+
+
+def test_a_bound_of_no_factor_is_refused(pressed) -> None:
+    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor"):
+        analyse(pressed, plan=Plan(equivalence={"force": 1.0}))
+
+
+@pytest.mark.skipif(
+    not any(map(shutil.which, (*BROWSERS, WEASYPRINT))), reason="neither a browser nor WeasyPrint is installed"
+)
+def test_the_page_is_printed_by_what_is_there(tmp_path) -> None:
+    page = tmp_path / "r.html"
+    page.write_text("<details><summary>closed</summary><p>inside</p></details>")
+    assert print_pdf(page).read_bytes().startswith(b"%PDF")
+
+
+def test_without_a_printer_the_page_is_kept_and_that_is_said(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one; print"):
+        print_pdf(tmp_path / "r.html")

@@ -22,11 +22,28 @@ if TYPE_CHECKING:
 @click.option(
     "--columns", type=click.Path(path_type=Path), metavar="MAP.toml", help="How a foreign table's columns are called."
 )
+@click.option(
+    "--plan", type=click.Path(path_type=Path), metavar="PLAN.toml", help="What is left out, and what counts as equal."
+)
+@click.option(
+    "--figures", type=click.Path(path_type=Path), metavar="DIR", help="Every figure as SVG and PNG, with its data."
+)
 @json_option
-def command(path: Path, report: Path | None, within: str, columns: Path | None, *, pdf: bool, as_json: bool) -> None:
+def command(
+    path: Path,
+    report: Path | None,
+    within: str,
+    columns: Path | None,
+    plan: Path | None,
+    figures: Path | None,
+    *,
+    pdf: bool,
+    as_json: bool,
+) -> None:
     """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
     from tactometry.analysis.column_map import read_column_map
     from tactometry.analysis.pipeline import analyse
+    from tactometry.analysis.plan import read_plan
 
     factors = [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
@@ -35,6 +52,8 @@ def command(path: Path, report: Path | None, within: str, columns: Path | None, 
         pdf=pdf,
         within=factors,
         column_map=None if columns is None else read_column_map(columns),
+        plan=None if plan is None else read_plan(plan),
+        figures=figures,
     )
     say(summary_text(found), found.summary(), as_json=as_json)
 
@@ -53,6 +72,8 @@ def summary_text(found: "Analysis") -> str:
             console.print(table)
             for sentence in sentences:
                 console.print(sentence, markup=False, highlight=False)
+        if found.figures_folder is not None:
+            console.print(f"figures: {found.figures_folder}", markup=False, soft_wrap=True)
         if found.report is not None:
             console.print(f"report: {found.report}\ntables: {found.tables_folder}", markup=False, soft_wrap=True)
     return capture.get().rstrip("\n")

@@ -1,0 +1,164 @@
+"""Figures of a semantic differential: scores, word pairs, portfolio, frequency by envelope."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.attrakdiff import REGIONS
+from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SPREAD = 0.09
+"""Between series at one place, in steps of the axis."""
+CENTRES = (-2.0, 0.0, 2.0)
+
+
+def scores_figure(
+    summary: pd.DataFrame, names: Sequence[str], order: Sequence[str], low: float, high: float
+) -> Drawing:
+    """Mean of each dimension over participants with its interval, a series per condition.
+
+    `summary` has the columns `condition, dimension, mean, mean_low, mean_high`; `names` are the conditions to draw.
+    """
+    with house_style():
+        figure = new_figure(6.6, 3.4)
+        axes = figure.add_subplot()
+        for n, name in enumerate(names):
+            part = summary[summary["condition"] == name].set_index("dimension").reindex(list(order))
+            x = np.arange(len(order)) + SPREAD * (n - (len(names) - 1) / 2)
+            _means(axes, x, part, n, name)
+        axes.set_xticks(range(len(order)), list(order))
+        _scale(axes, low, high)
+        axes.set_ylabel("Score (positive: good)")
+        figure.legend(loc="outside right center")
+        return drawn(figure)
+
+
+def _means(axes: "Axes", x: np.ndarray, part: pd.DataFrame, n: int, name: str) -> None:
+    mean, bottom, top = (part[c].astype(float).to_numpy() for c in ("mean", "mean_low", "mean_high"))
+    told = np.isfinite(mean)
+    ends = np.nan_to_num(np.stack([mean - bottom, top - mean])[:, told], nan=0.0)
+    axes.errorbar(x[told], mean[told], yerr=ends, label=name, linestyle="none", capsize=2, elinewidth=0.9, **look(n))
+
+
+def _scale(axes: "Axes", low: float, high: float) -> None:
+    axes.axhline((low + high) / 2, color="#888888", linewidth=0.8)
+    axes.set_ylim(low - 0.1, high + 0.1)
+    axes.set_yticks(np.linspace(low, high, 7))
+
+
+def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high: float) -> Drawing:
+    """Means of the word pairs, a line per condition, negative words at the left and positive ones at the right.
+
+    `profile` has the columns `condition, item, dimension, negative, positive, mean`.
+    """
+    words = profile.drop_duplicates("item")
+    y = np.arange(len(words))
+    with house_style():
+        figure = new_figure(6.6, 0.21 * len(words) + 1.0)
+        axes = figure.add_subplot()
+        for n, name in enumerate(names):
+            part = profile[profile["condition"] == name].set_index("item").reindex(words["item"])
+            axes.plot(part["mean"], y, label=name, linewidth=1.0, **look(n))
+        labels = [f"{d}  {word}" for d, word in zip(words["dimension"], words["negative"], strict=True)]
+        axes.set_yticks(y, labels, fontsize=7)
+        axes.set_ylim(len(words) - 0.5, -0.5)
+        axes.set_xlim(low, high)
+        axes.set_xlabel("Mean score")
+        axes.axvline((low + high) / 2, color="#888888", linewidth=0.8)
+        for edge in np.flatnonzero(words["dimension"].to_numpy()[1:] != words["dimension"].to_numpy()[:-1]):
+            axes.axhline(edge + 0.5, color="#cccccc", linewidth=0.7)
+        right = axes.secondary_yaxis("right")
+        right.set_yticks(y, list(words["positive"]), fontsize=7)
+        right.tick_params(length=0)
+        figure.legend(loc="outside upper center", ncols=min(7, len(names)))
+        return drawn(figure)
+
+
+def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
+    """Pragmatic against hedonic quality: the mean of each condition in its confidence rectangle.
+
+    `portfolio` has the columns `condition, PQ, PQ_low, PQ_high, HQ, HQ_low, HQ_high`.
+    """
+    from matplotlib.patches import Rectangle
+
+    with house_style():
+        figure = new_figure(5.4, 4.6)
+        axes = figure.add_subplot()
+        _regions(axes)
+        for n, row in enumerate(portfolio.to_dict("records")):
+            style = look(n)
+            if row["PQ_low"] is not None and row["HQ_low"] is not None and np.isfinite(row["PQ_low"] + row["HQ_low"]):
+                corner = (row["PQ_low"], row["HQ_low"])
+                size = (row["PQ_high"] - row["PQ_low"], row["HQ_high"] - row["HQ_low"])
+                axes.add_patch(Rectangle(corner, *size, facecolor=style["color"], alpha=0.13))
+                axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=style["color"], linewidth=0.9))
+            axes.plot([row["PQ"]], [row["HQ"]], linestyle="none", label=row["condition"], **style)
+        axes.set(xlim=(-3, 3), ylim=(-3, 3), xlabel="Pragmatic quality PQ", ylabel="Hedonic quality HQ")
+        axes.set_aspect("equal")
+        figure.legend(loc="outside right center")
+        return drawn(figure)
+
+
+def _regions(axes: "Axes") -> None:
+    for edge in (-1, 1):
+        axes.axhline(edge, color="#bbbbbb", linewidth=0.8)
+        axes.axvline(edge, color="#bbbbbb", linewidth=0.8)
+    for along, x in enumerate(CENTRES):
+        for up, y in enumerate(CENTRES):
+            name = REGIONS[along][up].replace(" ", "\n").replace("-", "-\n")
+            axes.text(x, y, name, color="#767676", fontsize=6.5, ha="center", va="center", zorder=0)
+
+
+def crossed_figure(
+    summary: pd.DataFrame,
+    design: Mapping[str, tuple[object, object]],
+    order: Sequence[str],
+    reference: str,
+    limits: tuple[float, float],
+) -> Drawing:
+    """Envelope along x, a line per frequency, a panel per dimension; the reference as a line with its interval.
+
+    `summary` is as for `scores_figure`; `design` maps a condition to frequency and envelope.
+    """
+    envelopes = list(dict.fromkeys(envelope for _, envelope in design.values()))
+    with house_style():
+        figure = new_figure(1.75 * len(order) + 0.9, 3.2)
+        panels = figure.subplots(1, len(order), squeeze=False, sharey=True).ravel()
+        for axes, dimension in zip(panels, order, strict=True):
+            own = summary[summary["dimension"] == dimension].set_index("condition")
+            _draw_reference(axes, own, reference)
+            _draw_crossed(axes, own, design, envelopes)
+            axes.set_title(dimension)
+            axes.set_xticks(range(len(envelopes)), [str(e) for e in envelopes], rotation=40, ha="right", fontsize=7)
+            axes.set_xlim(-0.4, len(envelopes) - 0.6)
+            _scale(axes, *limits)
+        panels[0].set_ylabel("Score (positive: good)")
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=3)
+        return drawn(figure)
+
+
+def _draw_reference(axes: "Axes", own: pd.DataFrame, reference: str) -> None:
+    if reference not in own.index:
+        return
+    mean, low, high = (float(own[name].astype(float)[reference]) for name in ("mean", "mean_low", "mean_high"))
+    axes.axhline(mean, color="#555555", linestyle="--", linewidth=1.0, label=f"{reference} (reference)")
+    if np.isfinite(low):
+        axes.axhspan(low, high, color="#555555", alpha=0.12, linewidth=0)
+
+
+def _draw_crossed(
+    axes: "Axes", own: pd.DataFrame, design: Mapping[str, tuple[object, object]], envelopes: Sequence[object]
+) -> None:
+    frequencies = list(dict.fromkeys(frequency for frequency, _ in design.values()))
+    for n, frequency in enumerate(frequencies):
+        codes = [code for code, (f, _) in design.items() if f == frequency and code in own.index]
+        part = own.loc[codes].astype(dict.fromkeys(("mean", "mean_low", "mean_high"), float))
+        x = np.array([envelopes.index(design[code][1]) for code in codes]) + SPREAD * (n - 0.5)
+        ends = np.nan_to_num(np.stack([part["mean"] - part["mean_low"], part["mean_high"] - part["mean"]]), nan=0.0)
+        axes.errorbar(x, part["mean"], yerr=ends, label=f"{frequency} frequency", capsize=2, elinewidth=0.9, **look(n))

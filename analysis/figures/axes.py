@@ -1,0 +1,69 @@
+"""What the figures share: which factor runs along x, which make series, and where values lie."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.labels import condition_name, title_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LOG_RANGE = 4.0
+RATE_LABEL = {"yes_no": "Rate of “yes”", "forced_choice": "Rate correct", "comparison": "Rate of “more”"}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Which factor runs along x, which ones make the series; both may be missing."""
+
+    along: str | None
+    series: tuple[str, ...]
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "Axis":
+        """The numeric factor with most levels along x, the others as series."""
+        numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
+        along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
+        return cls(along, tuple(name for name in factors if name != along))
+
+
+def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.DataFrame]]:
+    if not names:
+        return [("", table)]
+    grouped = table.groupby(list(names), sort=True, observed=True)
+    return [(condition_name(names, key), part) for key, part in grouped]
+
+
+def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
+    """Put the factor's values on the x axis (logarithmic where they span much) and say where each lies."""
+    levels = sorted(set(values))
+    axes.set_xlabel("" if name is None else title_of(name))
+    numeric = all(isinstance(v, int | float | np.number) for v in levels)
+    if not numeric or name is None:
+        axes.set_xticks(range(len(levels)), [str(v) for v in levels])
+        return {v: float(i) for i, v in enumerate(levels)}
+    if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_locator(_no_ticks())
+    axes.set_xticks([float(v) for v in levels], [f"{v:g}" for v in levels])
+    return {v: float(v) for v in levels}
+
+
+def _no_ticks() -> Any:
+    from matplotlib.ticker import NullLocator
+
+    return NullLocator()
+
+
+def shift(place: int, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
+    """Series side by side, so that their intervals do not hide each other."""
+    offset = place - (n - 1) / 2
+    if log:
+        return {value: x * 1.025**offset for value, x in where.items()}
+    spots = sorted(where.values())
+    step = min(np.diff(spots), default=1.0)
+    return {value: x + 0.05 * step * offset for value, x in where.items()}

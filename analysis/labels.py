@@ -1,0 +1,36 @@
+"""Names of factors and conditions as a person writes them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+UNITS = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "m": "m", "mm": "mm", "db": "dB", "m_per_s": "m/s"}
+
+
+def title_of(name: str) -> str:
+    """A factor's name as a person writes it.
+
+    >>> title_of("frequency_hz"), title_of("force_n"), title_of("pattern")
+    ('Frequency (Hz)', 'Force (N)', 'Pattern')
+    """
+    for suffix in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(f"_{suffix}"):
+            return f"{name[: -len(suffix) - 1].replace('_', ' ').capitalize()} ({UNITS[suffix]})"
+    return name.replace("_", " ").capitalize()
+
+
+def value_of(name: str, value: object) -> str:
+    """A factor's value with its unit, such as ``240 Hz``.
+
+    >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0")
+    ('240 Hz', 'P0')
+    """
+    text = f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
+    for suffix in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(f"_{suffix}"):
+            return f"{text} {UNITS[suffix]}"
+    return text if not isinstance(value, int | float | np.number) else f"{name.replace('_', ' ')} {text}"
+
+
+def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
+    return ", ".join(value_of(name, value) for name, value in zip(factors, condition, strict=True)) or "all"

@@ -1,0 +1,188 @@
+"""What is said of one dependent value: group table, analysis of variance with its checks, pairs, models."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis import apa, group
+from tactometry.analysis.anova import MAX_FACTORS, permutation_test, repeated_measures
+from tactometry.analysis.assumptions import checks
+from tactometry.analysis.complete import largest_complete
+from tactometry.analysis.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.mixed_model import MixedModel, mixed_model
+from tactometry.analysis.post_hoc import pairs
+from tactometry.analysis.status import Status
+from tactometry.errors import InvalidParameter
+
+FORCE = "force_n"
+MEASURED = "log2 of the measured force"
+PERMUTATION_SEED = 20_170_522
+"""Of the changes of signs with many participants, so that the same data give the same report."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One dependent value of one task.
+
+    `anova` is that of the largest complete sub-design, with its `status`, `checks` and, where an error matrix is
+    singular, a `permutation` test; `pairs` and `equivalence` per factor; `model` a mixed model of all values. What
+    could not be done is None, and `notes` say why.
+    """
+
+    task: str
+    dependent: str
+    estimates: pd.DataFrame
+    group: pd.DataFrame
+    cross: pd.DataFrame
+    anova: pd.DataFrame | None
+    notes: tuple[str, ...]
+    sentences: tuple[str, ...]
+    status: DesignStatus | None = None
+    checks: pd.DataFrame | None = None
+    permutation: pd.DataFrame | None = None
+    pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    equivalence: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    model: MixedModel | None = None
+    model_title: str = ""
+
+    def all_sentences(self, unit: str) -> dict[str, list[str]]:
+        """Every sentence, by the heading that it stands under."""
+        found = {
+            "Analysis of variance": list(self.sentences),
+            "Assumptions": [] if self.checks is None else list(self.checks["text"]),
+            "Permutation tests": [] if self.permutation is None else apa.permutation_sentences(self.permutation),
+        }
+        for name, table in self.pairs.items():
+            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit)
+        for name, table in self.equivalence.items():
+            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit)
+        if self.model is not None:
+            found[f"Linear mixed model: {self.model_title}"] = apa.model_sentences(self.model)
+        return {heading: sentences for heading, sentences in found.items() if sentences}
+
+    def tables(self, name: str) -> dict[str, pd.DataFrame]:
+        """Every table, by the name of its file."""
+        found: dict[str, pd.DataFrame | None] = {
+            f"group_{name}": self.group,
+            f"cross_{name}": self.cross,
+            f"anova_{name}": self.anova,
+            f"assumptions_{name}": self.checks,
+            f"permutation_{name}": self.permutation,
+            f"mixed_model_{name}": None if self.model is None else self.model.coefficients,
+        }
+        found |= {f"pairs_{name}_{factor}": table for factor, table in self.pairs.items()}
+        found |= {f"equivalence_{name}_{factor}": table for factor, table in self.equivalence.items()}
+        return {key: table for key, table in found.items() if table is not None}
+
+
+def outcome(
+    table: pd.DataFrame,
+    factors: Sequence[str],
+    task: str,
+    dependent: str,
+    *,
+    forces: pd.DataFrame | None = None,
+    bounds: Mapping[str, float] | None = None,
+) -> Outcome:
+    """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
+    condition, `bounds` the differences that count as none, per factor."""
+    together = group.group_table(table, factors, dependent)
+    varied = [name for name in factors if table[name].nunique() > 1]
+    whole, notes = _complete(table, varied, dependent)
+    found = Outcome(
+        task=task,
+        dependent=dependent,
+        estimates=table,
+        group=together,
+        cross=group.cross_table(together, factors),
+        anova=None,
+        notes=tuple(notes),
+        sentences=(),
+    )
+    if whole is not None:
+        found = _with_variance(found, whole[0], whole[1], bounds or {})
+    return _with_model(found, varied, forces)
+
+
+def _complete(
+    table: pd.DataFrame, varied: Sequence[str], dependent: str
+) -> tuple[tuple[pd.DataFrame, list[str]] | None, list[str]]:
+    """The largest complete sub-design with its factors, and what was left out; or why there is none."""
+    if not varied:
+        return None, ["no analysis of variance: no factor has two levels"]
+    if len(varied) > MAX_FACTORS:
+        return None, [f"no analysis of variance: {len(varied)} factors, at most {MAX_FACTORS} can be taken"]
+    if table.groupby("participant")[varied[0]].nunique().max() < 2:
+        return None, [f"no analysis of variance: {varied[0]} does not vary within participants"]
+    part = largest_complete(table, dependent=dependent, within=varied, subject="participant")
+    if part is None:
+        return None, ["no analysis of variance: no three participants share two conditions with a value"]
+    notes = []
+    if part.left_out:
+        notes = [f"the analysis of variance uses the largest complete sub-design; left out: {', '.join(part.left_out)}"]
+    return (part.table, list(part.within)), notes
+
+
+def _with_variance(found: Outcome, table: pd.DataFrame, within: Sequence[str], bounds: Mapping[str, float]) -> Outcome:
+    given: Any = {"dependent": found.dependent, "subject": "participant"}
+    try:
+        anova = repeated_measures(table, within=within, **given)
+    except UndefinedStatistic as refusal:
+        return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+    status = anova.attrs["status"]
+    is_singular = status is DesignStatus.SINGULAR
+    rng = np.random.default_rng(PERMUTATION_SEED)
+    return replace(
+        found,
+        anova=anova,
+        status=status,
+        notes=(*found.notes, *anova.attrs["notes"]),
+        sentences=tuple(apa.anova_sentences(anova)),
+        checks=checks(table, within=within, **given),
+        permutation=permutation_test(table, within=within, rng=rng, **given) if is_singular else None,
+        pairs={name: pairs(table, factor=name, **given) for name in within},
+        equivalence={
+            name: equivalence(table, factor=name, bound=bound, **given)
+            for name, bound in bounds.items()
+            if name in within
+        },
+    )
+
+
+def _with_model(found: Outcome, varied: Sequence[str], forces: pd.DataFrame | None) -> Outcome:
+    """A mixed model of all values: with the measured force instead of its target where it was measured, else where the
+    analysis of variance left something out."""
+    known = found.estimates[found.estimates[found.dependent].notna()]
+    by_force = forces is not None and FORCE in varied
+    lost = any("left out" in note for note in found.notes)
+    if not varied or not (by_force or lost) or known.empty:
+        return found
+    data, covariates = _with_force(known, forces, varied) if by_force and forces is not None else (known, [])
+    factors = [name for name in varied if not (covariates and name == FORCE)]
+    title = " * ".join([*factors, *covariates]) + ", participants at random"
+    try:
+        model = mixed_model(
+            data, dependent=found.dependent, factors=factors, covariates=covariates, subject="participant"
+        )
+    except InvalidParameter as refusal:
+        return replace(found, notes=(*found.notes, f"no mixed model: {refusal}"))
+    return replace(found, model=model, model_title=title, notes=(*found.notes, *_censored_note(found)))
+
+
+def _with_force(known: pd.DataFrame, forces: pd.DataFrame, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
+    keys = ["participant", *varied]
+    own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
+    data = known.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
+    return data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))}), [MEASURED]
+
+
+def _censored_note(found: Outcome) -> list[str]:
+    n = int(found.estimates["status"].isin([Status.BELOW.value, Status.ABOVE.value]).sum())
+    if not n or found.dependent not in group.BOUNDED:
+        return []
+    thresholds = "1 censored threshold" if n == 1 else f"{n} censored thresholds"
+    return [f"the mixed model leaves {thresholds} out, as if missing at random: its estimates lean to the known ones"]

@@ -1,0 +1,63 @@
+"""A plan of analysis, stated before the data are seen: what is left out, and which differences count as none."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from tactometry.analysis.compliance import Exclusion
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.strict import build
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
+    threshold; `equivalence`).
+
+    Raises
+    ------
+    InvalidParameter
+        If a bound is not above 0.
+
+    >>> Plan(equivalence={"force_n": 1.0}).equivalence
+    {'force_n': 1.0}
+    """
+
+    exclusion: Exclusion = field(default_factory=Exclusion)
+    equivalence: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, bound in self.equivalence.items():
+            if not (np.isfinite(bound) and bound > 0):
+                raise InvalidParameter(f"equivalence.{name}: found {bound}, expected a difference above 0")
+
+    def check(self, factors: Sequence[str]) -> None:
+        """Refuse a bound of a factor that is not there."""
+        for name in self.equivalence:
+            if name not in factors:
+                raise InvalidParameter(
+                    f"equivalence.{name}: found no such factor, expected some of {', '.join(factors)}"
+                    f"{nearest(name, factors)}"
+                )
+
+
+def read_plan(path: Path) -> Plan:
+    """A plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, or holds anything else.
+    """
+    import tomllib
+
+    try:
+        return build(Plan, tomllib.loads(path.read_text(encoding="utf-8")), "")
+    except OSError as failure:
+        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected a plan of analysis") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
+        raise InvalidFile(f"{path}: found no valid TOML ({damage}), expected a plan of analysis") from None
+    except InvalidParameter as wrong:
+        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None

@@ -1,0 +1,122 @@
+"""The questionnaires of a data set, each with its scores, tables and comparisons."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from tactometry.analysis import apa
+from tactometry.analysis.attrakdiff import consistency, item_scores, portfolio, scores, summary, word_pairs
+from tactometry.analysis.labels import value_of
+from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.table import Trials, used_rows
+from tactometry.questionnaire import Questionnaire, load, shipped
+
+PATTERN, REFERENCE = "pattern", "P0"
+
+
+@dataclass(frozen=True)
+class Ratings:
+    """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item,
+    `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis where its
+    patterns were rated (None: not)."""
+
+    form: Questionnaire
+    factors: tuple[str, ...]
+    scores: pd.DataFrame
+    summary: pd.DataFrame
+    profile: pd.DataFrame
+    consistency: pd.DataFrame
+    portfolio: pd.DataFrame | None
+    crossed: pd.DataFrame | None
+    against: pd.DataFrame | None
+
+    @property
+    def name(self) -> str:
+        return self.form.name
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Every table, by the name of its file."""
+        stem = self.name.replace("-", "_")
+        found = {
+            f"{stem}_scores": self.scores,
+            f"{stem}_summary": self.summary,
+            f"{stem}_word_pairs": self.profile,
+            f"{stem}_consistency": self.consistency,
+            f"{stem}_portfolio": self.portfolio,
+            f"{stem}_frequency_by_envelope": self.crossed,
+            f"{stem}_against_{REFERENCE}": self.against,
+        }
+        return {name: table for name, table in found.items() if table is not None}
+
+    def sentences(self) -> dict[str, list[str]]:
+        """Every sentence, by the heading that it stands under."""
+        found: dict[str, list[str]] = {}
+        if self.crossed is not None:
+            found["Frequency by envelope, without the single focus"] = _by_dimension(self.crossed, apa.anova_sentences)
+        if self.against is not None:
+            found[f"Patterns against {REFERENCE}"] = _by_dimension(self.against, apa.pair_sentences)
+        return found | {"Consistency": apa.alpha_sentences(self.consistency, self.factors)}
+
+    def cross(self) -> pd.DataFrame:
+        """Conditions down, dimensions across, each as mean with interval, in text."""
+        found = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
+        wide = found.pivot(index="condition", columns="dimension", values="text")
+        return wide.loc[list(dict.fromkeys(found["condition"])), list(self.form.dimensions)].reset_index()
+
+
+def _mean_text(row: "pd.Series[Any]") -> str:
+    if pd.isna(row["mean"]):
+        return f"none ({row['n_missing']} missing)"
+    ends = "" if pd.isna(row["mean_low"]) else f" [{row['mean_low']:.2f}, {row['mean_high']:.2f}]"
+    lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
+    return f"{row['mean']:.2f}{ends} (n = {row['n']}{lost})"
+
+
+def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[str]]) -> list[str]:
+    found = []
+    for dimension, part in table.groupby("dimension", sort=False):
+        left_out = part["left_out"].iloc[0]
+        tail = f" (left out, without a score: {left_out})" if left_out else ""
+        tested = part[part["F" if "F" in part.columns else "t"].notna()] if {"F", "t"} & set(part.columns) else part[:0]
+        found += [f"{dimension}: {text}{tail}" for text in sentences(tested)]
+        found += [f"{dimension}: not tested, {note}" for note in part["note"][~part.index.isin(tested.index)]]
+    return found
+
+
+def ratings(trials: Trials) -> tuple[Ratings, ...]:
+    """What is said of each questionnaire that was answered."""
+    rows = used_rows(trials)
+    if not {"item", "procedure"} <= set(rows.columns):
+        return ()
+    rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(shipped())]
+    return tuple(_ratings(part, trials.factors, str(name)) for name, part in rows.groupby("procedure", sort=True))
+
+
+def _ratings(rows: pd.DataFrame, factors: Sequence[str], name: str) -> Ratings:
+    form = load(name)
+    varied = [factor for factor in factors if rows[factor].nunique() > 1]
+    scored = scores(rows, questionnaire=form, within=varied)
+    items = item_scores(rows, questionnaire=form, within=varied)
+    has_patterns = varied == [PATTERN] and set(THESIS) <= set(scored[PATTERN])
+    return Ratings(
+        form=form,
+        factors=tuple(varied),
+        scores=scored,
+        summary=_with_condition(summary(scored), varied),
+        profile=_with_condition(word_pairs(items), varied),
+        consistency=consistency(items),
+        portfolio=_with_condition(portfolio(scored), varied) if {"PQ", "HQ"} <= set(form.dimensions) else None,
+        crossed=frequency_by_envelope(scored) if has_patterns else None,
+        against=against_reference(scored) if has_patterns and REFERENCE in set(scored[PATTERN]) else None,
+    )
+
+
+def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """The conditions in one column, as a person writes them."""
+    names = [
+        ", ".join(value_of(name, value) for name, value in zip(factors, row, strict=True)) or "all"
+        for row in table[list(factors)].itertuples(index=False, name=None)
+    ]
+    return table.assign(condition=names)

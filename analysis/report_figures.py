@@ -1,0 +1,170 @@
+"""Which figures a report has, in order, each with its place in the page and the table that holds its numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import pandas as pd
+
+from tactometry.analysis.cells import Estimate
+from tactometry.analysis.figures import attrakdiff, group, participants
+from tactometry.analysis.figures.axes import RATE_LABEL
+from tactometry.analysis.outcomes import FORCE, Outcome
+from tactometry.analysis.patterns import THESIS
+from tactometry.analysis.pipeline import Analysis
+from tactometry.analysis.ratings import REFERENCE, Ratings
+from tactometry.analysis.style import Drawing
+
+NAMES = {
+    "threshold": "Detection threshold",
+    "pse": "Point of subjective equality",
+    "jnd": "Just noticeable difference",
+}
+MOST_LINES = 7
+"""A figure of word pairs shows no more conditions than there are colours."""
+
+
+class Place(StrEnum):
+    """The section of the page."""
+
+    OUTCOME = "outcome"
+    FORM = "form"
+    FORCE = "force"
+    RATES = "rates"
+    PARTICIPANTS = "participants"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing with its file name, caption, and the table of numbers (of them those rows that `of` holds); `about`
+    is the outcome, questionnaire or participant it belongs to."""
+
+    name: str
+    drawing: Drawing
+    caption: str
+    table: str
+    place: Place
+    about: str = ""
+    of: tuple[str, str] | None = None
+
+    def rows(self, table: pd.DataFrame) -> pd.DataFrame:
+        """The rows of its table that it draws."""
+        return table if self.of is None else table[table[self.of[0]] == self.of[1]]
+
+
+def figures_of(found: Analysis) -> list[Figure]:
+    """Every figure of the report."""
+    several = len({outcome.task for outcome in found.outcomes}) > 1
+    drawn = [_outcome_figure(found, outcome, several=several) for outcome in found.outcomes]
+    for form in found.forms:
+        drawn += _form_figures(form)
+    if "force" in found.tables:
+        drawn.append(_force_figure(found))
+    for task in sorted({outcome.task for outcome in found.outcomes}):
+        drawn += _rate_figures(found, task)
+    for code in sorted({estimate.cell.participant for estimate in found.estimates}):
+        own = [estimate for estimate in found.estimates if estimate.cell.participant == code]
+        drawn += [_curves(own, found, code), *_tracks(found, code)]
+    return drawn
+
+
+def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figure:
+    name = NAMES[outcome.dependent]
+    drawing = group.threshold_figure(
+        outcome.group,
+        found.trials.factors,
+        label=f"{name} ({found.unit})" if found.unit else name,
+        individuals=outcome.estimates,
+        dependent=outcome.dependent,
+    )
+    text = f"{name}: means over participants with 95 % t-intervals; faint dots are participants, open triangles bounds."
+    stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
+    return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
+
+
+def _force_figure(found: Analysis) -> Figure:
+    factors = found.trials.factors
+    own = found.tables["force_participants"]
+    targets = sorted(set(own[FORCE].astype(float))) if FORCE in factors else []
+    drawing = group.threshold_figure(
+        found.tables["force"],
+        factors,
+        label="Mean applied force (N)",
+        individuals=own,
+        dependent="force_mean_n",
+        targets=targets,
+    )
+    dashed = "; dashed: targets" if targets else ""
+    text = f"Mean applied force: means over participants with 95 % t-intervals; faint dots are participants{dashed}."
+    return Figure("force", drawing, text, "force", Place.FORCE)
+
+
+def _form_figures(form: Ratings) -> list[Figure]:
+    stem = form.name.replace("-", "_")
+    names = list(dict.fromkeys(form.summary["condition"]))
+    order = list(form.form.dimensions)
+    low, high = form.form.score_low, form.form.score_high
+
+    def figure(part: str, drawing: Drawing, caption: str, table: str) -> Figure:
+        return Figure(f"{stem}_{part}", drawing, caption, f"{stem}_{table}", Place.FORM, form.name)
+
+    scores = attrakdiff.scores_figure(form.summary, names[:MOST_LINES], order, low, high)
+    found = [figure("scores", scores, "Scores: means over participants with 95 % t-intervals.", "summary")]
+    if form.portfolio is not None:
+        text = "Portfolio: means with 95 % confidence rectangles over participants."
+        found.append(figure("portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio"))
+    if form.crossed is not None:
+        drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
+        text = f"Frequency by envelope; dashed with its band: {REFERENCE}. Means with 95 % t-intervals."
+        found.append(figure("frequency_by_envelope", drawing, text, "summary"))
+    for part, chosen in _profiles(form, names):
+        drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
+        text = f"Word pairs: means over participants of {', '.join(chosen)}."
+        found.append(figure(part, drawing, text, "word_pairs"))
+    return found
+
+
+def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """The thesis's comparisons where its patterns were rated, else all conditions together."""
+    if form.crossed is None:
+        return [("word_pairs", list(names[:MOST_LINES]))]
+    groups = {f: [p for p, (own, _) in THESIS.items() if own == f] for f, _ in THESIS.values()}
+    start = [REFERENCE] if REFERENCE in names else []
+    return [(f"word_pairs_{f}_frequency", [*start, *codes]) for f, codes in groups.items()]
+
+
+def _rate_figures(found: Analysis, task: str) -> list[Figure]:
+    factors = found.trials.factors
+    rates, means = (table[table["task"] == task] for table in (found.tables["rates"], found.tables["mean_rates"]))
+    kind = RATE_LABEL[task]
+    of = ("task", task)
+    drawing = group.rate_figure(rates, factors, unit=found.unit)
+    text = f"{kind} against level, all participants together."
+    drawn = [Figure(f"rates_{task}", drawing, text, "rates", Place.RATES, of=of)]
+    if factors:
+        text = f"{kind} over all levels, mean over participants."
+        drawing = group.mean_rate_figure(means, factors)
+        drawn.append(Figure(f"mean_rates_{task}", drawing, text, "mean_rates", Place.RATES, of=of))
+    return drawn
+
+
+def _curves(own: Sequence[Estimate], found: Analysis, code: str) -> Figure:
+    drawing = participants.curve_figure(own, found.trials.factors, unit=found.unit)
+    text = (
+        f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it the "
+        "threshold with its 95 % interval."
+    )
+    about = f"{code}: psychometric curves"
+    return Figure(f"{code}_curves", drawing, text, "counts", Place.PARTICIPANTS, about, ("participant", code))
+
+
+def _tracks(found: Analysis, code: str) -> list[Figure]:
+    rows = found.tables.get("tracks", pd.DataFrame({"participant": []}))
+    rows = rows[rows["participant"] == code]
+    if rows.empty:
+        return []
+    drawing = participants.track_figure(rows, found.trials.factors, unit=found.unit)
+    text = f"{code}: staircases; filled: yes or correct, open: not; catch trials are left out."
+    return [
+        Figure(f"{code}_tracks", drawing, text, "tracks", Place.PARTICIPANTS, f"{code}: tracks", ("participant", code))
+    ]

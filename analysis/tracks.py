@@ -1,0 +1,23 @@
+"""The levels that procedures went through."""
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.cells import FITTED_TASKS, is_catch, yes
+from tactometry.analysis.table import Trials, used_rows
+
+FIXED = ("constant", "constant_stimuli")
+"""Procedures whose levels do not depend on the answers."""
+
+
+def tracks(trials: Trials) -> pd.DataFrame:
+    """A row per trial of a procedure whose levels follow the answers, without catch trials: whose, under which
+    condition, in which track, `step` from 1, the level and whether the answer was yes or correct. Empty without any."""
+    rows = used_rows(trials)
+    if "procedure" not in rows.columns:
+        return pd.DataFrame()
+    rows = rows[rows["task"].isin(FITTED_TASKS) & ~rows["procedure"].isin(FIXED) & ~is_catch(rows)]
+    keys = ["participant", *trials.factors, *(name for name in ("session", "track") if name in rows.columns)]
+    found = rows.assign(yes=yes(rows))[[*keys, "level", "yes"]].reset_index(drop=True)
+    step = found.groupby(keys, observed=True, dropna=False).cumcount() + 1 if len(found) else np.array([], dtype=int)
+    return found.assign(step=step)
