@@ -1,0 +1,137 @@
+"""Hard cases of a single fit that no other file names, and the likelihood against 50-digit arithmetic."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from tactometry.analysis.responses import by_point, expected_information
+from tactometry.analysis.threshold import METHODS, Status, fit
+from tactometry.psychometric import SHAPES
+
+DIGITS = 50
+SEVEN = [1, 2, 3, 4, 5, 6, 7]
+RISING = [10, 11, 12, 15, 18, 19, 20]
+CDF = {
+    "normal": lambda z: mpmath.erfc(-z / mpmath.sqrt(2)) / 2,
+    "logistic": lambda z: 1 / (1 + mpmath.exp(-z)),
+    "gumbel": lambda z: -mpmath.expm1(-mpmath.exp(z)),
+    "reversed_gumbel": lambda z: mpmath.exp(-mpmath.exp(-z)),
+}
+SURVIVAL = {
+    "normal": lambda z: mpmath.erfc(z / mpmath.sqrt(2)) / 2,
+    "logistic": lambda z: 1 / (1 + mpmath.exp(z)),
+    "gumbel": lambda z: mpmath.exp(-mpmath.exp(z)),
+    "reversed_gumbel": lambda z: -mpmath.expm1(-mpmath.exp(-z)),
+}
+
+
+def exact(shape, z, guess, lapse, n_yes, n_no):
+    span = 1 - guess - lapse
+    yes, no = guess + span * CDF[shape](z), lapse + span * SURVIVAL[shape](z)
+    return (n_yes * mpmath.log(yes) if n_yes else 0) + (n_no * mpmath.log(no) if n_no else 0)
+
+
+@pytest.mark.parametrize("shape", list(CDF))
+@pytest.mark.parametrize("rates", [(0.5, 0.02), (0.0, 0.0), (0.5, 0.0), (0.03, 0.2)], ids=str)
+@pytest.mark.parametrize("answers", [(3, 17), (0, 20), (20, 0)], ids=str)
+def test_likelihood_and_derivatives_are_those_of_50_digits(shape, rates, answers) -> None:
+    """On the linear scale and in the tails where only logarithms live; z from -30 to 30."""
+    places = [-30.0, -12.0, -3.0, -0.4, 0.0, 0.7, 2.5, 4.0]
+    places = [*places, 9.0, 30.0] if shape in ("normal", "logistic") else places
+    if shape == "reversed_gumbel":
+        places = [-4.0, -2.5, 0.0, 0.7, 3.0, 12.0, 30.0]
+    z, (guess, lapse) = np.array([[place] for place in places]), (np.full((1, 1), rate) for rate in rates)
+    n_yes, n_no = (np.full(z.shape, float(n)) for n in answers)
+    found = by_point(SHAPES[shape], z, guess, lapse, (n_yes, n_no))
+    with mpmath.workdps(DIGITS):
+        for i, place in enumerate(places):
+            arguments = (mpmath.mpf(place), mpmath.mpf(rates[0]), mpmath.mpf(rates[1]))
+
+            def value(x, g, l, *, shape=shape):  # noqa: E741
+                return exact(shape, x, g, l, *answers)
+
+            assert found.value[i, 0] == pytest.approx(float(value(*arguments)), rel=1e-12, abs=1e-13)
+            slope = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0]))
+            assert found.z[i, 0] == pytest.approx(slope, rel=1e-9, abs=1e-12)
+            bend = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0], 2))
+            assert found.zz[i, 0] == pytest.approx(bend, rel=1e-8, abs=1e-11)
+            if min(rates) > 0:
+                by_lapse = float(mpmath.diff(lambda x, a=arguments: value(*a[:2], x), arguments[2]))
+                by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))
+                assert found.lapse[i, 0] == pytest.approx(by_lapse, rel=1e-9, abs=1e-12)
+                assert found.guess[i, 0] == pytest.approx(by_guess, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("shape", list(CDF))
+def test_the_expected_information_is_the_mean_of_the_observed(shape) -> None:
+    z, guess, lapse = np.array([[-2.0, 0.3, 1.5]]), np.full((1, 1), 0.1), np.full((1, 1), 0.05)
+    chance = 0.1 + 0.85 * np.exp(SHAPES[shape].log_cdf(z))
+    yes, no = (by_point(SHAPES[shape], z, guess, lapse, pair).zz for pair in ((1 + 0 * z, 0 * z), (0 * z, 1 + 0 * z)))
+    mean = -20 * (chance * yes + (1 - chance) * no)
+    assert expected_information(SHAPES[shape], z, guess, lapse, 20 + 0 * z) == pytest.approx(mean, rel=1e-10)
+
+
+def test_three_hundred_levels_with_one_trial_each() -> None:
+    rng = np.random.default_rng()
+    x = rng.uniform(-4, 4, 300)
+    k = (x + rng.logistic(size=300) > 0).astype(int)
+    found = fit(x, k, 1, shape="logistic", guess_rate=0.0)
+    assert found.status == Status.OK
+    assert found.n_levels == 300
+    half = (found.interval_high - found.interval_low) / 2
+    assert abs(found.threshold) < 2 * half
+
+
+def test_rows_without_trials_are_ignored() -> None:
+    one = fit(SEVEN, RISING, 20, shape="normal", guess_rate=0.5)
+    other = fit([*SEVEN, 40, -3], [*RISING, 0, 0], [20] * 7 + [0, 0], shape="normal", guess_rate=0.5)
+    assert other == one
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_asymptotes_that_all_but_meet_leave_nothing_to_tell(method) -> None:
+    found = fit(
+        SEVEN,
+        [18, 18, 17, 18, 19, 18, 18],
+        20,
+        shape="normal",
+        guess_rate=0.9,
+        lapse_rate=0.0999,
+        method=method,
+        rng=np.random.default_rng(),
+    )
+    assert found.status in (Status.FLAT, Status.ABOVE, Status.BELOW)
+    assert found.threshold is None
+
+
+@pytest.mark.parametrize(
+    "levels", [[0.0, 1e-9, 2e-9, 3e-9], [0.0, 1e9, 2e9, 3e9], [1e-12, 2e-12, 3e-12, 4e-12]], ids=str
+)
+def test_levels_of_any_size_give_the_same_curve(levels) -> None:
+    one = fit([0.0, 1.0, 2.0, 3.0], [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
+    other = fit(levels, [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
+    spacing = levels[1] - levels[0]
+    assert (other.threshold - levels[0]) / spacing == pytest.approx(one.threshold, rel=1e-6)
+    assert other.width / spacing == pytest.approx(one.width, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_levels_a_thousand_million_apart_from_their_spacing_are_fitted_or_said(method) -> None:
+    """Three levels within 1e-9 of the fourth's distance are pooled: two levels are left."""
+    found = fit(
+        [0.0, 1e-10, 2e-10, 1.0],
+        [4, 5, 5, 19],
+        20,
+        shape="normal",
+        guess_rate=0.0,
+        method=method,
+        rng=np.random.default_rng(),
+    )
+    assert found.n_levels == 2
+    assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)
+
+
+def test_one_trial_at_each_of_two_levels_is_a_step_with_a_wide_interval() -> None:
+    found = fit([1.0, 2.0], [0, 1], 1, shape="normal", guess_rate=0.0)
+    assert found.status != Status.OK
+    assert found.note
