@@ -22,6 +22,7 @@ SENSORS: Final = {
     "serial": "tactometry.devices.serial_line:SerialSettings",
     "udp": "tactometry.devices.udp:UdpSettings",
     "audio": "tactometry.devices.audio:AudioInputSettings",
+    "touch": "tactometry.devices.touch_input:TouchSettings",
     "recorded": "tactometry.devices.recorded:RecordedSettings",
 }
 

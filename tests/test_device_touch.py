@@ -1,0 +1,89 @@
+"""A touch screen's events, as the kernel writes them, through a pipe."""
+
+import os
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import streamed_position
+from tactometry.devices.touch_input import ABSOLUTE, EVENT, RELATIVE, SYNC, TRACKING, Finger, TouchSettings
+from tactometry.errors import DeviceFailed
+
+
+def report(*events):
+    return b"".join(EVENT.pack(0, 0, *event) for event in (*events, (SYNC, 0, 0)))
+
+
+@pytest.fixture
+def screen(tmp_path):
+    """The writing end, and a position sensor of 0.1 mm a unit that reads the other."""
+    pipe = tmp_path / "event0"
+    os.mkfifo(pipe)
+    keeper = os.open(pipe, os.O_RDWR)
+    sensor = streamed_position(Reader(TouchSettings(str(pipe)).source()), (0, 1), 1e-4)
+    sensor.open()
+    yield keeper, sensor
+    sensor.close()
+    os.close(keeper)
+
+
+def heard(sensor, n):
+    positions, end_s = np.empty((0, 2)), time.monotonic() + 20
+    while len(positions) < n and time.monotonic() < end_s:
+        time.sleep(0.005)
+        positions = np.concatenate([positions, sensor.read()[1]])
+    return positions
+
+
+def test_a_sliding_finger_is_where_its_events_say_and_a_resting_one_stays_there(screen):
+    keeper, sensor = screen
+    os.write(keeper, report((*TRACKING, 3), (ABSOLUTE, 53, 100), (ABSOLUTE, 54, 200)))
+    os.write(keeper, report((ABSOLUTE, 53, 110)))
+    positions = heard(sensor, 5)
+    assert positions[0] == pytest.approx([0.01, 0.02])
+    assert np.allclose(positions[1:], [0.011, 0.02])
+
+
+def test_a_lifted_finger_is_nowhere(screen):
+    keeper, sensor = screen
+    os.write(keeper, report((*TRACKING, 3), (ABSOLUTE, 53, 100)))
+    assert len(heard(sensor, 1))
+    os.write(keeper, report((*TRACKING, -1)))
+    time.sleep(0.2)
+    sensor.read()
+    time.sleep(0.2)
+    assert sensor.read()[0].size == 0
+
+
+def test_a_torn_event_is_put_together(screen):
+    keeper, sensor = screen
+    events = report((*TRACKING, 3), (ABSOLUTE, 53, 700), (ABSOLUTE, 54, 800))
+    os.write(keeper, events[:30])
+    time.sleep(0.05)
+    os.write(keeper, events[30:])
+    assert heard(sensor, 1)[0] == pytest.approx([0.07, 0.08])
+
+
+@given(st.lists(st.tuples(st.integers(-50, 50), st.integers(-50, 50)), min_size=1))
+def test_the_steps_of_a_mouse_add_up(steps):
+    finger = Finger()
+    for x, y in steps:
+        finger = finger.after(RELATIVE, 0, x).after(RELATIVE, 1, y)
+    assert finger.values[:2] == tuple(map(sum, zip(*steps, strict=True)))
+    assert finger.touching
+
+
+@given(st.integers(0, 50), st.integers(0, 2**15), st.integers(-(2**31), 2**31 - 1))
+def test_other_events_move_nothing(kind, code, value):
+    known = [(ABSOLUTE, 0), (ABSOLUTE, 1), (ABSOLUTE, 53), (ABSOLUTE, 54), (ABSOLUTE, 58), TRACKING]
+    if (kind, code) not in [*known, (RELATIVE, 0), (RELATIVE, 1)]:
+        assert Finger().after(kind, code, value) == Finger()
+
+
+def test_a_device_that_is_not_there_is_named():
+    with pytest.raises(DeviceFailed, match="touch no/event: cannot open it .*expected an event device"):
+        TouchSettings("no/event").source().open()
