@@ -75,6 +75,11 @@ class SpeedGate:
         return self.samples[-1][0] - self.samples[0][0]
 
     @property
+    def moving(self) -> bool:
+        """Whether the present speed is known and in the band."""
+        return self.since_s is not None
+
+    @property
     def open(self) -> bool:
         """Whether the motion that reaches to the last sample is long enough."""
         return self.since_s is not None and self.samples[-1][0] - self.since_s >= self.hold_s

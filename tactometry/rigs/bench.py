@@ -38,12 +38,14 @@ from tactometry.request import (
 )
 from tactometry.rigs import entry, form, layout
 from tactometry.rigs.emitter import RAMP_S, Emitter
+from tactometry.rigs.glide import MOVING_S, Glide
 from tactometry.rigs.page import Answer, Page, Screen
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
+from tactometry.speed_gate import SpeedGate
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -51,6 +53,10 @@ Facts = dict[str, str | int | float | bool | None]
 
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
+
+
+SIGNALLED = 128
+"""Exit status of a process that a signal ended: this and the signal's number."""
 
 
 def _safely(method: "Callable[Concatenate[Bench, P], R]") -> "Callable[Concatenate[Bench, P], R]":
@@ -64,6 +70,8 @@ def _safely(method: "Callable[Concatenate[Bench, P], R]") -> "Callable[Concatena
             return method(bench, *args, **kwargs)
         except SystemExit as end:
             bench.close()
+            if isinstance(end.code, int) and end.code > SIGNALLED:
+                raise
             raise DeviceFailed(
                 f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
             ) from end
@@ -168,20 +176,28 @@ class Bench:
     @_safely
     def slide(self, request: Slide) -> Touched:
         height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
-        return self._touch(request, "slide", moving_cue(request.speed_m_per_s, height_m))
+        return self._touch(request, "slide", moving_cue(request, height_m))
 
     def _touch(self, request: Press | Slide, words: str, dress: Dress) -> Touched:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = f"{words}_force" if self._sensor is not None else words
-        touch = Touch(request, self._stage, self._emitter, self._texts.message(measured), dress)
-        if self._position is not None:
+        glide = self._glide(request)
+        touch = Touch(request, self._stage, self._emitter, self._texts.message(measured), dress, glide)
+        if glide is None and self._position is not None:
             self._position.read()
         touched = touch.unmeasured(signal) if self._sensor is None else touch.held(signal, self._sensor)
-        return replace(
-            touched,
-            onset_s=self._session_s(touched.onset_s),
-            speed_mean_m_per_s=speed_during(self._position, touched.onset_s, touched.onset_s + request.duration_s),
-        )
+        during_s = touched.onset_s, touched.onset_s + request.duration_s
+        speed_m_per_s = speed_during(self._position, *during_s) if glide is None else glide.speed_m_per_s(*during_s)
+        return replace(touched, onset_s=self._session_s(touched.onset_s), speed_mean_m_per_s=speed_m_per_s)
+
+    def _glide(self, request: Press | Slide) -> Glide | None:
+        """What gates the speed of a slide: where it is asked for, and both force and position are measured."""
+        measured = self._position is not None and self._sensor is not None
+        if not measured or isinstance(request, Press) or request.speed_tolerance is None:
+            return None
+        assert self._position is not None
+        gate = SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S)
+        return Glide(self._position, gate, time.perf_counter())
 
     @_safely
     def choose(self, request: Choose) -> Chosen:

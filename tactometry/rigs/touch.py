@@ -8,22 +8,21 @@ from tactometry.force_gate import VALID_PART, ForceGate
 from tactometry.request import Press, Slide, Touched
 from tactometry.rigs import layout
 from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.glide import Glide
 from tactometry.rigs.grip import Grip
 from tactometry.rigs.page import Page
 from tactometry.rigs.stage import Dress, Stage
 from tactometry.signal import Signal
 
-TRACK_M = 0.1
-"""One sweep of the moving cue of a slide (unverified default)."""
 
-
-def moving_cue(speed_m_per_s: float, display_height_m: float) -> Dress:
-    """Adds a cue that sweeps `TRACK_M` of the display at this speed."""
+def moving_cue(request: Slide, display_height_m: float) -> Dress:
+    """Adds a cue that goes out and back along the path of a slide, at its speed."""
     begin_s = time.perf_counter()
-    length = TRACK_M / display_height_m
+    length = request.length_m / display_height_m
 
     def dressed(page: Page, now_s: float) -> Page:
-        return layout.track_page(page, layout.sweep((now_s - begin_s) * speed_m_per_s / TRACK_M), length)
+        phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
+        return layout.track_page(page, layout.sweep(phase), length)
 
     return dressed
 
@@ -37,6 +36,7 @@ class Touch:
     emitter: Emitter
     words: str
     dress: Dress
+    glide: Glide | None = None
 
     def unmeasured(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
@@ -51,7 +51,7 @@ class Touch:
         return Touched(onset_s, self.request.level, _digest(signal))
 
     def held(self, signal: Signal | None, sensor: ForceSensor) -> Touched:
-        """Play once the force is held, and stop at once when the finger or the sensor is lost.
+        """Play once the force is held in motion, and stop at once when the finger stops or leaves, or a sensor is lost.
 
         A sensor that says nothing before the stimulus is waited for: the time limit counts while it speaks.
         """
@@ -60,7 +60,7 @@ class Touch:
         begin_s = time.perf_counter()
         grip = Grip(sensor, gate, begin_s)
         self._present(self._bar(grip, playing=False))
-        while not grip.open:
+        while not (grip.open and self._moving):
             now_s = time.perf_counter()
             begin_s = now_s if grip.silent(now_s) else begin_s
             if now_s > begin_s + request.timeout_s:
@@ -75,13 +75,30 @@ class Touch:
     def _lost_before(self, end_s: float, grip: Grip) -> bool:
         while time.perf_counter() < end_s:
             self._watch(grip, playing=True)
-            if grip.lost(time.perf_counter()):
+            if grip.lost(time.perf_counter()) or self._stopped:
                 return True
         return False
+
+    @property
+    def _moving(self) -> bool:
+        return self.glide is None or self.glide.open
+
+    @property
+    def _stopped(self) -> bool:
+        return self.glide is not None and self.glide.stopped(time.perf_counter())
+
+    def _kept_speed(self, onset_s: float) -> bool:
+        if self.glide is None:
+            return True
+        self.glide.read()
+        in_band = self.glide.in_band(onset_s, onset_s + self.request.duration_s)
+        return in_band is not None and in_band >= VALID_PART
 
     def _watch(self, grip: Grip, *, playing: bool) -> None:
         self.stage.frame(self.dress(self._bar(grip, playing=playing), time.perf_counter()))
         grip.read()
+        if self.glide is not None:
+            self.glide.read()
 
     def _present(self, page: Page) -> float:
         return self.stage.present(self.dress(page, time.perf_counter()))
@@ -100,7 +117,7 @@ class Touch:
             force_mean_n=None if held is None else held.mean_n,
             force_sd_n=None if held is None else held.sd_n,
             force_in_band=None if held is None else held.in_band,
-            valid=not lost and held is not None and held.in_band >= VALID_PART,
+            valid=not lost and held is not None and held.in_band >= VALID_PART and self._kept_speed(onset_s),
         )
 
 
