@@ -85,9 +85,9 @@ class QuestPlusSettings:
     criterion: Criterion = "entropy"
 
     def procedure(self) -> QuestPlus:
-        grid = self._grid()
+        levels, grid = self._levels(), self._grid()
         prior = {} if self.width_prior_factor is None else {"width": self._width_prior(grid.widths)}
-        return QuestPlus(self._levels(), grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
+        return QuestPlus(levels, grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
 
     def _width_prior(self, widths: tuple[float, ...]) -> tuple[float, ...]:
         factor = self.width_prior_factor

@@ -125,6 +125,12 @@ def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
     np.testing.assert_allclose(log.posterior, linear.posterior, atol=1e-10)
 
 
+def test_a_log_normal_prior_of_widths_has_its_middle_and_its_factor():
+    settings = QuestPlusSettings(0.0, 40.0, 11, width_low=2.0, width_high=32.0, n_widths=5, width_prior_factor=2.0)
+    weights = settings.procedure().marginal("width")
+    np.testing.assert_allclose(weights / weights[2], np.exp([-2.0, -0.5, 0.0, -0.5, -2.0]))
+
+
 def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
     told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
     one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
@@ -227,6 +233,10 @@ def summing_to(total):
         (
             lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
             "QuestPlusSettings.levels: found 11 values from 1 to 0, expected a rising grid",
+        ),
+        (
+            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
+            "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1",
         ),
     ],
 )

@@ -1,0 +1,77 @@
+"""QUEST: its numbers are checked, impossible answers end it, and edges are said."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import ConstantStimuli, Quest
+
+OPTIONS = {"start": 20.0, "start_sd": 10.0, "low": 0.0, "high": 40.0, "step": 0.5}
+
+
+def test_a_level_off_the_grid_counts_as_it_is():
+    rule = Quest(**OPTIONS)
+    assert not np.array_equal(rule.after(1, delivered=20.1).posterior, rule.after(1, delivered=20.0).posterior)
+
+
+def test_at_its_threshold_the_answer_is_1_as_often_as_the_target_says():
+    rule = Quest(**OPTIONS, target=0.7)
+    n = int(np.flatnonzero(rule.thresholds == 20.0)[0])
+    assert math.exp(rule.grid.log_chance(20.0, 1)[n]) == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
+def test_equal_answers_end_as_censored(answer, ended):
+    rule = Quest(**OPTIONS, n_trials=80)
+    while not rule.finished:
+        rule = rule.after(answer)
+    assert (rule.ended, rule.threshold) == (ended, None)
+
+
+def test_it_stops_at_the_spread_that_is_asked_for():
+    rng, rule = np.random.default_rng(), Quest(**OPTIONS, n_trials=500, sd_stop=1.0)
+    while not rule.finished:
+        rule = rule.after(bool(rng.random() < 0.5 + 0.49 / (1 + math.exp(15 - rule.level))))
+    assert (rule.ended, rule.threshold_sd <= 1.0) == ("converged", True)
+
+
+def test_answers_that_no_threshold_allows_end_as_aborted():
+    rule = Quest(**OPTIONS, blind_share=0.0).after(0, delivered=1e6)
+    assert (rule.ended, rule.threshold) == ("aborted", None)
+    assert np.isfinite(rule.posterior).all()
+
+
+def test_ten_thousand_answers_stay_finite():
+    rule = Quest(**OPTIONS, n_trials=10**6)
+    for n in range(10_000):
+        rule = rule.after(n % 2, delivered=40.0 * (1 - n % 2))
+    assert np.isfinite(rule.posterior).all()
+    assert 0 <= rule.level <= 40
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"start": math.nan}, "Quest.start: found nan, expected a finite number"),
+        ({"start": 50.0}, "Quest.start: found 50, low 0, high 40 and step 0.5, expected a start between low and high"),
+        ({"start_sd": 0.0}, "Quest.start_sd: found 0, expected a number above 0"),
+        ({"sd_stop": 0.0}, "Quest.sd_stop: found 0, expected a number above 0"),
+        ({"guess_rate": 1.0}, "Quest.guess_rate: found 1, expected 0 to below 1"),
+        ({"target": 0.4}, r"Quest.target: found 0.4, expected a chance between the asymptotes \(0.5 and 0.995\)"),
+    ],
+)
+def test_impossible_numbers_are_refused(options, message):
+    with pytest.raises(InvalidParameter, match=message):
+        Quest(**(OPTIONS | options))
+
+
+@pytest.mark.parametrize(
+    ("answers", "ended"), [([1, 1, 1], "censored_below"), ([0, 0, 0], "censored_above"), ([0, 1, 1], "trials")]
+)
+def test_constant_stimuli_with_equal_answers_say_on_which_side_the_threshold_lies(answers, ended):
+    rule = ConstantStimuli((1.0, 2.0, 3.0), repeats=1)
+    for answer in answers:
+        rule = rule.after(answer)
+    assert rule.ended == ended
