@@ -1,0 +1,73 @@
+"""Side by side with psignifit 4.3 on random data sets: 100 in the soak, a few in the reduced form."""
+
+import os
+import warnings
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.special import betaln
+
+from tactometry.analysis.threshold import Status, fit
+from tactometry.psychometric import PsychometricFunction
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+N_SETS = 100 if SOAK else 3
+LEVELS, N_TRIALS = np.arange(1.0, 8.0), 20
+PEER_GRID = 0.025
+"""Its grid of 40 x 40 x 20 x 20 nodes moves its ends by 1.4 to 2.5 % of the interval when doubled."""
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """Its result (its warnings are its own), and our counts."""
+    psignifit = pytest.importorskip("psignifit").psignifit
+    rng, found = np.random.default_rng(), []
+    while len(found) < N_SETS:
+        curve = PsychometricFunction("normal", rng.uniform(3, 5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))
+        k = rng.binomial(N_TRIALS, curve.probability(LEVELS))
+        if fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=0.5, method="map").status != Status.OK:
+            continue
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            data = np.column_stack([LEVELS, k, np.full(7, N_TRIALS)])
+            found.append((k, psignifit(data, sigmoid="norm", experiment_type="2AFC")))
+    return found
+
+
+def log_posterior(k, threshold, width, lapse, eta) -> float:
+    """psignifit's model and priors in its own words."""
+    from psignifit import _priors, sigmoids
+
+    p = 0.5 + (0.5 - lapse) * sigmoids.sigmoid_by_name("norm")(LEVELS, threshold, width)
+    nu = 1 / max(eta, 1e-6) ** 2 - 1
+    value = np.sum(betaln(k + nu * p, N_TRIALS - k + nu * (1 - p)) - betaln(nu * p, nu * (1 - p)))
+    if eta < 1e-4:
+        value = np.sum(k * np.log(p) + (N_TRIALS - k) * np.log1p(-p))
+    value += np.log(_priors.threshold_prior(np.array([threshold]), (1, 7)))[0]
+    value += np.log(_priors.width_prior(np.array([width]), 0.05, 1, 6))[0]
+    return float(value + 9 * np.log1p(-lapse) + 9 * np.log1p(-eta))
+
+
+def test_our_mode_is_at_least_as_probable_as_its_own(pairs) -> None:
+    for k, peer in pairs:
+        ours = fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=0.5, method="map", overdispersion=True)
+        theirs = peer.parameter_estimate_MAP
+        at_theirs = log_posterior(k, theirs["threshold"], theirs["width"], theirs["lambda"], theirs["eta"])
+        at_ours = log_posterior(k, ours.threshold, ours.width, ours.lapse_rate, ours.overdispersion)
+        assert at_ours >= at_theirs - 1e-6
+
+
+def test_ends_are_those_of_its_marginals_integrated_and_above_those_it_prints(pairs) -> None:
+    errors, printed = [], []
+    for k, peer in pairs:
+        ours = fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=0.5, overdispersion=True)
+        nodes, density = peer.parameter_values["threshold"], peer.marginal_posterior_values["threshold"]
+        fine = np.linspace(nodes[0], nodes[-1], 4001)
+        integral = CubicSpline(nodes, density).antiderivative()(fine)
+        ends = np.interp([0.025, 0.975], integral / integral[-1], fine)
+        errors.append((np.array([ours.interval_low, ours.interval_high]) - ends) / np.ptp(ends))
+        printed.append((ends - np.array(peer.confidence_intervals["threshold"]["0.95"])) / np.ptp(ends))
+    assert np.abs(errors).max() < PEER_GRID
+    assert np.abs(np.median(errors, axis=0)).max() < (0.01 if SOAK else PEER_GRID)
+    assert np.mean(printed) > 0.01
