@@ -28,6 +28,7 @@ COMMANDS = {
     "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
     "export": ("tactometry.cli.export:command", "The data set for other programs: BIDS, PsychoPy, R."),
+    "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 

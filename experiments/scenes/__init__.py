@@ -1,0 +1,33 @@
+"""Built-in scenes: files that hold numbers, nothing else."""
+
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter, nearest
+
+FOLDER = Path(__file__).parent
+
+
+def names() -> list[str]:
+    """The built-in scenes.
+
+    >>> "electrovibration-panel" in names()
+    True
+    """
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def path_of(scene: str) -> Path:
+    """The file of a scene: a built-in name or a path.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is neither.
+    """
+    if scene in names():
+        return FOLDER / f"{scene}.toml"
+    if not Path(scene).is_file():
+        raise InvalidParameter(
+            f"FILE: found {scene!r}, expected a path or one of {', '.join(names())}{nearest(scene, names())}"
+        )
+    return Path(scene)

@@ -1,0 +1,59 @@
+"""From what is asked for back to what is given: the stages that are needed, in the order in which they run."""
+
+from collections.abc import Collection, Mapping, Sequence
+
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.stimuli.scenes.stage import Stage
+
+
+def needed(
+    outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cures: Mapping[str, str] | None = None
+) -> tuple[Stage, ...]:
+    """The stages without which `outputs` cannot be had, each behind those that it needs.
+
+    `stages` stand in the order in which they act. Of those that give one quantity, the last that makes it anew counts,
+    and those behind it that change it; whoever else needs the quantity reads its last value. `cures`
+    says for a quantity what would bring it.
+
+    Raises
+    ------
+    InvalidParameter
+        If nothing gives a quantity, or quantities need each other in a circle.
+
+    >>> source = Stage("source", (), "voltage", "x:y")
+    >>> ramps = Stage("ramps", ("voltage",), "voltage", "x:y")
+    >>> force = Stage("force", ("voltage", "contact"), "force", "x:y")
+    >>> [stage.name for stage in needed(["force"], [force, source, ramps], {"contact"})]
+    ['source', 'ramps', 'force']
+    """
+    done: dict[str, None] = dict.fromkeys(given)
+    ordered: list[Stage] = []
+
+    def visit(quantity: str, path: tuple[str, ...]) -> None:
+        if quantity in done:
+            return
+        if quantity in path:
+            raise InvalidParameter(f"scene: found that {' needs '.join((*path, quantity))}, expected no circle")
+        for stage in _chain(quantity, stages, path, cures or {}):
+            for need in stage.needs:
+                if need != quantity:
+                    visit(need, (*path, quantity))
+            ordered.append(stage)
+        done[quantity] = None
+
+    for output in outputs:
+        visit(output, ())
+    return tuple(ordered)
+
+
+def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cures: Mapping[str, str]) -> Sequence[Stage]:
+    giving = [stage for stage in stages if stage.gives == quantity]
+    makers = [n for n, stage in enumerate(giving) if not stage.changes]
+    if not makers:
+        known = sorted({stage.gives for stage in stages})
+        wanted = f", which {path[-1]!r} needs" if path else ""
+        cure = f"; {cures[quantity]}" if quantity in cures else nearest(quantity, known)
+        raise InvalidParameter(
+            f"scene: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{cure}"
+        )
+    return giving[makers[-1] :]

@@ -1,0 +1,57 @@
+"""The voltage across a layer: a divider without losses, or the exact answer of a circuit with some."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.force import ForceForm
+    from tactometry.stimuli.electrovibration.pieces import Pieces, Real
+
+NEEDS = ("t_s", "unit_voltage", "form")
+
+
+def divider_stage(scene: Surroundings, budget: Budget) -> Stage:
+    """The layer's share of the voltage: what holds without losses."""
+    n_operations = 700.0 * n_samples(scene, budget.error)
+    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divided", n_operations=n_operations)
+
+
+def circuit_stage(scene: Surroundings, budget: Budget, effect: str) -> Stage:
+    """The exact relaxations of the layers, for an effect with a loss in it.
+
+    Raises
+    ------
+    InvalidParameter
+        If the tone sets in without a ramp: what then relaxes is faster than the tone that the sampling is chosen for.
+    """
+    if not scene.surface.ramp_s:  # type: ignore[attr-defined]
+        raise InvalidParameter(
+            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the surface a "
+            "ramp_s above 0"
+        )
+    n_operations = 1500.0 * n_samples(scene, budget.error)
+    return Stage(
+        "circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", n_operations=n_operations, effect=effect
+    )
+
+
+def divided() -> "Callable[[Real, Pieces, ForceForm], Real]":
+    """Layers without losses divide a voltage at any frequency alike."""
+
+    def share(t_s: "Real", voltage: "Pieces", form: "ForceForm") -> "Real":
+        gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
+        return gain * voltage.at(t_s)
+
+    return share
+
+
+def relaxed() -> "Callable[[Real, Pieces, ForceForm], Real]":
+    """The exact solution of the circuit."""
+    from tactometry.stimuli.electrovibration.solution import Solution
+
+    return lambda t_s, voltage, form: Solution(voltage, form.relaxations).at(t_s)

@@ -1,0 +1,40 @@
+"""Air between the insulator and the skin."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.skin import Skin
+
+
+@dataclass(frozen=True)
+class AirGap:
+    """A gap of `gap_m`, above 0.
+
+    >>> AirGap(gap_m=1e-6).slot
+    'gap'
+    """
+
+    kind: ClassVar[str] = "air_gap"
+    slot: ClassVar[str] = "gap"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    gap_m: float
+
+    def __post_init__(self) -> None:
+        require.positive("AirGap", gap_m=self.gap_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        return (Stage("air_gap", ("skin",), "skin", f"{__name__}:parted", {"gap_m": self.gap_m}, effect=self.kind),)
+
+
+def parted(gap_m: float) -> "Callable[[Skin], Skin]":
+    """The skin behind a gap."""
+    return lambda skin: replace(skin, gap_m=gap_m)

@@ -1,0 +1,48 @@
+"""Resistance of body and source in series with the skin."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.circuit import circuit_stage
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.skin import Skin
+
+
+@dataclass(frozen=True)
+class BodyResistance:
+    """A resistance above 0. With it the waveform of the force depends on the contact area.
+
+    >>> BodyResistance(resistance_ohm=1e4).slot
+    'body'
+    """
+
+    kind: ClassVar[str] = "body_resistance"
+    slot: ClassVar[str] = "body"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    resistance_ohm: float
+
+    def __post_init__(self) -> None:
+        require.positive("BodyResistance", resistance_ohm=self.resistance_ohm)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        body = Stage(
+            "body_resistance",
+            ("skin",),
+            "skin",
+            f"{__name__}:in_series",
+            {"resistance_ohm": self.resistance_ohm},
+            effect=self.kind,
+        )
+        return body, circuit_stage(scene, budget, self.kind)
+
+
+def in_series(resistance_ohm: float) -> "Callable[[Skin], Skin]":
+    """The skin in series with a resistance."""
+    return lambda skin: replace(skin, body_resistance_ohm=resistance_ohm)

@@ -1,0 +1,62 @@
+"""An amplitude-modulated carrier: the force vibrates at the programmed frequency whatever the skin leaks."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.offset import Waveform
+
+Modulation = Literal["square_root", "full", "suppressed_carrier"]
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """A carrier of at least twice the programmed frequency; 2 kHz is an unverified default.
+
+    >>> Carrier().modulation
+    'square_root'
+    """
+
+    kind: ClassVar[str] = "carrier"
+    slot: ClassVar[str] = "carrier"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    carrier_hz: float = 2_000.0
+    modulation: Modulation = "square_root"
+
+    def __post_init__(self) -> None:
+        require.positive("Carrier", carrier_hz=self.carrier_hz)
+        require.one_of("Carrier.modulation", self.modulation, get_args(Modulation))
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        settings = {"carrier_hz": self.carrier_hz, "modulation": self.modulation}
+        return (Stage("carrier", ("waveform",), "waveform", f"{__name__}:carried", settings, effect=self.kind),)
+
+
+def carried(carrier_hz: float, modulation: Modulation) -> "Callable[[Waveform], Waveform]":
+    """A tone as the envelope of a carrier."""
+    from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
+    from tactometry.stimuli.electrovibration.sine import Sine
+
+    def modulated(tone: "Waveform") -> "Waveform":
+        if not isinstance(tone, Sine):
+            raise InvalidParameter(f"carrier: found a {type(tone).__name__} to carry, expected a sine")
+        return AmplitudeModulated(
+            tone.frequency_hz,
+            carrier_hz,
+            tone.duration_s,
+            tone.ramp_s,
+            max(tone.rate_hz, 2.5 * (carrier_hz + tone.frequency_hz)),
+            modulation,
+            tone.level_unit,
+        )
+
+    return modulated

@@ -1,0 +1,47 @@
+"""The contact area grows with the force that presses the finger."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+
+@dataclass(frozen=True)
+class ContactArea:
+    """``A = A_1 (F/1 N)^exponent``; both defaults are unverified.
+
+    >>> ContactArea().area_at_1n_m2
+    0.0001
+    """
+
+    kind: ClassVar[str] = "contact_area"
+    slot: ClassVar[str] = "area"
+    requires: ClassVar[tuple[str, ...]] = ("contact",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    area_at_1n_m2: float = 1e-4
+    exponent: float = 1 / 3
+
+    def __post_init__(self) -> None:
+        require.positive("ContactArea", area_at_1n_m2=self.area_at_1n_m2)
+        require.not_negative("ContactArea", exponent=self.exponent)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        settings = {
+            "area_at_1n_m2": self.area_at_1n_m2,
+            "exponent": self.exponent,
+            "force_n": scene.contacts[0].force_n,
+        }
+        return (Stage("contact_area", (), "area_m2", f"{__name__}:pressed", settings, effect=self.kind),)
+
+
+def pressed(area_at_1n_m2: float, exponent: float, force_n: float) -> Callable[[], float]:
+    """The area under a force."""
+    from tactometry.stimuli.electrovibration.contact_area import PowerLawArea
+
+    area_m2 = float(PowerLawArea(area_at_1n_m2, exponent).area_m2(force_n))
+    return lambda: area_m2

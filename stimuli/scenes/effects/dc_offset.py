@@ -1,0 +1,53 @@
+"""A constant added to the voltage, the peak kept."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.offset import Waveform, WithOffset
+
+
+@dataclass(frozen=True)
+class DcOffset:
+    """A constant of `ratio` times the peak of the waveform, of either sign but not 0.
+
+    >>> DcOffset(0.5).slot
+    'offset'
+    """
+
+    kind: ClassVar[str] = "dc_offset"
+    slot: ClassVar[str] = "offset"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    ratio: float
+
+    def __post_init__(self) -> None:
+        if not isfinite(self.ratio) or self.ratio == 0:
+            raise InvalidParameter(
+                f"DcOffset.ratio: found {self.ratio}, expected a finite number other than 0; without an offset leave "
+                "the effect out"
+            )
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        if not scene.surface.ramp_s:  # type: ignore[attr-defined]
+            raise InvalidParameter(
+                "dc_offset: found a constant that is switched on at once (ramp_s = 0), expected ramps; give the "
+                "surface a ramp_s above 0"
+            )
+        settings = {"ratio": self.ratio}
+        return (Stage("dc_offset", ("waveform",), "waveform", f"{__name__}:shifted", settings, effect=self.kind),)
+
+
+def shifted(ratio: float) -> "Callable[[Waveform], WithOffset]":
+    """A waveform with a constant."""
+    from tactometry.stimuli.electrovibration.offset import WithOffset
+
+    return lambda waveform: WithOffset(waveform, ratio)

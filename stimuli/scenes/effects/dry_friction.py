@@ -1,0 +1,52 @@
+"""Dry friction with a static and a kinetic coefficient: a finger that sticks and slips."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.stick_slip import DryFriction as Law
+
+
+@dataclass(frozen=True)
+class DryFriction:
+    """Coefficients, static at least kinetic; both defaults are unverified. The motion itself is `finger_dynamics`.
+
+    >>> DryFriction().static
+    0.6
+    """
+
+    kind: ClassVar[str] = "dry_friction"
+    slot: ClassVar[str] = "friction"
+    requires: ClassVar[tuple[str, ...]] = ("sliding contact", "dynamics")
+    excludes: ClassVar[Mapping[str, str]] = {
+        "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
+    }
+
+    static: float = 0.6
+    kinetic: float = 0.5
+
+    def __post_init__(self) -> None:
+        require.not_negative("DryFriction", kinetic=self.kinetic, static=self.static)
+        if self.static < self.kinetic:
+            raise InvalidParameter(
+                f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
+            )
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        settings = {"static": self.static, "kinetic": self.kinetic}
+        return (Stage("friction_law", (), "friction_law", f"{__name__}:law", settings, effect=self.kind),)
+
+
+def law(static: float, kinetic: float) -> "Callable[[], Law]":
+    """The law as the event-exact motion takes it."""
+    from tactometry.stimuli.electrovibration.stick_slip import DryFriction as Dry
+
+    dry = Dry(static, kinetic)
+    return lambda: dry

@@ -1,0 +1,94 @@
+"""The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.finger import Motion
+    from tactometry.stimuli.electrovibration.force import ForceForm
+    from tactometry.stimuli.electrovibration.friction import CoulombFriction
+    from tactometry.stimuli.electrovibration.pieces import Pieces, Real
+    from tactometry.stimuli.electrovibration.stick_slip import DryFriction, StickSlip
+
+
+@dataclass(frozen=True)
+class FingerDynamics:
+    """Mass and stiffness as published per sliding speed; the damping is an unverified choice.
+
+    With `friction` the finger slides all the time, with `dry_friction` it sticks and slips.
+
+    >>> FingerDynamics().slot
+    'dynamics'
+    """
+
+    kind: ClassVar[str] = "finger_dynamics"
+    slot: ClassVar[str] = "dynamics"
+    requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        friction, touch = scene.find("friction"), scene.contacts[0]
+        sticks = friction is not None and friction.kind == "dry_friction"
+        settings = {"force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
+        motion = Stage(
+            "stick_slip" if sticks else "finger_motion",
+            ("t_s", "voltage", "form", "friction_law"),
+            "motion",
+            f"{__name__}:{'sticking' if sticks else 'slipping'}",
+            settings,
+            n_operations=(500.0 if sticks else 250.0) * n_samples(scene, budget.error),
+            effect=self.kind,
+        )
+        return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)))
+
+
+def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
+    """Fields of the motion and the quantities that they are."""
+    if sticks:
+        return (
+            ("lateral_n", "friction_force_n"),
+            ("stretch_m", "skin_displacement_m"),
+            ("events_s", "slip_events_s"),
+        )
+    return ("lateral_n", "friction_force_n"), ("deflection_m", "skin_displacement_m")
+
+
+def _read(name: str, quantity: str) -> Stage:
+    settings = {"name": name}
+    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", settings, effect=FingerDynamics.kind)
+
+
+def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Motion]":
+    """The motion of a finger in full slip."""
+    from tactometry.stimuli.electrovibration.finger import Finger, sliding
+
+    finger = Finger.at_speed(speed_m_per_s)
+    return lambda t_s, voltage, form, friction: sliding(
+        t_s, voltage, form, finger=finger, friction=friction, force_n=force_n
+    )
+
+
+def sticking(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, DryFriction], StickSlip]":
+    """The motion of a finger that sticks and slips."""
+    from tactometry.stimuli.electrovibration.finger import Finger
+    from tactometry.stimuli.electrovibration.stick_slip import Travel, stick_slip
+
+    finger, travel = Finger.at_speed(speed_m_per_s), Travel(speed_m_per_s)
+    return lambda t_s, voltage, form, friction: stick_slip(
+        t_s, voltage, form, finger=finger, friction=friction, force_n=force_n, travel=travel
+    )
+
+
+def read(name: str) -> "Callable[[Motion | StickSlip], Real]":
+    """One course of a motion."""
+
+    def course(motion: "Motion | StickSlip") -> "Real":
+        values: Real = getattr(motion, name)
+        return values
+
+    return course

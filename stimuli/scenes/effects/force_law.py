@@ -1,0 +1,58 @@
+"""Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.force import ForceForm
+    from tactometry.stimuli.electrovibration.skin import Skin
+
+Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
+LAYERLESS = ("parallel_plate", "total_thickness")
+BARRED = ("gap", "leakage", "body")
+
+
+@dataclass(frozen=True)
+class ForceLaw:
+    """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
+
+    >>> ForceLaw("sc_layer").law
+    'sc_layer'
+    """
+
+    kind: ClassVar[str] = "force_law"
+    slot: ClassVar[str] = "law"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    law: Law
+
+    def __post_init__(self) -> None:
+        require.one_of("ForceLaw.law", self.law, get_args(Law))
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        self._check_terms(scene)
+        needs, target = ("skin", "area_m2"), f"{__name__}:form"
+        return (Stage("force_law", needs, "form", target, {"law": self.law}, effect=self.kind),)
+
+    def _check_terms(self, scene: Surroundings) -> None:
+        found = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
+        if self.law in LAYERLESS and found:
+            raise InvalidParameter(
+                f"force_law: found {self.law!r} beside {found[0]!r}, for which that law has no term, expected the law "
+                f"interface or sc_layer; or remove {found[0]!r}"
+            )
+
+
+def form(law: Law) -> "Callable[[Skin, float], ForceForm]":
+    """The law on a skin and an area."""
+    from tactometry.stimuli.electrovibration.force import force_form
+
+    return lambda skin, area_m2: force_form(law, skin, area_m2)

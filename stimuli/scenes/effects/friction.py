@@ -1,0 +1,63 @@
+"""Coulomb friction of a finger that slides all the time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.friction import CoulombFriction
+    from tactometry.stimuli.electrovibration.polarity import Real
+
+
+@dataclass(frozen=True)
+class Friction:
+    """``F = mu (F_n + F_e)`` with ``mu = coefficient (F_n/1 N)^load_exponent``; 0.5 is an unverified default.
+
+    >>> Friction(0.4).slot
+    'friction'
+    """
+
+    kind: ClassVar[str] = "friction"
+    slot: ClassVar[str] = "friction"
+    requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    coefficient: float = 0.5
+    load_exponent: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.not_negative("Friction", coefficient=self.coefficient)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        law = {"coefficient": self.coefficient, "load_exponent": self.load_exponent}
+        settings = {**law, "force_n": scene.contacts[0].force_n}
+        return (
+            Stage("friction_law", (), "friction_law", f"{__name__}:law", law, effect=self.kind),
+            Stage(
+                "friction",
+                ("electrostatic_force_n",),
+                "friction_force_n",
+                f"{__name__}:dragged",
+                settings,
+                effect=self.kind,
+            ),
+        )
+
+
+def law(coefficient: float, load_exponent: float) -> "Callable[[], CoulombFriction]":
+    """The law as the exact motions take it."""
+    from tactometry.stimuli.electrovibration.friction import CoulombFriction
+
+    coulomb = CoulombFriction(coefficient, load_exponent)
+    return lambda: coulomb
+
+
+def dragged(coefficient: float, load_exponent: float, force_n: float) -> "Callable[[Real], Real]":
+    """Friction under a normal force and an attraction."""
+    mu = law(coefficient, load_exponent)().coefficient_at(force_n)
+    return lambda electrostatic_n: mu * (force_n + electrostatic_n)

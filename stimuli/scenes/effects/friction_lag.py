@@ -1,0 +1,72 @@
+"""Friction lags behind the attraction by a first-order low-pass that is faster for a faster finger."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.force import ForceForm
+    from tactometry.stimuli.electrovibration.friction import CoulombFriction
+    from tactometry.stimuli.electrovibration.pieces import Pieces, Real
+
+
+@dataclass(frozen=True)
+class FrictionLag:
+    """``f_c = max(floor, f_0 + slope v)``: the slope is published, intercept and floor are unverified defaults.
+
+    >>> FrictionLag().slope_hz_per_m_per_s
+    13800.0
+    """
+
+    kind: ClassVar[str] = "friction_lag"
+    slot: ClassVar[str] = "dynamics"
+    requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    slope_hz_per_m_per_s: float = 13_800.0
+    intercept_hz: float = 0.0
+    floor_hz: float = 100.0
+
+    def __post_init__(self) -> None:
+        require.positive("FrictionLag", floor_hz=self.floor_hz)
+        require.not_negative(
+            "FrictionLag", slope_hz_per_m_per_s=self.slope_hz_per_m_per_s, intercept_hz=self.intercept_hz
+        )
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        touch = scene.contacts[0]
+        settings = {
+            "slope_hz_per_m_per_s": self.slope_hz_per_m_per_s,
+            "intercept_hz": self.intercept_hz,
+            "floor_hz": self.floor_hz,
+            "force_n": touch.force_n,
+            "speed_m_per_s": touch.speed_m_per_s,
+        }
+        return (
+            Stage(
+                "friction_lag",
+                ("t_s", "voltage", "form", "friction_law"),
+                "friction_force_n",
+                f"{__name__}:lagging",
+                settings,
+                n_operations=280.0 * n_samples(scene, budget.error),
+                effect=self.kind,
+            ),
+        )
+
+
+def lagging(
+    slope_hz_per_m_per_s: float, intercept_hz: float, floor_hz: float, force_n: float, speed_m_per_s: float
+) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Real]":
+    """The lagging friction, exactly."""
+    from tactometry.stimuli.electrovibration import friction as laws
+
+    lag = laws.FrictionLag(slope_hz_per_m_per_s, intercept_hz, floor_hz)
+    return lambda t_s, voltage, form, friction: laws.lagged_friction_n(
+        t_s, voltage, form, lag=lag, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
+    )

@@ -1,0 +1,59 @@
+"""Sensation by the component furthest above the spectral threshold of touch."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.spectrum import padding_for, peak_error
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.perception.detection import Components
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Threshold by frequency, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
+
+    6.7 uN is an unverified default, as in `ElectrovibrationSensation`.
+
+    >>> Sensitivity().slot
+    'sensitivity'
+    """
+
+    kind: ClassVar[str] = "sensitivity"
+    slot: ClassVar[str] = "sensitivity"
+    requires: ClassVar[tuple[str, ...]] = ("friction",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    reference_force_n: float = 6.7e-6
+
+    def __post_init__(self) -> None:
+        require.positive("Sensitivity", reference_force_n=self.reference_force_n)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
+        padding = padding_for(budget.error, duration_s)
+        spectrum = Stage(
+            "spectrum",
+            ("t_s", "friction_force_n"),
+            "components",
+            "tactometry.stimuli.scenes.spectrum:components_of",
+            {"padding": padding},
+            error=peak_error(padding, duration_s),
+            n_operations=300.0 * padding * n_samples(scene, budget.error),
+            effect=self.kind,
+        )
+        settings = {"reference_force_n": self.reference_force_n}
+        level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings, effect=self.kind)
+        return spectrum, level
+
+
+def level(reference_force_n: float) -> "Callable[[Components], float]":
+    """Level above threshold."""
+    from tactometry.stimuli.perception.detection import sensation_level_db
+
+    return lambda components: sensation_level_db(components, reference_force_n)

@@ -1,0 +1,48 @@
+"""The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.circuit import circuit_stage
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.skin import Skin
+
+
+@dataclass(frozen=True)
+class SkinLeakage:
+    """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
+
+    >>> SkinLeakage().corneum_resistivity_ohm_m
+    20000.0
+    """
+
+    kind: ClassVar[str] = "skin_leakage"
+    slot: ClassVar[str] = "leakage"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    corneum_resistivity_ohm_m: float = 2.0e4
+
+    def __post_init__(self) -> None:
+        require.positive("SkinLeakage", corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        leaking = Stage(
+            "skin_leakage",
+            ("skin",),
+            "skin",
+            f"{__name__}:leaking",
+            {"corneum_resistivity_ohm_m": self.corneum_resistivity_ohm_m},
+            effect=self.kind,
+        )
+        return leaking, circuit_stage(scene, budget, self.kind)
+
+
+def leaking(corneum_resistivity_ohm_m: float) -> "Callable[[Skin], Skin]":
+    """The skin with a corneum that conducts."""
+    return lambda skin: replace(skin, corneum_resistivity_ohm_m=corneum_resistivity_ohm_m)

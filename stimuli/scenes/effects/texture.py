@@ -1,0 +1,73 @@
+"""A sinusoidal grating on the screen: the voltage follows the position of the finger, exactly."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import pi
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A grating of `period_m`: the force goes with ``(1 + cos(2 pi x/period))/2``, the voltage with its root.
+
+    >>> Texture(period_m=1e-3).slot
+    'texture'
+    """
+
+    kind: ClassVar[str] = "texture"
+    slot: ClassVar[str] = "texture"
+    requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    period_m: float
+
+    def __post_init__(self) -> None:
+        require.positive("Texture", period_m=self.period_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        settings = {"frequency_hz": self.frequency_hz(scene)}
+        needs, target = ("unit_voltage",), f"{__name__}:met"
+        return (Stage("texture", needs, "unit_voltage", target, settings, effect=self.kind),)
+
+    def frequency_hz(self, scene: Surroundings) -> float:
+        """Periods per second under the finger."""
+        return scene.contacts[0].speed_m_per_s / self.period_m
+
+
+def met(frequency_hz: float) -> "Callable[[Pieces], Pieces]":
+    """A voltage times ``|cos(pi f t)|``: each sinusoid becomes two, the sign alternates from zero to zero."""
+    import numpy as np
+
+    def modulated(voltage: "Pieces") -> "Pieces":
+        if voltage.slopes_v_per_s.any():
+            raise InvalidParameter("texture: found a voltage with slopes, expected one of constants and sinusoids")
+        zeros_s = (np.arange(np.ceil(voltage.end_s * frequency_hz - 0.5)) + 0.5) / frequency_hz
+        split = voltage.split_at(zeros_s) if zeros_s.size else voltage
+        half_turns = np.floor(split.starts_s * frequency_hz + 0.5 + 1e-9)
+        sign = np.where(half_turns % 2, -1.0, 1.0)[:, None]
+        turn_hz, f_hz = frequency_hz / 2, split.frequencies_hz
+        low_hz = f_hz - turn_hz
+        low = np.where(low_hz < 0, np.conj(split.harmonics_v), split.harmonics_v)
+        both = np.hstack([split.harmonics_v / 2, low / 2, split.offsets_v[:, None]])
+        return replace(
+            split,
+            offsets_v=np.zeros(len(split.starts_s)),
+            frequencies_hz=np.r_[f_hz + turn_hz, np.abs(low_hz), turn_hz],
+            amplitudes_v=sign * both,
+        )
+
+    return modulated
+
+
+def envelope_rad_per_s(frequency_hz: float) -> float:
+    """Angular frequency that the envelope adds to the voltage."""
+    return pi * frequency_hz

@@ -1,0 +1,133 @@
+"""The plan of a scene in words: each stage on or off, why, with which settings, and what it costs."""
+
+import textwrap
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import isinf
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.plan import Plan, predicted_s
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.stage import Stage
+
+COLUMNS = (("stage", 20), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
+WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the explanation."""
+
+    stage: str
+    on: str
+    why: str
+    error: str
+    predicted: str
+    measured: str
+    settings: str = ""
+
+
+def explained(scene: Scene, given: Mapping[str, float]) -> str:
+    """The explanation, no line longer than 100 columns.
+
+    Raises
+    ------
+    InvalidParameter
+        If the plan takes a quantity that is not given.
+    """
+    plan = scene.resolve()
+    measured = _warm(plan, given)
+    rows = [*(_on(stage, plan, time_s) for stage, time_s in zip(plan.stages, measured, strict=True)), *_off(scene)]
+    lines = [_line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
+    for row in rows:
+        lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.measured)))
+        lines += [f"    {text}" for text in textwrap.wrap(row.settings, WIDTH - 4)]
+    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, given, sum(measured))])
+
+
+def _warm(plan: Plan, given: Mapping[str, float]) -> tuple[float, ...]:
+    """Times of the second run: the first one compiles."""
+    values = values_for(plan, given)
+    plan.timed(values)
+    return plan.timed(values)
+
+
+def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
+    """What a plan takes of what is given.
+
+    Raises
+    ------
+    InvalidParameter
+        If a quantity is not given.
+    """
+    missing = [name for name in plan.given if name not in given]
+    if missing:
+        raise InvalidParameter(f"given.{missing[0]}: found no such key, expected a number for a run of this scene")
+    return {name: given[name] for name in plan.given}
+
+
+def _on(stage: Stage, plan: Plan, measured_s: float) -> Row:
+    settings = ", ".join(f"{key} = {_short(value)}" for key, value in stage.settings.items())
+    error = "exact" if stage.error == 0 else "set" if isinf(stage.error) else f"{stage.error:.1e}"
+    return Row(stage.name, "on", _why(stage, plan), error, _time(predicted_s(stage)), _time(measured_s), settings)
+
+
+def _why(stage: Stage, plan: Plan) -> str:
+    """What it is for: an output, or the stages that read it."""
+    if stage.gives in plan.outputs:
+        return f"asked for: {stage.gives}"
+    readers = [other.name for other in plan.stages if stage.gives in other.needs and other is not stage]
+    return f"for {', '.join(readers)}"
+
+
+def _off(scene: Scene) -> list[Row]:
+    """Effects of the scene that no output needs, then those of the surface that are not in it."""
+    unused = [Row(effect.kind, "off", "no output needs it", "", "", "") for effect in scene.off()]
+    named = {effect.kind for effect in scene.effects}
+    kinds = [kind for kind in scene.surface.effects if kind not in named]
+    return [*unused, *(Row(kind, "off", "not called for", "", "0", "0") for kind in kinds)]
+
+
+def _totals(scene: Scene, plan: Plan, given: Mapping[str, float], measured_s: float) -> list[str]:
+    total = (
+        f"accuracy {scene.accuracy:g}: predicted error {plan.error:.1e}, predicted time {_time(plan.predicted_s)}, "
+        f"measured {_time(measured_s)}"
+    )
+    return [total, _one_more_digit(scene, plan, given)]
+
+
+def _one_more_digit(scene: Scene, plan: Plan, given: Mapping[str, float]) -> str:
+    try:
+        finer = replace(scene, accuracy=scene.accuracy / 10).resolve()
+    except InvalidParameter as error:
+        return f"one more digit: not to be had ({str(error).partition(',')[0]})"
+    ratio = sum(_warm(finer, given)) / sum(_warm(plan, given))
+    return (
+        f"one more digit (accuracy {scene.accuracy / 10:g}): predicted {_time(finer.predicted_s)}, "
+        f"measured {ratio:.1f} times as long"
+    )
+
+
+def _line(cells: Iterable[str]) -> str:
+    fitted = [_cut(text, width).ljust(width) for text, (_, width) in zip(cells, COLUMNS, strict=True)]
+    return "  ".join(fitted).rstrip()
+
+
+def _cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: width - 2]}.."
+
+
+def _short(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _time(time_s: float) -> str:
+    """A time with its unit.
+
+    >>> _time(0.00321), _time(2.5), _time(1e-5)
+    ('3.21 ms', '2.5 s', '10 us')
+    """
+    for unit, factor in (("s", 1.0), ("ms", 1e-3)):
+        if time_s >= factor:
+            return f"{time_s / factor:.3g} {unit}"
+    return f"{time_s * 1e6:.3g} us"

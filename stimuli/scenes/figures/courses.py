@@ -1,0 +1,77 @@
+"""What a scene gives over time: a panel per output, numbers in the title."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tactometry.stimuli.scenes.result import Result, unit_of
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+WIDTH_IN = 7.0
+PANEL_IN = 1.7
+PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
+MOST_POINTS = 20_000
+
+
+def courses(result: Result, title: str) -> Figure:
+    """All outputs that are courses over ``t_s``, one above the other; single numbers in the title."""
+    t_s = result.values["t_s"]
+    drawn = [name for name, value in result.values.items() if np.shape(value) == np.shape(t_s) and name != "t_s"]
+    figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(drawn) + 0.9), layout="constrained")
+    panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, name, colour in zip(panels, drawn, COLOURS, strict=False):
+        draw_course(panel, t_s, result.values[name], name, colour)
+    figure.align_ylabels(panels)
+    panels[-1].set_xlabel("time (ms)")
+    figure.suptitle("\n".join([title, *numbers(result.values)]), fontsize="medium")
+    return figure
+
+
+def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> None:
+    """One course with its unit."""
+    factor, prefix = prefix_of(float(np.abs(course).max()))
+    step = -(-len(t_s) // MOST_POINTS)
+    panel.plot(t_s[::step] * 1e3, course[::step] / factor, color=colour, linewidth=0.8)
+    panel.set_ylabel(f"{words(name)}\n({prefix}{unit_of(name)})")
+    panel.grid(alpha=0.3)
+    panel.spines[["top", "right"]].set_visible(False)
+
+
+def numbers(values: Mapping[str, Any]) -> list[str]:
+    """Single numbers in words."""
+    return [f"{words(name)}: {shown(name, value)}" for name, value in values.items() if np.ndim(value) == 0]
+
+
+def shown(name: str, value: float) -> str:
+    """A number with a unit and a prefix.
+
+    >>> shown("peak_m", 1.5e-5), shown("sensation_db", 12.0)
+    ('15 um', '12 dB')
+    """
+    unit = unit_of(name)
+    factor, prefix = (1.0, "") if unit.startswith("dB") else prefix_of(abs(value))
+    return f"{value / factor:.4g} {prefix}{unit}".rstrip()
+
+
+def words(name: str) -> str:
+    """A quantity's name without its unit.
+
+    >>> words("friction_force_n"), words("sensation_db")
+    ('friction force', 'sensation')
+    """
+    from tactometry.quantity import unit_suffix
+
+    suffix = unit_suffix(name) or ("db" if name.endswith("_db") else "dba" if name.endswith("_dba") else "")
+    return name.removesuffix(f"_{suffix}").replace("_", " ")
+
+
+def prefix_of(value: float) -> tuple[float, str]:
+    """The prefix that leaves a number of at least 1.
+
+    >>> prefix_of(0.02)
+    (0.001, 'm')
+    """
+    return next((pair for pair in PREFIXES if value >= pair[0]), PREFIXES[0] if value == 0 else PREFIXES[-1])

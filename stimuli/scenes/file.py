@@ -1,0 +1,100 @@
+"""Scene files: TOML, read strictly; an error opens with the key path."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.quantity import as_si
+from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.stage import Setting
+from tactometry.stimuli.scenes.surfaces import SURFACES
+from tactometry.strict import build, convert
+from tactometry.target import resolve
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """What a scene file holds: a title, the scene, and the values that a run is given."""
+
+    title: str
+    scene: Scene
+    given: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """The keys of a scene file."""
+
+    outputs: tuple[str, ...]
+    surface: dict[str, Any]
+    title: str = ""
+    accuracy: float = 0.01
+    effects: tuple[dict[str, Any], ...] = ()
+    contacts: tuple[dict[str, Any], ...] = ()
+    given: dict[str, float] | None = None
+    settings: dict[str, dict[str, Setting]] | None = None
+
+
+def load_scene(path: Path) -> SceneFile:
+    """The scene of a file.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, or is not TOML.
+    InvalidParameter
+        If a key is unknown, missing or of another type, or the scene cannot be; the sentence opens with the key path.
+    """
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InvalidFile(f"{path}: cannot read ({error.strerror}), expected a scene file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InvalidFile(f"{path}: found no TOML ({error}), expected a scene file") from None
+    return scene_of(table)
+
+
+def scene_of(table: Mapping[str, object]) -> SceneFile:
+    """The scene of a table as a file holds it.
+
+    >>> tone = {"kind": "electrovibration", "frequency_hz": "240 Hz"}
+    >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
+    240.0
+    """
+    tables = build(_Tables, as_si(dict(table), ""), "")
+    scene = Scene(
+        surface=_kind_of(tables.surface, SURFACES, "surface"),
+        effects=_all_of(tables.effects),
+        outputs=tables.outputs,
+        accuracy=tables.accuracy,
+        contacts=tuple(build(Touch, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts)),
+        settings=tables.settings or {},
+    )
+    given = tables.given or {}
+    for name in given:
+        if name not in scene.surface.given:
+            raise InvalidParameter(
+                f"given.{name}: found an unknown quantity, expected one of {', '.join(scene.surface.given)}"
+                f"{nearest(name, scene.surface.given)}"
+            )
+    return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
+
+
+def _all_of(tables: tuple[dict[str, Any], ...]) -> tuple[Effect, ...]:
+    return tuple(_kind_of(table, EFFECTS, f"effects[{n}]") for n, table in enumerate(tables))
+
+
+def _kind_of(table: dict[str, Any], kinds: Mapping[str, str], path: str) -> Any:
+    """The surface or effect that a table names as its `kind`."""
+    kind = str(table.get("kind", ""))
+    if kind not in kinds:
+        raise InvalidParameter(
+            f"{path}.kind: found {kind or 'no such key'!r}, expected one of {', '.join(kinds)}{nearest(kind, kinds)}"
+        )
+    made: Effect | Surface = build(resolve(kinds[kind]), {k: v for k, v in table.items() if k != "kind"}, path)
+    return made

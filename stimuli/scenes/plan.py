@@ -1,0 +1,129 @@
+"""A plan: the stages of a scene in the order in which they run, and the run itself."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.stage import Stage
+
+Step = tuple[Callable[..., Any], tuple[int, ...], int]
+"""A callable, the registers it reads, and the one it writes."""
+
+
+OPERATIONS_PER_S = 1e9
+CALL_S = 5e-6
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Stages that lead from `given` quantities to `outputs`, each behind those it needs."""
+
+    stages: tuple[Stage, ...]
+    given: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def error(self) -> float:
+        """Predicted relative error of the outputs: the sum of those of the stages."""
+        return sum(stage.error for stage in self.stages)
+
+    @property
+    def n_operations(self) -> float:
+        return sum(stage.n_operations for stage in self.stages)
+
+    @property
+    def predicted_s(self) -> float:
+        """Predicted time of all stages, the constant ones too: `CALL_S` each, and the operations."""
+        return sum(predicted_s(stage) for stage in self.stages)
+
+    def prepare(self) -> None:
+        """Bind the stages and compute what does not depend on what a run is given."""
+        _ = self._program
+
+    def timed(self, given: Mapping[str, Any]) -> tuple[float, ...]:
+        """Measured time (s) of each stage in a run of its own."""
+        values = dict(given)
+        times: list[float] = []
+        for stage in self.stages:
+            call, needs = stage.bind(), [values[need] for need in stage.needs]
+            start_s = time.perf_counter()
+            values[stage.gives] = call(*needs)
+            times.append(time.perf_counter() - start_s)
+        return tuple(times)
+
+    def run(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The outputs for the given quantities.
+
+        Stages that depend on none of them are run once for all runs of this plan.
+
+        Raises
+        ------
+        InvalidParameter
+            If a quantity is missing, or one is given that the plan does not take.
+        """
+        if set(given) != set(self.given):
+            raise InvalidParameter(
+                f"scene: found {', '.join(sorted(given)) or 'nothing'} given, expected "
+                f"{', '.join(self.given) or 'nothing'}"
+            )
+        registers = [*self._program.constants, *(given[name] for name in self.given)]
+        registers += [None] * self._program.n_varying
+        for call, read, written in self._program.steps:
+            registers[written] = call(*(registers[n] for n in read))
+        return {name: registers[n] for name, n in self._program.outputs.items()}
+
+    @cached_property
+    def _program(self) -> "_Program":
+        return _compiled(self)
+
+
+def predicted_s(stage: Stage) -> float:
+    """Predicted time of a stage.
+
+    >>> predicted_s(Stage("a", (), "b", "c:d", n_operations=995e3))
+    0.001
+    """
+    return CALL_S + stage.n_operations / OPERATIONS_PER_S
+
+
+@dataclass(frozen=True)
+class _Program:
+    """Values that never change, then the steps of a run."""
+
+    constants: tuple[Any, ...]
+    n_varying: int
+    steps: tuple[Step, ...]
+    outputs: Mapping[str, int]
+
+
+def _compiled(plan: Plan) -> _Program:
+    constant, varying = _parted(plan)
+    values: list[Any] = []
+    at: dict[str, int] = {}
+    for stage in constant:
+        values.append(stage.bind()(*(values[at[need]] for need in stage.needs)))
+        at[stage.gives] = len(values) - 1
+    for name in plan.given:
+        at[name] = len(values) + plan.given.index(name)
+    first = len(values) + len(plan.given)
+    steps: list[Step] = []
+    for n, stage in enumerate(varying):
+        steps.append((stage.bind(), tuple(at[need] for need in stage.needs), first + n))
+        at[stage.gives] = first + n
+    return _Program(tuple(values), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
+
+
+def _parted(plan: Plan) -> tuple[list[Stage], list[Stage]]:
+    """Stages that depend on nothing given, and the others, both in order."""
+    moving = set(plan.given)
+    constant: list[Stage] = []
+    varying: list[Stage] = []
+    for stage in plan.stages:
+        moves = not moving.isdisjoint(stage.needs)
+        (varying if moves else constant).append(stage)
+        if moves:
+            moving.add(stage.gives)
+    return constant, varying

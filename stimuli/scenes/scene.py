@@ -1,0 +1,110 @@
+"""A scene: a surface, the effects that are called for, what is asked of them, and how accurately."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.stimuli.scenes.chain import needed
+from tactometry.stimuli.scenes.compatibility import check_effects
+from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Touch
+from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.stage import Setting, Stage
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The physics between output and skin.
+
+    Parameters
+    ----------
+    surface : Surface
+    effects : tuple of Effect
+        In any order. What is not here is not computed and not imported.
+    outputs : tuple of str
+        Names of the quantities that are asked for.
+    accuracy : float
+        Relative error of the outputs that is tolerated, above 0 and at most 1.
+    contacts : tuple of Touch
+        Fingers on the surface.
+    settings : mapping
+        Settings of single stages, by the name of the stage, that a person sets in place of the chosen ones.
+
+    Raises
+    ------
+    InvalidParameter
+        If the accuracy is outside of its range, nothing is asked for, two effects fill one slot, contradict each other,
+        do not belong to the surface, or lack something that they require.
+
+    >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
+    >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+    >>> scene = Scene(Electrovibration(240.0, duration_s=0.2), (ForceLaw("sc_layer"),), outputs=("peak_force_n",))
+    >>> round(scene.resolve().run({"level_db_re_1v": 40.0})["peak_force_n"], 4)
+    0.0213
+    """
+
+    surface: Surface
+    effects: tuple[Effect, ...]
+    outputs: tuple[str, ...]
+    accuracy: float = 0.01
+    contacts: tuple[Touch, ...] = ()
+    settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not 0 < self.accuracy <= 1:
+            raise InvalidParameter(f"Scene.accuracy: found {self.accuracy}, expected above 0 and at most 1")
+        if not self.outputs:
+            raise InvalidParameter("Scene.outputs: found none, expected at least one quantity")
+        check_effects(self.effects, self)
+
+    def find(self, slot: str) -> Effect | None:
+        """The effect in a slot, or None."""
+        return next((effect for effect in self.effects if effect.slot == slot), None)
+
+    def resolve(self) -> Plan:
+        """The plan of this scene: settings chosen for its accuracy, stages in their order.
+
+        The tolerated error is shared evenly by the stages that have one.
+
+        Raises
+        ------
+        InvalidParameter
+            If an output is not to be had, or the settings name no stage of the plan.
+        """
+        rough = self._plan(Budget(self.accuracy))
+        n_approximate = sum(stage.error > 0 for stage in rough)
+        stages = self._plan(Budget(self.accuracy / n_approximate)) if n_approximate > 1 else rough
+        given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
+        return Plan(tuple(self._overridden(stages)), given, self.outputs)
+
+    def off(self) -> tuple[Effect, ...]:
+        """Effects of the scene of which no output needs a stage."""
+        on = {stage.effect for stage in self._plan(Budget(self.accuracy))}
+        return tuple(effect for effect in self.effects if effect.kind not in on)
+
+    def _plan(self, budget: Budget) -> tuple[Stage, ...]:
+        ordered = sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot))
+        stages = [*self.surface.stages(self, budget)]
+        for effect in ordered:
+            stages += effect.stages(self, budget)
+        return needed(self.outputs, stages, self.surface.given, self.surface.cures)
+
+    def _overridden(self, stages: Sequence[Stage]) -> Sequence[Stage]:
+        by_name = {stage.name: stage for stage in stages}
+        for name, settings in self.settings.items():
+            _check_known(f"settings.{name}", name, list(by_name), "stage of the plan")
+            for key in settings:
+                _check_known(f"settings.{name}.{key}", key, list(by_name[name].settings), f"setting of {name}")
+        return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
+
+
+def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None:
+    if name not in known:
+        raise InvalidParameter(
+            f"{where}: found no such {what}, expected one of {', '.join(known) or 'none'}{nearest(name, known)}"
+        )
+
+
+def _with(stage: Stage, settings: Mapping[str, Setting]) -> Stage:
+    """A stage with settings of a person: no error is predicted of it."""
+    return replace(stage, settings={**stage.settings, **settings}, error=math.inf) if settings else stage

@@ -1,0 +1,7 @@
+"""Surfaces, one file each, by the name that a scene file gives them."""
+
+from collections.abc import Mapping
+
+SURFACES: Mapping[str, str] = {
+    "electrovibration": "tactometry.stimuli.scenes.surfaces.electrovibration:Electrovibration",
+}

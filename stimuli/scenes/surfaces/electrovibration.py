@@ -1,0 +1,181 @@
+"""An electrovibration screen: from a level to the attraction of a finger, with whatever effects are called for."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.circuit import divider_stage
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import chord_error, n_samples
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.force import ForceForm
+    from tactometry.stimuli.electrovibration.offset import Waveform
+    from tactometry.stimuli.electrovibration.pieces import Pieces, Real
+    from tactometry.stimuli.electrovibration.skin import Skin
+
+
+@dataclass(frozen=True)
+class Electrovibration:
+    """A sine on a coated electrode under a skin without losses.
+
+    Parameters
+    ----------
+    frequency_hz, duration_s, ramp_s : float
+        Of the tone: above 0; the ramps at least 0.
+    area_m2 : float
+        Contact area, as long as no effect makes it depend on force; 1 cm^2 is an unverified default.
+    insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity : float
+        As in `tactometry.stimuli.electrovibration.Skin`.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> Electrovibration(frequency_hz=240.0).given
+    ('level_db_re_1v',)
+    """
+
+    kind: ClassVar[str] = "electrovibration"
+    order: ClassVar[tuple[str, ...]] = (
+        "carrier", "offset", "texture", "body", "leakage", "gap", "area", "law", "polarity", "friction", "dynamics",
+        "sensitivity",
+    )  # fmt: skip
+    effects: ClassVar[tuple[str, ...]] = (
+        "carrier", "dc_offset", "texture", "body_resistance", "skin_leakage", "air_gap", "contact_area", "force_law",
+        "polarity", "friction", "dry_friction", "friction_lag", "finger_dynamics", "sensitivity",
+    )  # fmt: skip
+    given: ClassVar[tuple[str, ...]] = ("level_db_re_1v",)
+    cures: ClassVar[Mapping[str, str]] = {
+        "form": "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000",
+        "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact",
+        "skin_displacement_m": "add the effects friction (or dry_friction) and finger_dynamics",
+        "slip_events_s": "add the effects dry_friction and finger_dynamics",
+        "sensation_db": "add the effects friction and sensitivity",
+    }
+
+    frequency_hz: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    area_m2: float = 1e-4
+    insulator_thickness_m: float = 1e-6
+    insulator_permittivity: float = 3.9
+    corneum_thickness_m: float = 200e-6
+    corneum_permittivity: float = 1000.0
+
+    def __post_init__(self) -> None:
+        values = {name: value for name, value in vars(self).items() if name != "ramp_s"}
+        require.positive("Electrovibration", **values)
+        require.not_negative("Electrovibration", ramp_s=self.ramp_s)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        n = n_samples(scene, budget.error)
+        return (
+            Stage("waveform", (), "waveform", f"{__name__}:tone", self._tone()),
+            Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
+            Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
+            Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
+            Stage(
+                "sampling",
+                ("unit_voltage",),
+                "t_s",
+                "tactometry.stimuli.scenes.sampling:grid",
+                {"n_samples": n},
+                error=chord_error(scene, n),
+                n_operations=float(n),
+            ),
+            Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", n_operations=700.0 * n),
+            Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
+            Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
+            divider_stage(scene, budget),
+            Stage(
+                "layer_voltage",
+                ("unit_layer_voltage_v", "peak_voltage_v"),
+                "layer_voltage_v",
+                f"{__name__}:multiplied",
+                n_operations=float(n),
+            ),
+            Stage(
+                "attraction",
+                ("layer_voltage_v", "form"),
+                "electrostatic_force_n",
+                f"{__name__}:attraction",
+                n_operations=3.0 * n,
+            ),
+            Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", n_operations=float(n)),
+        )
+
+    def _tone(self) -> dict[str, float]:
+        return {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
+
+    def _skin(self) -> dict[str, float]:
+        return {name: value for name, value in vars(self).items() if name.startswith(("insulator", "corneum"))}
+
+
+def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Callable[[], Waveform]":
+    """A sine with ramps."""
+    from tactometry.stimuli.electrovibration.sine import Sine
+
+    waveform = Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
+    return lambda: waveform
+
+
+def of_one_volt() -> "Callable[[Waveform], Pieces]":
+    """The voltage of level 0 dB re 1 V, exactly."""
+    return lambda waveform: waveform.pieces(0.0)
+
+
+def peak() -> Callable[[float], float]:
+    """The peak voltage of a level."""
+    from tactometry.stimuli.electrovibration.level import peak_voltage_v
+
+    return peak_voltage_v
+
+
+def scaled() -> "Callable[[Pieces, float], Pieces]":
+    """A voltage of a peak."""
+    return lambda unit, peak_voltage_v: unit.scaled(peak_voltage_v)
+
+
+def sampled() -> "Callable[[Real, Pieces], Real]":
+    """A voltage at times."""
+    return lambda t_s, voltage: voltage.at(t_s)
+
+
+def lossless(
+    insulator_thickness_m: float,
+    insulator_permittivity: float,
+    corneum_thickness_m: float,
+    corneum_permittivity: float,
+) -> "Callable[[], Skin]":
+    """A skin whose corneum does not conduct."""
+    from math import inf
+
+    from tactometry.stimuli.electrovibration import skin as skins
+
+    layers = insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity
+    dry = skins.Skin(*layers, corneum_resistivity_ohm_m=inf)
+    return lambda: dry
+
+
+def constant(value: float) -> Callable[[], float]:
+    """A number that nothing changes."""
+    return lambda: value
+
+
+def multiplied() -> "Callable[[Real, float], Real]":
+    """A course times a number."""
+    return lambda course, factor: factor * course
+
+
+def attraction() -> "Callable[[Real, ForceForm], Real]":
+    """The force of a layer's voltage."""
+    return lambda layer_v, form: form.force_n(layer_v)
+
+
+def highest() -> "Callable[[Real], float]":
+    """The largest value of a course."""
+    return lambda course: float(course.max())

@@ -1,0 +1,94 @@
+"""`tactometry scene`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tactometry.cli.output import json_option, say
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.file import SceneFile
+    from tactometry.stimuli.scenes.result import Result
+
+FIGURE_FORMATS = (".png", ".pdf", ".svg")
+
+
+@click.command(epilog="Example: tactometry scene electrovibration-panel --explain")
+@click.argument("file", metavar="FILE")
+@click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Draw the outputs as a PNG, PDF or SVG.")
+@json_option
+def command(*, file: str, explain: bool, figure: Path | None, as_json: bool) -> None:
+    """Compute a scene: a TOML file, or the name of a built-in one.
+
+    Only the effects that the file calls for are computed, as finely as its accuracy asks for.
+    """
+    from tactometry.experiments.scenes import path_of
+    from tactometry.stimuli.scenes.explain import explained, values_for
+    from tactometry.stimuli.scenes.file import load_scene
+    from tactometry.stimuli.scenes.result import computed
+
+    found = load_scene(path_of(file))
+    if explain:
+        text = explained(found.scene, found.given)
+        say(text, {"plan": text.splitlines()}, as_json=as_json)
+        return
+    plan = found.scene.resolve()
+    result = computed(plan, values_for(plan, found.given))
+    if figure is not None:
+        _draw(result, found, figure)
+    record = _record(result)
+    say(_text(found, record, result), record, as_json=as_json)
+
+
+def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
+    from tactometry.errors import DeviceFailed, InvalidParameter
+    from tactometry.stimuli.scenes.figures.courses import courses
+
+    if path.suffix not in FIGURE_FORMATS:
+        raise InvalidParameter(
+            f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
+        )
+    if "t_s" not in result.values:
+        raise InvalidParameter(
+            "--figure: found no 't_s' among the outputs of the scene, expected it; add it to outputs"
+        )
+    try:
+        courses(result, found.title).savefig(path, dpi=150)
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
+
+
+def _record(result: "Result") -> dict[str, Any]:
+    """Numbers as they are, of a course its extremes and its length."""
+    import numpy as np
+
+    def shown(value: Any) -> Any:
+        if np.ndim(value) == 0:
+            return float(value)
+        course = np.asarray(value)
+        return {"n": int(course.size), "min": float(course.min()), "max": float(course.max())} if course.size else []
+
+    outputs = {name: shown(value) for name, value in result.values.items()}
+    return {
+        "outputs": outputs,
+        "units": {name: result.unit(name) for name in outputs},
+        "given": dict(result.given),
+        "predicted_error": result.plan.error,
+        "elapsed_s": result.elapsed_s,
+        "versions": dict(result.versions),
+    }
+
+
+def _text(found: "SceneFile", record: dict[str, Any], result: "Result") -> str:
+    lines = [found.title] if found.title else []
+    for name, value in record["outputs"].items():
+        unit = result.unit(name)
+        words = f"{value:.6g}" if isinstance(value, float) else _range(value)
+        lines.append(f"{name:<24}{words} {unit}".rstrip())
+    return "\n".join([*lines, f"predicted error {result.plan.error:.1e}, {result.elapsed_s:.3g} s"])
+
+
+def _range(value: Any) -> str:
+    return f"{value['min']:.4g} .. {value['max']:.4g} ({value['n']} values)" if value else "none"

@@ -1,0 +1,317 @@
+"""Electrovibration scenes: only what is called for is computed, in the one right order, as accurately as asked."""
+
+import itertools
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from scene_cases import ELECTROVIBRATION, LEVEL, SLIDING, default, effect, panel, panels, with_needs
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import (
+    CoulombFriction,
+    ElectrovibrationSensation,
+    FrictionLag,
+    PowerLawArea,
+    Sine,
+    Skin,
+    electrostatic_force_n_at,
+)
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+
+ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
+FINEST = 1e-6
+
+
+def run(scene: Scene):
+    return scene.resolve().run(LEVEL)
+
+
+def calls(plan: Plan) -> int:
+    """Python and C calls of a run, its preparation included, once everything is imported and compiled."""
+    counted = 0
+
+    def count(frame, event, argument):
+        nonlocal counted
+        counted += event in {"call", "c_call"}
+
+    plan.run(LEVEL)
+    again = replace(plan)
+    sys.setprofile(count)
+    try:
+        again.run(LEVEL)
+    finally:
+        sys.setprofile(None)
+    return counted
+
+
+# --- off costs nothing
+
+
+@pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
+def test_an_effect_that_is_absent_has_no_stage(kind):
+    others = [default(name) for name in ("skin_leakage", "contact_area", "friction") if name != kind]
+    if kind in {"dry_friction"}:
+        others = others[:-1]
+    plan = panel(*others).resolve()
+    assert kind not in {stage.effect for stage in plan.stages}
+    assert not any(stage.target.startswith(EFFECTS[kind].partition(":")[0]) for stage in plan.stages)
+
+
+PROGRAM = """
+import json, sys
+from tactometry.stimuli.scenes.file import scene_of
+found = scene_of(json.loads(sys.argv[1]))
+found.scene.resolve().run(found.given)
+print(json.dumps(sorted(sys.modules)))
+"""
+
+
+def loaded(effects):
+    table = {
+        "outputs": ["peak_force_n"],
+        "surface": {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01},
+        "contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}],
+        "effects": [{"kind": "force_law", "law": "sc_layer"}, *effects],
+        "given": LEVEL,
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, json.dumps(table)], capture_output=True, text=True, check=True
+    )
+    return set(json.loads(done.stdout))
+
+
+def test_what_a_scene_does_not_name_is_not_imported_in_a_fresh_process():
+    modules = loaded([])
+    for kind in ELECTROVIBRATION:
+        assert EFFECTS[kind].partition(":")[0] not in modules, kind
+    assert "tactometry.stimuli.electrovibration.compiled" not in modules
+    assert "tactometry.stimuli.electrovibration.power_series" not in modules
+    assert "numba" not in modules
+    assert "matplotlib" not in modules
+    assert EFFECTS["skin_leakage"].partition(":")[0] in loaded([{"kind": "skin_leakage"}])
+
+
+@pytest.mark.parametrize("kind", sorted(set(ELECTROVIBRATION) - {"carrier", "texture"}))
+def test_an_effect_that_no_output_needs_costs_no_call(kind):
+    without = panel(outputs=("voltage_v",)).resolve()
+    with_it = panel(*with_needs(kind), outputs=("voltage_v",)).resolve()
+    if kind == "dc_offset":
+        assert calls(with_it) > calls(without)
+    else:
+        assert with_it.stages == without.stages
+        assert calls(with_it) == calls(without)
+
+
+CHANGING = [kind for kind, (_, _, output) in ELECTROVIBRATION.items() if output == "electrostatic_force_n"]
+
+
+@pytest.mark.parametrize("kind", CHANGING)
+def test_a_scene_that_lost_an_effect_runs_as_one_that_never_knew_it(kind):
+    never = panel().resolve()
+    with_it = panel(*with_needs(kind))
+    lost = replace(with_it, effects=with_it.effects[:1]).resolve()
+    assert lost == never
+    assert calls(lost) == calls(never) < calls(with_it.resolve())
+
+
+def test_what_does_not_depend_on_the_level_is_computed_once():
+    plan = panel(default("skin_leakage")).resolve()
+    plan.prepare()
+    assert len(plan._program.steps) < len(plan.stages) / 2
+    first = plan.run({"level_db_re_1v": 20.0})["electrostatic_force_n"]
+    np.testing.assert_allclose(plan.run({"level_db_re_1v": 40.0})["electrostatic_force_n"], 100 * first, rtol=1e-12)
+
+
+def test_a_static_scene_computes_no_friction():
+    off = panel(default("friction"), default("friction_lag"), outputs=("peak_force_n",))
+    assert {each.kind for each in off.off()} == {"friction", "friction_lag"}
+
+
+# --- each effect changes what it is meant to change
+
+
+@pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
+def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
+    _, needs, output = ELECTROVIBRATION[kind]
+    on = run(panel(*with_needs(kind), outputs=(output,)))[output]
+    assert np.all(np.isfinite(on))
+    if output == "electrostatic_force_n":
+        without = run(panel(*(default(name) for name in needs), outputs=(output,)))[output]
+        assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * without.max()
+
+
+def test_the_force_is_that_of_the_physics():
+    scene = panel(default("skin_leakage"), default("contact_area"), outputs=("t_s", "electrostatic_force_n"))
+    got = run(scene)
+    pieces = Sine(60.0, duration_s=0.05, ramp_s=0.01).pieces(40.0)
+    area_m2 = float(PowerLawArea().area_m2(2.0))
+    expected = electrostatic_force_n_at(got["t_s"], pieces, skin=Skin(), area_m2=area_m2, law="sc_layer")
+    np.testing.assert_allclose(got["electrostatic_force_n"], expected, rtol=0, atol=1e-12 * expected.max())
+
+
+def test_a_scene_without_losses_is_a_divider():
+    got = run(panel(outputs=("voltage_v", "electrostatic_force_n")))
+    skin = Skin(corneum_resistivity_ohm_m=float("inf"))
+    newton_per_v2 = got["electrostatic_force_n"].max() / (skin.k * got["voltage_v"]).max() ** 2
+    np.testing.assert_allclose(
+        got["electrostatic_force_n"], newton_per_v2 * (skin.k * got["voltage_v"]) ** 2, atol=1e-12
+    )
+
+
+def test_a_texture_is_a_share_of_the_force_along_the_path():
+    texture, outputs = default("texture"), ("t_s", "electrostatic_force_n")
+    fine = panel(texture, outputs=outputs, accuracy=1e-4)
+    got = run(fine)
+    plain = run(panel(outputs=outputs, accuracy=1e-4))
+    without = np.interp(got["t_s"], plain["t_s"], plain["electrostatic_force_n"])
+    share = (1 + np.cos(2 * np.pi * 0.05 * got["t_s"] / 1e-3)) / 2
+    np.testing.assert_allclose(got["electrostatic_force_n"], without * share, atol=2e-4 * without.max())
+
+
+def test_the_sensation_is_that_of_the_observer_up_to_its_flat_top_window():
+    surface = Electrovibration(60.0, duration_s=1.0)
+    effects = [default(k) for k in ("force_law", "skin_leakage", "contact_area", "friction", "friction_lag")]
+    scene = Scene(surface, (*effects, default("sensitivity")), ("sensation_db",), 1e-3, SLIDING)
+    signal: Signal = Sine(60.0).at(40.0)
+    model = ElectrovibrationSensation(friction=CoulombFriction(), lag=FrictionLag())
+    observer_db = model.sensation_db(signal, Contact(2.0, 0.05))
+    assert abs(run(scene)["sensation_db"] - observer_db) < 0.1
+
+
+# --- the tolerance is kept
+
+
+def error_of(scene: Scene, output: str, accuracy: float, reference) -> float:
+    """Largest error of straight lines between the samples, over the peak; of a level, as a ratio."""
+    got = run(replace(scene, accuracy=accuracy))
+    if output == "sensation_db":
+        return abs(10 ** ((got[output] - reference[output]) / 20) - 1)
+    if np.ndim(got[output]) == 0:
+        return abs(got[output] / reference[output] - 1)
+    lines = np.interp(reference["t_s"], got["t_s"], got[output])
+    return float(np.abs(lines - reference[output]).max() / np.abs(reference[output]).max())
+
+
+@pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
+def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(kind):
+    output = ELECTROVIBRATION[kind][2]
+    scene = panel(*with_needs(kind), outputs=(output,) if output == "sensation_db" else ("t_s", output))
+    finest = 1e-6 if output == "sensation_db" else FINEST
+    reference = run(replace(scene, accuracy=finest))
+    costs = []
+    for accuracy in ACCURACIES:
+        plan = replace(scene, accuracy=accuracy).resolve()
+        true = error_of(scene, output, accuracy, reference)
+        assert true <= plan.error <= accuracy
+        assert plan.error <= 10 * max(true, accuracy / 10)
+        costs.append(plan.n_operations)
+    assert costs == sorted(costs)
+    assert costs[0] < costs[-1]
+
+
+@given(panels(outputs=("t_s", "electrostatic_force_n", "friction_force_n", "peak_force_n")))
+@settings(max_examples=8, deadline=None)
+def test_random_scenes_keep_their_accuracy(case):
+    surface, effects, outputs = case
+    scene = Scene(surface, effects, outputs, 1e-2, SLIDING)
+    reference = run(replace(scene, accuracy=1e-4))
+    for accuracy in (1e-1, 1e-2):
+        for output in outputs[1:]:
+            assert error_of(scene, output, accuracy, reference) <= accuracy + 1e-4
+
+
+def test_an_accuracy_that_an_output_cannot_meet_is_refused_with_the_reason():
+    with pytest.raises(InvalidParameter, match=r"sensation_db: found an accuracy .* for the spectrum, .*loosen"):
+        panel(default("friction"), default("sensitivity"), outputs=("sensation_db",), accuracy=1e-9).resolve()
+
+
+# --- order and conflicts
+
+
+def test_the_order_of_the_tuple_does_not_matter():
+    kinds = ("skin_leakage", "air_gap", "body_resistance", "contact_area")
+    first, *others = (panel(*map(default, order)).resolve() for order in itertools.permutations(kinds))
+    assert all(plan == first for plan in others)
+
+
+@pytest.mark.parametrize(
+    ("effects", "message"),
+    [
+        (
+            lambda: [default("friction"), default("dry_friction")],
+            r"effects\[2\]: found 'dry_friction' beside 'friction', expected one of them, .*; remove the other",
+        ),
+        (
+            lambda: [default("friction"), default("polarity"), default("friction_lag")],
+            r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove 'polarity' or the other",
+        ),
+        (
+            lambda: [default("friction_lag")],
+            r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'",
+        ),
+        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect of dynamics"),
+        (
+            lambda: [effect("force_law", law="interface")],
+            r"effects\[1\]: found 'force_law' beside 'force_law', expected one of them",
+        ),
+    ],
+)
+def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+    with pytest.raises(InvalidParameter, match=message):
+        panel(*effects())
+
+
+def test_a_finger_at_rest_has_no_friction():
+    scene = panel()
+    with pytest.raises(InvalidParameter, match=r"'friction' without a sliding contact, .*speed_m_per_s above 0"):
+        replace(scene, effects=(*scene.effects, default("friction")), contacts=())
+
+
+def test_a_law_without_a_term_is_refused_with_the_cure():
+    surface = Electrovibration(60.0)
+    lossy = (effect("force_law", law="total_thickness"), default("skin_leakage"))
+    with pytest.raises(InvalidParameter, match=r"'total_thickness' beside 'skin_leakage', .* interface or sc_layer"):
+        Scene(surface, lossy, ("peak_force_n",)).resolve()
+
+
+@pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
+def test_a_sudden_onset_that_would_relax_is_refused_with_the_cure(kind):
+    scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
+    with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the surface a ramp_s above 0"):
+        scene.resolve()
+
+
+def test_an_output_without_its_effect_names_the_effect():
+    with pytest.raises(InvalidParameter, match=r"nothing that gives 'friction_force_n'.*; add the effect friction"):
+        panel(outputs=("friction_force_n",)).resolve()
+    with pytest.raises(
+        InvalidParameter, match=r"nothing that gives 'form', which .* needs.* name one of the four laws"
+    ):
+        Scene(Electrovibration(60.0), (), ("peak_force_n",)).resolve()
+
+
+@pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.5, float("nan")])
+def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
+    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected above 0 and at most 1"):
+        panel(accuracy=accuracy)
+
+
+def test_a_setting_of_a_person_takes_the_place_of_the_chosen_one():
+    scene = replace(panel(outputs=("t_s",)), settings={"sampling": {"n_samples": 33}})
+    assert scene.resolve().run({})["t_s"].size == 33
+    for bad, message in (
+        ({"sampling": {"n_sample": 3}}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
+        ({"samplin": {}}, r"settings\.samplin: .*did you mean 'sampling'"),
+    ):
+        with pytest.raises(InvalidParameter, match=message):
+            replace(scene, settings=bad).resolve()

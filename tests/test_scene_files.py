@@ -1,0 +1,141 @@
+"""Scene files and the command: strict, with key paths; the plan in words; figures that are drawn."""
+
+import json
+import tomllib
+
+import pytest
+
+from tactometry.cli import main
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.scenes import names, path_of
+from tactometry.stimuli.scenes.explain import explained
+from tactometry.stimuli.scenes.file import load_scene, scene_of
+from tactometry.stimuli.scenes.result import computed
+
+TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
+LAW = {"kind": "force_law", "law": "sc_layer"}
+
+
+def table(**changes):
+    return {"outputs": ["t_s", "electrostatic_force_n"], "surface": TONE, "effects": [LAW], **changes}
+
+
+def call(*arguments):
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    return ended.value.code
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"accurcy": 0.1}, r"accurcy: found an unknown key, .*did you mean 'accuracy'\?"),
+        ({"accuracy": "fine"}, r"accuracy: found 'fine', expected a number"),
+        ({"accuracy": 2.0}, r"accuracy: found 2\.0, expected above 0 and at most 1"),
+        ({"surface": {**TONE, "kind": "electrovibraton"}}, r"surface\.kind: found .*did you mean 'electrovibration'"),
+        ({"surface": {"kind": "electrovibration"}}, r"surface\.frequency_hz: found no such key"),
+        ({"surface": {**TONE, "frequency_hz": "60 m"}}, r"surface\.frequency_hz: found '60 m', expected .* Hz"),
+        ({"effects": [LAW, {"kind": "skin_leekage"}]}, r"effects\[1\]\.kind: .*did you mean 'skin_leakage'"),
+        ({"effects": [{"law": "sc_layer"}]}, r"effects\[0\]\.kind: found 'no such key'"),
+        ({"effects": [{**LAW, "law": "sc_laver"}]}, r"effects\[0\]\.law: found 'sc_laver', expected one of"),
+        ({"effects": [{**LAW, "x": 1}]}, r"effects\[0\]\.x: found an unknown key"),
+        ({"effects": [LAW, {"kind": "air_gap", "gap_m": -1.0}]}, r"effects\[1\]\.gap_m: found -1\.0"),
+        ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* leave the contact out"),
+        ({"contacts": [{"force": 1.0}]}, r"contacts\[0\]\.force: found an unknown key"),
+        ({"given": {"level": 1.0}}, r"given\.level: found an unknown quantity, expected one of level_db_re_1v"),
+        ({"outputs": []}, r"outputs: found none"),
+    ],
+)
+def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
+    with pytest.raises(InvalidParameter, match=message) as refused:
+        scene_of(table(**changes))
+    assert "\n" not in str(refused.value)
+
+
+def test_an_unknown_output_names_the_known_ones():
+    scene = scene_of(table(outputs=["electrostatic_force"])).scene
+    with pytest.raises(InvalidParameter, match=r"nothing that gives 'electrostatic_force', .*did you mean 'electrost"):
+        scene.resolve()
+
+
+def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
+    bad = tmp_path / "bad.toml"
+    bad.write_text("outputs = [", encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"found no TOML"):
+        load_scene(bad)
+    with pytest.raises(InvalidFile, match=r"cannot read"):
+        load_scene(tmp_path / "absent.toml")
+    assert call("scene", "electrovibration-panell") == 2
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
+    found = load_scene(path_of(name))
+    result = computed(found.scene.resolve(), found.given)
+    assert set(result.values) == set(found.scene.outputs)
+    assert result.plan.error <= found.scene.accuracy
+    assert result.versions["numpy"]
+    for output in result.values:
+        assert result.unit(output) or output in {"movie"}
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
+    found = load_scene(path_of(name))
+    lines = explained(found.scene, found.given).splitlines()
+    assert max(map(len, lines)) <= 100
+    rule = lines.index("-" * 100)
+    rows = [line for line in lines[rule + 1 : -3] if not line.startswith("    ")]
+    assert {row[20:22] for row in rows} == {"  "}
+    assert {row[22:26].strip() for row in rows} == {"on", "off"}
+    on = [row.split()[0] for row in rows if row[22:26].strip() == "on"]
+    assert on == [stage.name for stage in found.scene.resolve().stages]
+    assert lines[-2].startswith(f"accuracy {found.scene.accuracy:g}: predicted error")
+    assert lines[-1].startswith("one more digit")
+
+
+def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
+    found = load_scene(path_of("electrovibration-panel"))
+    said = explained(found.scene, found.given)
+    kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
+    for kind in found.scene.surface.effects:
+        assert kind in kinds or f"\n{kind.ljust(20)}  off" in said, kind
+
+
+def test_an_effect_that_nothing_needs_says_so():
+    sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
+    found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
+    assert "friction              off   no output needs it" in explained(found.scene, found.given)
+
+
+def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        'outputs = ["peak_force_n"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60\nduration_s = 0.05\n'
+        'ramp_s = 0.01\n[[effects]]\nkind = "force_law"\nlaw = "sc_layer"\n',
+        encoding="utf-8",
+    )
+    assert call("scene", file) == 2
+    assert "given.level_db_re_1v: found no such key" in capsys.readouterr().err
+    file.write_text(file.read_text(encoding="utf-8") + "[given]\nlevel_db_re_1v = 40.0\n", encoding="utf-8")
+    assert call("scene", file, "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["units"] == {"peak_force_n": "N"}
+    assert 0.02 < said["outputs"]["peak_force_n"] < 0.022
+    assert call("scene", file, "--figure", tmp_path / "a.png") == 2
+    assert "add it to outputs" in capsys.readouterr().err
+
+
+def test_the_figure_is_drawn(tmp_path, capsys):
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.png") == 0
+    assert (tmp_path / "a.png").stat().st_size > 20_000
+    assert "sensation" in capsys.readouterr().out
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.doc") == 2
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "no" / "a.png") == 3
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_built_in_file_says_what_is_unverified(name):
+    text = path_of(name).read_text(encoding="utf-8")
+    assert "unverified" in text
+    assert tomllib.loads(text)["title"]
