@@ -41,6 +41,34 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)
 
 
+def two_interval_sensitivity(n_correct_first: int, n_first: int, n_correct_second: int, n_second: int) -> Sensitivity:
+    """d' and bias of a choice between two intervals, the stimulus in the first of `n_first` and in the second of
+    `n_second` trials.
+
+    With "first" when it is the first as hit H and when it is the second as false alarm F (log-linear rule),
+    d' = (z(H) - z(F)) / sqrt(2) and the bias c = -(z(H) + z(F)) / 2 is above 0 where the second interval is preferred
+    (Macmillan and Creelman 2005, chapter 7). The rate correct of both together hides such a bias and then gives too
+    small a d'.
+
+    Raises
+    ------
+    InvalidParameter
+        If a count is negative or above its number of trials, or there are no trials.
+
+    >>> fair, biased = two_interval_sensitivity(40, 50, 40, 50), two_interval_sensitivity(30, 50, 48, 50)
+    >>> [round(x, 3) for x in (fair.d_prime, fair.criterion, biased.d_prime, biased.criterion)]
+    [1.161, 0.0, 1.345, 0.703]
+    """
+    z_hit = _z_rate("n_correct_first", n_correct_first, "n_first", n_first)
+    n_false_alarms = n_second - n_correct_second
+    if not 0 <= n_correct_second <= n_second:
+        raise InvalidParameter(
+            f"n_correct_second: found {n_correct_second}, expected a count from 0 to n_second, {n_second}"
+        )
+    z_false_alarm = _z_rate("n_correct_second", n_false_alarms, "n_second", n_second)
+    return Sensitivity((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
+
+
 def _z_rate(name: str, k: int, of: str, n: int) -> float:
     if n < 1:
         raise InvalidParameter(f"{of}: found {n}, expected at least 1")

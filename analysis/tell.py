@@ -29,8 +29,8 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
             ),
         )
     for form in found.forms:
-        sentences = [line for lines in form.sentences().values() for line in lines] if form.crossed is not None else []
-        yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), sentences
+        compared = next(iter(form.sentences().values())) if form.crossed is not None else []
+        yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared
     if "force" in found.tables:
         yield text_table(cross_table(found.tables["force"], found.trials.factors), "applied force (mean ± SD)"), ()
 
