@@ -146,6 +146,11 @@ class Sink:
         """What is heard from now on is the next record."""
         self.n_before = self.raw.stat().st_size // 4 * 4
 
+    def heard(self):
+        """How many samples since `begin` were not zero."""
+        raw = self.raw.read_bytes()[self.n_before :]
+        return np.count_nonzero(np.frombuffer(raw[: len(raw) // 4 * 4], "<i2"))
+
     def end(self):
         """Wait until the record holds what was played; then its frames."""
         n_bytes = self.raw.stat().st_size

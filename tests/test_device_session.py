@@ -4,10 +4,12 @@ import csv
 import importlib.util
 import json
 import os
+import signal
+import threading
 
 import numpy as np
 import pytest
-from test_device_audio import alsa  # noqa: F401  # a fixture
+from test_device_audio import alsa, server, sink, wait_for  # noqa: F401  # fixtures
 from test_device_sensors import Emulator
 from test_window_session import any_keys, sit, tactometry
 
@@ -112,3 +114,33 @@ def played_signals(folder):
     busy = np.flatnonzero(raw)
     pieces = np.split(busy, np.flatnonzero(np.diff(busy) > 1000) + 1)
     return [len(pieces), all(np.array_equal(raw[piece[0] : piece[-1] + 1], wanted) for piece in pieces)]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):  # noqa: F811
+    """In the middle of a stimulus of 20 s that a real sound server hears."""
+    study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
+    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
+    bench = BENCH.format(stream=device.name).replace("tofile", "pulse")
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
+    process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})
+    ended = threading.Event()
+
+    def end_when_it_plays():
+        wait_for(lambda: sink.heard() > 9600 or process.poll() is not None, 60)
+        process.send_signal(number)
+        ended.set()
+
+    watcher = threading.Thread(target=end_when_it_plays)
+    watcher.start()
+    try:
+        status, _, errors = sit(process, display, (key for key in ["space"] * 600 if not ended.is_set()))
+    finally:
+        watcher.join()
+        device.close()
+    frames = sink.end()
+    assert status == {signal.SIGTERM: 128 + signal.SIGTERM, signal.SIGKILL: -signal.SIGKILL}[number], errors
+    assert "Traceback" not in errors
+    assert 9600 < np.count_nonzero(frames) < 10 * 48_000
+    assert not frames[-4800:].any()

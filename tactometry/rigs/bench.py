@@ -9,12 +9,10 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from typing import Concatenate, ParamSpec, TypeVar
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.output import NullOutput, Output
 from tactometry.devices.position_sensor import PositionSensor, speed_during
-from tactometry.errors import DeviceFailed
 from tactometry.limits import Limits
 from tactometry.request import (
     Adjust,
@@ -40,6 +38,7 @@ from tactometry.rigs import entry, form, layout
 from tactometry.rigs.emitter import RAMP_S, Emitter
 from tactometry.rigs.glide import MOVING_S, Glide
 from tactometry.rigs.page import Answer, Page, Screen
+from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
@@ -47,39 +46,10 @@ from tactometry.scale import value_at
 from tactometry.signal import Stimulus
 from tactometry.speed_gate import SpeedGate
 
-P = ParamSpec("P")
-R = TypeVar("R")
 Facts = dict[str, str | int | float | bool | None]
 
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
-
-
-SIGNALLED = 128
-"""Exit status of a process that a signal ended: this and the signal's number."""
-
-
-def _safely(method: "Callable[Concatenate[Bench, P], R]") -> "Callable[Concatenate[Bench, P], R]":
-    """Close the bench, output first, when the method ends by any exception."""
-
-    @functools.wraps(method)
-    def guarded(bench: "Bench", /, *args: P.args, **kwargs: P.kwargs) -> R:
-        if bench.closed:
-            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
-        try:
-            return method(bench, *args, **kwargs)
-        except SystemExit as end:
-            bench.close()
-            if isinstance(end.code, int) and end.code > SIGNALLED:
-                raise
-            raise DeviceFailed(
-                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
-            ) from end
-        except BaseException:
-            bench.close()
-            raise
-
-    return guarded
 
 
 class Bench:
@@ -109,7 +79,7 @@ class Bench:
         self.closed = False
         self._open()
 
-    @_safely
+    @safely
     def _open(self) -> None:
         self._output.open()
         for sensor in (self._sensor, self._position):
@@ -160,7 +130,7 @@ class Bench:
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))
 
-    @_safely
+    @safely
     def play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         page = layout.marker_page(request.interval, playing=True)
@@ -169,11 +139,11 @@ class Bench:
         self._stage.hold(onset_s + request.duration_s, page)
         return Played(self._session_s(onset_s), request.level, "" if signal is None else signal.digest())
 
-    @_safely
+    @safely
     def press(self, request: Press) -> Touched:
         return self._touch(request, "press", as_it_is)
 
-    @_safely
+    @safely
     def slide(self, request: Slide) -> Touched:
         height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
         return self._touch(request, "slide", moving_cue(request, height_m))
@@ -199,7 +169,7 @@ class Bench:
         gate = SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S)
         return Glide(self._position, gate, time.perf_counter())
 
-    @_safely
+    @safely
     def choose(self, request: Choose) -> Chosen:
         page = layout.question_page(
             self._texts.message(request.question),
@@ -213,7 +183,7 @@ class Bench:
         )
         return Chosen(option, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
 
-    @_safely
+    @safely
     def rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
         unmarked: int | None = None
@@ -223,7 +193,7 @@ class Bench:
         value = None if mark is None else scale.value(mark, request.low, request.high)
         return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
 
-    @_safely
+    @safely
     def enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
         low, high = request.low, request.high
@@ -236,7 +206,7 @@ class Bench:
         value = entry.value_of(typed, low, high)
         return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
 
-    @_safely
+    @safely
     def fill(self, request: Fill) -> Filled:
         page = self._form(request)
         marks, onset_s, end_s = self._stage.converse(
@@ -269,7 +239,7 @@ class Bench:
             rings=request.steps is not None,
         )
 
-    @_safely
+    @safely
     def adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
@@ -295,13 +265,13 @@ class Bench:
 
         return keep_playing
 
-    @_safely
+    @safely
     def wait(self, request: Wait) -> Done:
         begin_s = self._stage.present(layout.waiting_page())
         self._stage.hold(begin_s + request.duration_s, layout.waiting_page())
         return self._done()
 
-    @_safely
+    @safely
     def show(self, request: Show) -> Done:
         page = layout.message_page(
             self._texts.message(request.message, request.values),
@@ -314,7 +284,7 @@ class Bench:
             self._stage.hold(self._stage.present(page) + request.duration_s, page)
         return self._done()
 
-    @_safely
+    @safely
     def record(self, request: Record) -> Done:
         del request
         return self._done()

@@ -1,0 +1,47 @@
+"""Whatever goes wrong on a bench, it is closed first, and its output before anything else."""
+
+import functools
+from collections.abc import Callable
+from typing import Concatenate, ParamSpec, Protocol, TypeVar
+
+from tactometry.errors import DeviceFailed
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+SIGNALLED = 128
+"""Exit status of a process that a signal ended: this and the signal's number."""
+
+
+class Closing(Protocol):
+    """What can be closed, and knows whether it is."""
+
+    closed: bool
+
+    def close(self) -> None: ...
+
+
+B = TypeVar("B", bound=Closing)
+
+
+def safely(method: Callable[Concatenate[B, P], R]) -> Callable[Concatenate[B, P], R]:
+    """Close the bench, output first, when the method ends by any exception."""
+
+    @functools.wraps(method)
+    def guarded(bench: B, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        if bench.closed:
+            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
+        try:
+            return method(bench, *args, **kwargs)
+        except SystemExit as end:
+            bench.close()
+            if isinstance(end.code, int) and end.code > SIGNALLED:
+                raise
+            raise DeviceFailed(
+                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
+            ) from end
+        except BaseException:
+            bench.close()
+            raise
+
+    return guarded
