@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.closed_forms import resolution_m
+from tactometry.stimuli.time_reversal.closed_forms import Reverberation, resolution_m
 from tactometry.stimuli.time_reversal.figures import drives, focus, prototype, theory
 from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
 from tactometry.stimuli.time_reversal.figures.style import save
@@ -68,6 +68,16 @@ def test_measured_points_are_drawn():
     figure = theory.resolution_over_mean_frequency(A4_SCREEN, [(12.5e3, 15e-3), (20e3, 12e-3)])
     drawn = [line for line in figure.axes[0].lines if line.get_marker() == "s"]
     assert [float(line.get_ydata()[0]) for line in drawn] == [15.0, 12.0]
+
+
+def test_measured_losses_and_contrasts_are_drawn_beside_their_model():
+    rows = [LossRow(kind, 1e-2, "F", force_n, 0.1 * force_n) for kind in ("finger", "soft") for force_n in (1.0, 2.0)]
+    (axes, *_) = prototype.loss_over_force(rows, [LossRow("finger", 1e-2, "F", 1.5, 0.2)]).axes
+    drawn = [line for line in axes.lines if line.get_fillstyle() == "none"]
+    assert [(float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in drawn] == [(1.5, pytest.approx(20.0))]
+    room = Reverberation(32, 25e3, 3.5e-3, 7e-3, 0.018, 1.25)
+    (axes,) = theory.contrast_over_transducers(room, (8,), np.linspace(1e-3, 9e-3, 5), {8: [(2e-3, 9.0)]}).axes
+    assert [float(line.get_ydata()[0]) for line in axes.lines if line.get_marker() == "o"] == [9.0]
 
 
 def test_contributions_add_up_to_the_focus():

@@ -28,6 +28,14 @@ def error(modes, weights, start, stop, quantity="displacement"):
     return np.abs(found - expected).max() / np.abs(expected).max()
 
 
+@pytest.mark.parametrize("spread", [0.1, 2.0, 20.0])
+def test_attenuation_that_differs_widely_between_modes_keeps_its_digits(spread, rng):
+    n_samples = 1000
+    decay = 400.0 + spread / (n_samples / RATE_HZ) * np.linspace(-0.5, 5.0, 200) ** 2
+    modes = oscillators(decay_per_s=decay)
+    assert error(modes, rng.normal(size=(3, 200)) * modes.omega_rad_per_s, 0, n_samples) < 1e-13
+
+
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
 @pytest.mark.parametrize("n_samples", [SHORTEST, 129, 1000, 1001, 4097])
 def test_it_is_the_matrix_product(quantity, n_samples, rng):

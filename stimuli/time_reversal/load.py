@@ -9,7 +9,7 @@ nowhere an overflow.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,16 @@ CHUNK: Final = 256
 """Frequencies at a time: the motion of some hundred modes stays in cache."""
 
 COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
+
+
+class Attached(Protocol):
+    """Something on the plate that answers one motion of it with one generalised force."""
+
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): that motion in each mode: the displacement of a point, or the curvature of a patch."""
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +69,12 @@ class Load:
                 f"Load.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
             )
 
-    def dynamic_stiffness_n_per_m(self, s: ComplexArray) -> ComplexArray:
-        """Force per displacement m s^2 + R s + k at complex frequencies s (rad/s); infinite for a pin."""
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): the shapes at the contact."""
+        return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """Force per displacement m s^2 + R s + k (N/m) at complex frequencies s (rad/s); infinite for a pin."""
         return self.mass_kg * s**2 + self.resistance_n_s_per_m * s + self.stiffness_n_per_m
 
 
@@ -162,7 +176,7 @@ def loaded_receptance(
 def loaded_responses(
     screen: Screen,
     points: Sequence[Point],
-    loads: Sequence[Load],
+    loads: Sequence[Attached],
     *,
     rate_hz: float,
     duration_s: float,
@@ -190,8 +204,8 @@ def loaded_responses(
     _check_pins(loads)
     s, growth, n_fft = contour(free.n_samples, rate_hz)
     receptances = Receptances.of(screen.oscillators(f_max_hz), screen.plate.mass_kg, s)
-    at = values_at(screen, [(load.x_m, load.y_m) for load in loads], f_max_hz)
-    stiffness = np.stack([load.dynamic_stiffness_n_per_m(s) for load in loads], axis=1)
+    at = np.stack([load.weights(screen, f_max_hz) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     to, of = values_at(screen, points, f_max_hz), screen.modal_forces(f_max_hz)
     taken = receptances.correction(to, of, at, stiffness)
     correction = np.fft.irfft(taken, n_fft)[..., : free.n_samples] * growth
@@ -210,8 +224,8 @@ def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, i
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
 
 
-def _check_pins(loads: Sequence[Load]) -> None:
-    pins = [(load.x_m, load.y_m) for load in loads if math.isinf(load.stiffness_n_per_m)]
+def _check_pins(loads: Sequence[Attached]) -> None:
+    pins = [(each.x_m, each.y_m) for each in loads if isinstance(each, Load) and math.isinf(each.stiffness_n_per_m)]
     if len(set(pins)) < len(pins):
         raise InvalidParameter(COINCIDENT_PINS)
 

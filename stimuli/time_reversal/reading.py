@@ -86,7 +86,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[Load]) -> 
     if all(load == Load(load.x_m, load.y_m) for load in loads):
         return np.asarray(free_m[0])
     s, growth, n_fft = contour(n, setup.rate_hz)
-    stiffness = np.stack([load.dynamic_stiffness_n_per_m(s) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     toward = carried(*_between(setup, places, n), stiffness)[0]
     taken = np.einsum("kf,kf->f", toward, np.fft.rfft(at_contacts / growth, n_fft))
     return np.asarray(free_m[0] - np.fft.irfft(taken, n_fft)[:n] * growth)

@@ -100,7 +100,7 @@ def impulse_responses(
         At least 0; rounded to whole samples.
     static_to_hz : float, optional
         Above `f_max_hz`: the modes between the two follow at once, without inertia, which puts their static compliance
-        on sample 0 (displacement only). Up to half of `f_max_hz` the error falls below that of three times as many modes.
+        on sample 0 (displacement only). Up to half of `f_max_hz` they do better than three times as many modes.
 
     Raises
     ------

@@ -143,7 +143,7 @@ def loaded_displacement(free_m: FloatArray, setup: Setup, load: Load) -> FloatAr
         return free_m
     s, growth, n_fft = contour(len(free_m), setup.rate_hz)
     receptance = _receptance(setup, (load.x_m, load.y_m), len(free_m))
-    spectrum = np.fft.rfft(free_m / growth, n_fft) / (1 + load.dynamic_stiffness_n_per_m(s) * receptance)
+    spectrum = np.fft.rfft(free_m / growth, n_fft) / (1 + load.dynamic_stiffness(s) * receptance)
     return np.asarray(np.fft.irfft(spectrum, n_fft)[: len(free_m)] * growth)
 
 

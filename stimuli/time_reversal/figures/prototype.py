@@ -79,18 +79,25 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
     return figure
 
 
-def loss_over_force(rows: Sequence[LossRow]) -> Figure:
-    """Amplitude loss against force, one panel per place (thesis 5.3, 5.4)."""
+def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -> Figure:
+    """Amplitude loss against force, one panel per place (thesis 5.3, 5.4), measured rows as open markers if given."""
     places = list(dict.fromkeys(row.place for row in rows))
     figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):
         kinds = dict.fromkeys((row.contactor, row.diameter_m) for row in rows if row.place == place)
         for kind, colour, marker in zip(kinds, colours(), "osD^v<>", strict=False):
-            points = [(r.force_n, r.loss) for r in rows if (r.contactor, r.diameter_m) == kind and r.place == place]
-            force, loss = np.array(points).T
             name = kind[0] if kind[0] == "finger" else f"{kind[0]}, {kind[1] * 1e3:g} mm"
-            one.plot(force, loss * 100, f"{marker}-", color=colour, label=name)
+            one.plot(*_points(rows, kind, place), f"{marker}-", color=colour, label=name)
+            if any((row.contactor, row.diameter_m) == kind for row in measured):
+                points = _points(measured, kind, place)
+                one.plot(*points, marker, color=colour, fillstyle="none", label=f"{name}, measured")
         label(one, "Contact force (N)", "Amplitude loss (%)", f"Contact at {place}")
         one.set_ylim(0, None)
     figure.legend(*axes[0].get_legend_handles_labels(), frameon=False, loc="outside right center")
     return figure
+
+
+def _points(rows: Sequence[LossRow], kind: tuple[str, float], place: str) -> tuple[list[float], list[float]]:
+    """Forces (N) and losses (%) of a contactor at a place."""
+    chosen = [row for row in rows if (row.contactor, row.diameter_m) == kind and row.place == place]
+    return [row.force_n for row in chosen], [100 * row.loss for row in chosen]

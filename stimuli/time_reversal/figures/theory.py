@@ -77,8 +77,8 @@ def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray, measured: Meas
     axes.plot(
         t, analogue_amplitude_ratio(reversal_s, tau_s) * 100, "--", color=ORANGE, label="analogue, 1 − exp(−2T/τ)"
     )
-    for at, share in measured:
-        axes.plot(at * 1e3, share * 100, "o", color=BLACK)
+    for number, (at, share) in enumerate(measured):
+        axes.plot(at * 1e3, share * 100, "o", color=BLACK, label="measured" if number == 0 else None)
     axes.axvline(2 * tau_s * 1e3, color=BLACK, linewidth=0.8, linestyle=":")
     axes.annotate(" T = 2τ", (2 * tau_s * 1e3, 5))
     label(axes, "Reversal time T (ms)", "Amplitude (% of an endless reversal)", f"τ = {tau_s * 1e3:g} ms")
@@ -86,12 +86,21 @@ def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray, measured: Meas
     return figure
 
 
-def contrast_over_transducers(room: Reverberation, n_channels: Sequence[int], reversal_s: FloatArray) -> Figure:
-    """Contrast against reversal time for numbers of transducers (thesis 3.21, 4.14)."""
+def contrast_over_transducers(
+    room: Reverberation,
+    n_channels: Sequence[int],
+    reversal_s: FloatArray,
+    measured: Mapping[int, Measured] | None = None,
+) -> Figure:
+    """Contrast against reversal time for numbers of transducers (thesis 3.21, 4.14), measured (s, contrast) by number
+    if given.
+    """
     figure, (axes,) = sheet()
     for q, colour in zip(n_channels, colours(), strict=False):
         rooms = [Reverberation(**{**vars(room), "n_channels": q, "reversal_s": float(t)}) for t in reversal_s]
         axes.plot(reversal_s * 1e3, [contrast_whole(one) for one in rooms], color=colour, label=f"Q = {q}")
+        for at, contrast in (measured or {}).get(q, ()):
+            axes.plot(at * 1e3, contrast, "o", color=colour)
     axes.axhline(contrast_limit(room), color=BLACK, linestyle=":", label="√N, all modes")
     label(axes, "Reversal time T (ms)", "Contrast, A / rms of the plate")
     axes.set_ylim(0, None)

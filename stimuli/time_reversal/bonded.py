@@ -1,0 +1,97 @@
+"""Mass and stiffness of bonded patches, as loads on the plate: optional, since a model without them is often enough.
+
+A patch of thickness t on a plate of thickness h adds the mass rho t A and, bent with the plate about the plate's
+middle, the rigidity dD = E / (1 - nu^2) ((h/2 + t)^3 - (h/2)^3) / 3: a little too much, because a patch on one side
+moves the neutral plane towards itself. Both act at the centre of the patch, on its displacement and on its
+curvature, which holds while the patch is short against the wave.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
+from tactometry.stimuli.time_reversal.load import Attached, Load
+from tactometry.stimuli.time_reversal.modes import laplacians
+from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.transducer import Disc, Patch
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+PATCH_THICKNESS_M: Final = 0.3e-3
+CERAMIC_DENSITY_KG_PER_M3: Final = 7700.0
+CERAMIC_MODULUS_PA: Final = 59e9
+CERAMIC_POISSON_RATIO: Final = 0.3
+
+
+@dataclass(frozen=True)
+class Stiffener:
+    """A patch that resists the curvature at a point with `rigidity_n_m3` (rigidity times area, at least 0)."""
+
+    x_m: float
+    y_m: float
+    rigidity_n_m3: float
+
+    def __post_init__(self) -> None:
+        not_negative("Stiffener.rigidity_n_m3", self.rigidity_n_m3)
+
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        return laplacians(screen.modes(f_max_hz), self.x_m, self.y_m)[:, 0]
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        return np.full(s.shape, self.rigidity_n_m3, complex)
+
+
+@dataclass(frozen=True)
+class Ceramic:
+    """A patch's material and thickness; PZ27, 0.3 mm (unverified defaults)."""
+
+    thickness_m: float = PATCH_THICKNESS_M
+    density_kg_per_m3: float = CERAMIC_DENSITY_KG_PER_M3
+    youngs_modulus_pa: float = CERAMIC_MODULUS_PA
+    poisson_ratio: float = CERAMIC_POISSON_RATIO
+
+    def __post_init__(self) -> None:
+        for name in ("thickness_m", "density_kg_per_m3", "youngs_modulus_pa"):
+            positive(f"Ceramic.{name}", getattr(self, name))
+        within("Ceramic.poisson_ratio", self.poisson_ratio, 0.0, 0.5)
+
+    def added_rigidity_n_m(self, plate: Plate) -> float:
+        """dD of a patch on a plate.
+
+        >>> from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+        >>> round(Ceramic().added_rigidity_n_m(A4_SCREEN), 2)
+        9.68
+        """
+        inner, outer = plate.thickness_m / 2, plate.thickness_m / 2 + self.thickness_m
+        return self.youngs_modulus_pa / (1 - self.poisson_ratio**2) * (outer**3 - inner**3) / 3
+
+
+def bonded_loads(
+    plate: Plate,
+    patches: Sequence[Patch | Disc],
+    ceramic: Ceramic | None = None,
+    *,
+    mass: bool = True,
+    stiffness: bool = True,
+) -> list[Attached]:
+    """The loads of patches, to be passed to `loaded_responses` with those of fingers.
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+    >>> from tactometry.stimuli.time_reversal.transducer import border
+    >>> loads = bonded_loads(A4_SCREEN, border(A4_SCREEN, 32))
+    >>> len(loads), round(sum(load.mass_kg for load in loads if isinstance(load, Load)) * 1e3, 2)
+    (64, 7.39)
+    """
+    of = ceramic or Ceramic()
+    weight, rigidity_n_m = of.density_kg_per_m3 * of.thickness_m, of.added_rigidity_n_m(plate)
+    masses = [Load(each.x_m, each.y_m, mass_kg=weight * each.area_m2) for each in patches if mass]
+    stiffeners = [Stiffener(each.x_m, each.y_m, rigidity_n_m * each.area_m2) for each in patches if stiffness]
+    return [*masses, *stiffeners]

@@ -1,0 +1,96 @@
+"""Mass and stiffness of bonded patches as a low-rank load."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener, bonded_loads
+from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
+from tactometry.stimuli.time_reversal.responses import values_at
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.transducer import Disc, PointForce, border
+
+F_MAX_HZ = 2e3
+AT, SEEN = (0.07, 0.05), (0.2, 0.13)
+SCREEN = Screen(A4_SCREEN, (PointForce(*AT),), Attenuation(5e-3))
+TIMING = {"rate_hz": 100e3, "duration_s": 10e-3, "f_max_hz": F_MAX_HZ}
+
+
+def dense(loads):
+    """The response from the eigenmodes of M + m phi phi^T and K + k psi psi^T; damping 2 / tau of the whole mass."""
+    modes = SCREEN.modes(F_MAX_HZ)
+    omega, n = modes.angular_frequency_rad_per_s, len(modes.angular_frequency_rad_per_s)
+    mass, stiffness = A4_SCREEN.mass_kg * np.eye(n), A4_SCREEN.mass_kg * np.diag(omega**2)
+    for load in loads:
+        weight = load.weights(SCREEN, F_MAX_HZ)
+        if isinstance(load, Load):
+            mass += load.mass_kg * np.outer(weight, weight)
+        else:
+            stiffness += load.rigidity_n_m3 * np.outer(weight, weight)
+    values, vectors = eigh(stiffness, mass)
+    push, at = (vectors.T @ values_at(SCREEN, [place], F_MAX_HZ)[:, 0] for place in (AT, SEEN))
+    basis = Oscillators(np.sqrt(values), np.zeros(n)).impulse(TIMING["rate_hz"], 0, 1000)
+    return (push * at) @ basis / TIMING["rate_hz"]
+
+
+@pytest.mark.parametrize(("mass", "stiffness"), [(True, False), (False, True), (True, True)])
+def test_loaded_responses_are_those_of_a_dense_eigenproblem(mass, stiffness):
+    """Without attenuation, because the dense modes of added mass would lose it too."""
+    lossless = Screen(A4_SCREEN, SCREEN.sources, Attenuation(float("inf")))
+    loads = bonded_loads(A4_SCREEN, border(A4_SCREEN, 6), mass=mass, stiffness=stiffness)
+    found = loaded_responses(lossless, [SEEN], loads, **TIMING).samples[0, 0]
+    expected = dense(loads)
+    assert np.linalg.norm(found - expected) < 2e-3 * np.linalg.norm(expected)
+
+
+def test_a_patch_as_large_as_the_wave_is_long_changes_the_first_mode_as_rayleigh_says():
+    """For the first mode the quotient (K + dD A lap^2) / (M + m phi^2) holds while the shape stays."""
+    disc = Disc(A4_SCREEN.length_m / 2, A4_SCREEN.width_m / 2, 1e-3)
+    loads = bonded_loads(A4_SCREEN, [disc])
+    modes = SCREEN.modes(F_MAX_HZ)
+    omega = modes.angular_frequency_rad_per_s[0]
+    shape, curvature = (load.weights(SCREEN, F_MAX_HZ)[0] for load in loads)
+    k = A4_SCREEN.mass_kg * omega**2 + loads[1].rigidity_n_m3 * curvature**2
+    m = A4_SCREEN.mass_kg + loads[0].mass_kg * shape**2
+    n = len(modes.angular_frequency_rad_per_s)
+    mass = A4_SCREEN.mass_kg * np.eye(n) + loads[0].mass_kg * np.outer(*[loads[0].weights(SCREEN, F_MAX_HZ)] * 2)
+    stiff = A4_SCREEN.mass_kg * np.diag(modes.angular_frequency_rad_per_s**2)
+    stiff += loads[1].rigidity_n_m3 * np.outer(*[loads[1].weights(SCREEN, F_MAX_HZ)] * 2)
+    assert eigh(stiff, mass, eigvals_only=True)[0] == pytest.approx(k / m, rel=1e-5)
+    assert sqrt(k / m) != pytest.approx(omega, rel=1e-7)
+
+
+def test_added_rigidity_vanishes_with_the_thickness_and_doubles_a_plate_that_is_bonded_on():
+    thin = Ceramic(thickness_m=1e-9).added_rigidity_n_m(A4_SCREEN)
+    assert thin == pytest.approx(59e9 / 0.91 * (1.1e-3 / 2) ** 2 * 1e-9, rel=1e-5)
+    both_sides = Ceramic(
+        thickness_m=A4_SCREEN.thickness_m / 2,
+        youngs_modulus_pa=A4_SCREEN.youngs_modulus_pa,
+        poisson_ratio=A4_SCREEN.poisson_ratio,
+    ).added_rigidity_n_m(A4_SCREEN)
+    assert 2 * both_sides + A4_SCREEN.bending_rigidity_n_m == pytest.approx(8 * A4_SCREEN.bending_rigidity_n_m)
+
+
+def test_no_patches_no_loads_no_change():
+    assert bonded_loads(A4_SCREEN, []) == []
+    assert bonded_loads(A4_SCREEN, border(A4_SCREEN, 4), mass=False, stiffness=False) == []
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Ceramic(thickness_m=0.0), "Ceramic.thickness_m: found 0.0"),
+        (lambda: Ceramic(poisson_ratio=0.6), "Ceramic.poisson_ratio: found 0.6"),
+        (lambda: Stiffener(0.1, 0.1, -1.0), "Stiffener.rigidity_n_m3: found -1.0"),
+    ],
+)
+def test_bad_ceramics_are_refused(make, sentence):
+    with pytest.raises(InvalidParameter) as caught:
+        make()
+    assert str(caught.value).startswith(sentence)
