@@ -41,12 +41,12 @@ class Measurement:
         return Outcome((touch,), touch, (found,), success=True)
 
 
-def level_of(reading_nm: float | None, level_unit: str) -> float | None:
+def level_of(nanometres: float | None, level_unit: str) -> float | None:
     """A reading in the unit of the levels; None where there is none.
 
     >>> level_of(10e3, "dB re 1 um"), level_of(500.0, "m"), level_of(0.0, "dB re 1 um")
     (20.0, 5e-07, None)
     """
-    if reading_nm is None or (reading_nm == 0 and level_unit != "m"):
+    if nanometres is None or (nanometres == 0 and level_unit != "m"):
         return None
-    return reading_nm * 1e-9 if level_unit == "m" else round(20 * math.log10(reading_nm / 1e3), 6)
+    return nanometres * 1e-9 if level_unit == "m" else round(20 * math.log10(nanometres / 1e3), 6)
