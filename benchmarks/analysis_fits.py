@@ -6,7 +6,8 @@ Prints times and ratios; set OMP_NUM_THREADS=1 for comparable numbers.
 import platform
 import tracemalloc
 from collections.abc import Callable
-from time import perf_counter
+from dataclasses import replace
+from time import process_time
 
 import numpy as np
 from scipy.optimize import minimize
@@ -20,16 +21,18 @@ from tactometry.psychometric import SHAPES, PsychometricFunction
 LEVELS = np.linspace(-3, 3, 7)
 N_SETS, N_TRIALS, N_PEER = 10_000, 20, 5
 SHAPE = SHAPES["normal"]
+LAPSE_PRIOR_SD = 0.083
+"""Of Beta(1, 10)."""
 
 
 def seconds(work: Callable[[], object], repeats: int = 3) -> float:
-    """The best of some runs after a warm one."""
+    """CPU seconds, the best of some runs after a warm one."""
     work()
     times = []
     for _ in range(repeats):
-        start = perf_counter()
+        start = process_time()
         work()
-        times.append(perf_counter() - start)
+        times.append(process_time() - start)
     return min(times)
 
 
@@ -47,7 +50,7 @@ def modes(k: np.ndarray) -> float:
 def scipy_one_at_a_time(k: np.ndarray) -> float:
     """Nelder-Mead on the same log posterior; seconds per set."""
     counts = normalised(*checked(LEVELS, k, N_TRIALS, positive=False))
-    start = perf_counter()
+    start = process_time()
     for i in range(len(k)):
         one, prior = counts[i : i + 1], Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))
 
@@ -59,22 +62,22 @@ def scipy_one_at_a_time(k: np.ndarray) -> float:
             return float(value) if np.isfinite(value) else 1e9
 
         minimize(loss, [0.0, -0.5, 0.02], method="Nelder-Mead")
-    return (perf_counter() - start) / len(k)
+    return (process_time() - start) / len(k)
 
 
 def psignifit_seconds(k: np.ndarray, experiment: str) -> float:
-    """Seconds per set."""
+    """CPU seconds per set."""
     import warnings
 
     from psignifit import psignifit
 
-    start = perf_counter()
+    start = process_time()
     for row in k:
         data = np.column_stack([LEVELS, row, np.full(len(LEVELS), N_TRIALS)])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             psignifit(data, sigmoid="norm", experiment_type=experiment)
-    return (perf_counter() - start) / len(k)
+    return (process_time() - start) / len(k)
 
 
 def megabytes(work: Callable[[], object]) -> float:
@@ -83,6 +86,45 @@ def megabytes(work: Callable[[], object]) -> float:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return peak / 1e6
+
+
+def sd_error(k: np.ndarray) -> float:
+    """The largest relative error of the half-width of a batch's threshold intervals, against grids of their own."""
+    together = fit_many(LEVELS, k, N_TRIALS, shape="normal", guess_rate=0.5)
+    errors = [0.0]
+    for row, found in zip(k, together, strict=True):
+        alone = fit(LEVELS, row, N_TRIALS, shape="normal", guess_rate=0.5)
+        if found.status == alone.status == "ok":
+            reach = alone.interval_high - alone.interval_low
+            errors.append(abs((found.interval_high - found.interval_low) / reach - 1))
+    return max(errors)
+
+
+def ideal_width(curve: PsychometricFunction, levels: np.ndarray, n: float) -> float:
+    """2 x 1.96 standard errors of the threshold by Fisher's information, width, lapse (and guess) rate unknown too."""
+    step = 1e-5
+    names = ["threshold", "width", "lapse_rate", *(["guess_rate"] if curve.guess_rate < 0.5 else [])]
+    p = curve.probability(levels)
+    slopes = [(replace(curve, **{a: getattr(curve, a) + step}).probability(levels) - p) / step for a in names]
+    weighted = np.array(slopes) * np.sqrt(n / (p * (1 - p)))
+    information = weighted @ weighted.T
+    information[2, 2] += LAPSE_PRIOR_SD**-2
+    return 2 * 1.96 * float(np.sqrt(np.linalg.inv(information)[0, 0]))
+
+
+def calibration(rng: np.random.Generator) -> None:
+    """Coverage and mean width of 95 % intervals at a fixed truth."""
+    levels = np.linspace(-3, 3, 10)
+    for task, guess, n_sets in (("2AFC", 0.5, 1000), ("yes/no", 0.03, 200)):
+        curve = PsychometricFunction("normal", 0.2, 3.3, guess, 0.02)
+        for n in (50, 100, 200, 400):
+            k = rng.binomial(n // 10, curve.probability(levels), (n_sets, 10))
+            found = fit_many(levels, k, n // 10, shape="normal", guess_rate=0.5 if task == "2AFC" else None)
+            told = [one for one in found if one.status == "ok"]
+            inside = np.mean([one.interval_low <= 0.2 <= one.interval_high for one in told])
+            width = np.mean([one.interval_high - one.interval_low for one in told])
+            ratio = width / ideal_width(curve, levels, n // 10)
+            print(f"  {task}, {n} trials: {100 * inside:.1f} % of {len(told)}, mean width {ratio:.2f} of the ideal")
 
 
 def main() -> None:
@@ -104,12 +146,15 @@ def main() -> None:
         memory = megabytes(lambda k=k, guess=guess: one(k, guess))
         print(f"posterior, one {name} set: {1e3 * took:.1f} ms, {memory:.0f} MB", end="")
         print(f"; against psignifit ({peer:.2f} s): {peer / took:.0f} x")
-    batch = seconds(lambda: fit_many(LEVELS, forced[:300], N_TRIALS, shape="normal", guess_rate=0.5), 1) / 300
+    batch = seconds(lambda: fit_many(LEVELS, forced[:1000], N_TRIALS, shape="normal", guess_rate=0.5), 2) / 1000
     print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set; against psignifit {peer_forced / batch:.0f} x")
     took = seconds(
         lambda: fit(LEVELS, forced[0], N_TRIALS, shape="normal", guess_rate=0.5, method="bootstrap", rng=rng), 3
     )
     print(f"1000 parametric bootstraps: {1e3 * took:.0f} ms")
+    print(f"  error of a batch's intervals against grids of their own: {100 * sd_error(forced[:100]):.2f} % at most")
+    print("95 % intervals of the threshold:")
+    calibration(rng)
 
 
 if __name__ == "__main__":
