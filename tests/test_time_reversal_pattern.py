@@ -23,7 +23,7 @@ from tactometry.stimuli.time_reversal.pattern import (
     focus_samples,
     pattern_drive,
 )
-from tactometry.stimuli.time_reversal.quantiser import Analogue, SigmaDelta
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
@@ -67,6 +67,17 @@ def test_overlapping_drives_keep_the_voltage_and_lose_amplitude(focus):
     u = emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]
     alone = focus_amplitude(drive(focus.at_point(0), 30.0), focus)
     assert 0.3 < np.median(u) / alone < 0.9
+
+
+@pytest.mark.parametrize("quantiser", [OneBit(), Analogue()])
+def test_overlapping_drives_keep_their_envelope(focus, quantiser):
+    """The supply follows the envelope, where the sign of a sum would forget it."""
+    pattern = Pattern(400.0, 20e-3, Exponential(0.3))
+    signal = pattern_drive(focus.at_point(0), pattern, 30.0, quantiser)
+    assert signal.peak == pytest.approx(30.0)
+    u = emitted(signal, focus.at_point(0))[0][focus_samples(pattern, RATE_HZ, focus.n_samples)]
+    assert np.corrcoef(u, pattern.weights)[0, 1] > 0.9
+    assert u[-1] < 0.3 * u.max()
 
 
 def test_repetition_slower_than_t_costs_nothing(focus):

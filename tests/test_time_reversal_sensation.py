@@ -134,6 +134,17 @@ def test_a_train_at_the_best_frequency_of_touch_is_felt_more_than_one_focus():
     assert best > 1.1 * max(slow, fast)
 
 
+def test_two_foci_half_a_millisecond_apart_are_nearly_one_to_a_sense_that_is_best_at_250_hz():
+    assert felt_amplitude_m([0.0, 0.5e-3], [1.0, 1.0]) > 1.7
+    assert felt_amplitude_m([0.0, 2e-3], [1.0, 1.0]) == 1.0
+
+
+def test_events_are_timed_to_the_sample():
+    times_s, peaks_m = events(np.array([0, 0, 1.0, 0, 0, 0, -2.0]), 1000.0)
+    assert times_s.tolist() == [0.002, 0.006]
+    assert peaks_m.tolist() == [1.0, 2.0]
+
+
 @given(st.lists(st.floats(1e-9, 1e-3), min_size=1, max_size=30), st.floats(100, 900))
 @settings(deadline=None)
 def test_a_train_is_never_weaker_than_its_largest_focus_nor_stronger_than_their_sum(peaks_m, repetition_hz):
