@@ -163,6 +163,7 @@ def test_a_drive_beyond_the_amplifier_is_refused_before_it_is_played():
     with pytest.raises(LimitExceeded, match=r"above the 200 V of the amplifier"):
         stimulus.at(stimulus.level_max + 0.1)
     assert stimulus.at(stimulus.level_max).peak == pytest.approx(200.0)
+    assert stimulus.voltage_v(10.0) == pytest.approx(stimulus.at(10.0).peak, rel=1e-12)
 
 
 def test_stimulus_and_sensation_are_built_from_tables():

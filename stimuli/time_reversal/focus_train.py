@@ -122,6 +122,10 @@ class FocusTrain:
         """
         return _family(self).at(level)
 
+    def voltage_v(self, level: float) -> float:
+        """Peak voltage of a level, before anything is played."""
+        return _family(self).voltage_v(level)
+
     @property
     def level_max(self) -> float:
         """The largest level within `voltage_max_v`."""
