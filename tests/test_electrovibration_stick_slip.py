@@ -287,3 +287,9 @@ def test_too_many_events_stop_with_their_time() -> None:
         InvalidParameter, match=r"too many changes between stick and slip \(n_events_max, 3, is reached\)"
     ):
         run(n_events_max=3)
+
+
+def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused() -> None:
+    light = Finger(mass_kg=1e-15, stiffness_n_per_m=1e7, damping_n_s_per_m=0.0)
+    with pytest.raises(InvalidParameter, match=r"steps of the series .* \(the finger moves at up to 1e\+11 rad/s\)"):
+        run(finger=light)

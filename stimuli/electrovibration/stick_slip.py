@@ -18,6 +18,10 @@ from tactometry.stimuli.electrovibration.relaxation import Relaxations
 Real = NDArray[np.float64]
 
 
+N_STEPS_MAX = 2e7
+"""The most steps of the series in one call."""
+
+
 @dataclass(frozen=True)
 class DryFriction:
     """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
@@ -154,5 +158,16 @@ def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDA
     from tactometry.stimuli.electrovibration.power_series import REACH
 
     longest = np.divide(REACH, fastest, out=np.full(len(nodes), inf), where=fastest > 0)
+    _check_steps(float(np.sum(np.diff(nodes) / longest[:-1])), mechanical)
     arrays = (*shared.arrays, np.array(relaxations.gains), relaxations.dc_gain)
     return np.searchsorted(nodes, timing.t_s), (*arrays, rates, omegas, np.diff(nodes), moves, longest)
+
+
+def _check_steps(n_steps: float, mechanical_rad_per_s: float) -> None:
+    """Refuse a finger so fast that the series would take too many steps."""
+    if n_steps > N_STEPS_MAX:
+        raise InvalidParameter(
+            f"stick_slip: found {n_steps:.3g} steps of the series for this signal (the finger moves at up to "
+            f"{mechanical_rad_per_s:.3g} rad/s), expected at most {N_STEPS_MAX:.3g}; take a heavier or softer finger, "
+            "or shorten the signal"
+        )
