@@ -70,8 +70,6 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     ("bench", "part", "message"),
     [
         (AUDIO + GAIN + LIMITS, "output", "output 'audio tofile': found no load"),
-        (AUDIO + GAIN + LOAD, "devices", "limits"),
-        (AUDIO + GAIN + LOAD + LIMITS.replace("duty = 0.5\n", ""), "output", "limits: found no duty"),
         (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
     ],
 )

@@ -9,6 +9,7 @@ import threading
 
 import numpy as np
 import pytest
+from conftest import SOAK
 from test_device_audio import alsa, server, sink, wait_for  # noqa: F401  # fixtures
 from test_device_sensors import Emulator
 from test_window_session import any_keys, sit, tactometry
@@ -116,7 +117,10 @@ def played_signals(folder):
     return [len(pieces), all(np.array_equal(raw[piece[0] : piece[-1] + 1], wanted) for piece in pieces)]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+at_full_size = pytest.mark.skipif(not SOAK, reason="full size only: test_device_audio.py kills a smaller program")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGKILL, marks=at_full_size)])
 def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):  # noqa: F811
     """In the middle of a stimulus of 20 s that a real sound server hears."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
