@@ -13,15 +13,18 @@ threadpool_limits(1)
 
 
 def interleaved(contenders: Mapping[str, Callable[[], object]], n_rounds: int = 7) -> dict[str, float]:
-    """Median time (s) of each, after one warm-up, all in turn in every round."""
+    """Median processor time (s) of each, after one warm-up, all in turn in every round.
+
+    On one thread processor time is the time on a quiet machine; what neighbours take is not counted.
+    """
     for call in contenders.values():
         call()
     times: dict[str, list[float]] = {name: [] for name in contenders}
     for _ in range(n_rounds):
         for name, call in contenders.items():
-            start = time.perf_counter()
+            start = time.process_time()
             call()
-            times[name].append(time.perf_counter() - start)
+            times[name].append(time.process_time() - start)
     return {name: statistics.median(each) for name, each in times.items()}
 
 

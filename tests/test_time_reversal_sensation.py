@@ -22,6 +22,7 @@ from tactometry.stimuli.time_reversal.sensation import (
     loaded_displacement,
 )
 from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
 from tactometry.strict import build
 
 SMALL = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
@@ -72,6 +73,12 @@ def test_the_unloaded_criterion_knows_no_force():
     drive = train().at(20.0)
     felt = TimeReversalSensation(SMALL, criterion="unloaded")
     assert felt.sensation_db(drive, Contact(0.5)) == felt.sensation_db(drive, Contact(5.0))
+
+
+@pytest.mark.parametrize("changes", [{"moment_n_per_v": 2 * MOMENT_N_PER_V}, {"side_m": 20e-3}])
+def test_stronger_transducers_need_less_voltage(changes):
+    weak, strong = FocusTrain(SMALL, f_max_hz=20e3), FocusTrain(replace(SMALL, **changes), f_max_hz=20e3)
+    assert strong.voltage_v(0.0) < 0.6 * weak.voltage_v(0.0)
 
 
 def test_no_contact_and_no_voltage_are_not_felt():
