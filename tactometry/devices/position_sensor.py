@@ -76,7 +76,7 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     return float(way_m / (mean_times_s[-1] - mean_times_s[0]))
 
 
-def speed_during(sensor: PositionSensor | None, begin_s: float, end_s: float) -> float | None:
+def speed_during_m_per_s(sensor: PositionSensor | None, begin_s: float, end_s: float) -> float | None:
     """How fast the finger was from `begin_s` to `end_s` by what the sensor collected; None where nobody measured it."""
     if sensor is None:
         return None

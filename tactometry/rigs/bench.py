@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.output import NullOutput, Output
-from tactometry.devices.position_sensor import PositionSensor, speed_during
+from tactometry.devices.position_sensor import PositionSensor, speed_during_m_per_s
 from tactometry.limits import Limits
 from tactometry.request import (
     Adjust,
@@ -157,7 +157,9 @@ class Bench:
             self._position.read()
         touched = touch.unmeasured(signal) if self._sensor is None else touch.held(signal, self._sensor)
         during_s = touched.onset_s, touched.onset_s + request.duration_s
-        speed_m_per_s = speed_during(self._position, *during_s) if glide is None else glide.speed_m_per_s(*during_s)
+        speed_m_per_s = (
+            speed_during_m_per_s(self._position, *during_s) if glide is None else glide.speed_m_per_s(*during_s)
+        )
         return replace(touched, onset_s=self._session_s(touched.onset_s), speed_mean_m_per_s=speed_m_per_s)
 
     def _glide(self, request: Press | Slide) -> Glide | None:
