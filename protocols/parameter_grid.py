@@ -15,6 +15,8 @@ from tactometry.psychometric import shape_named
 Array = NDArray[np.float64]
 EQUAL = 1e-13
 """Distances that differ by less, relative to the greatest, are one."""
+BLOCK = 512
+"""Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,13 @@ class ParameterGrid:
         a sum of positive terms, or a sum of logarithms where the floor is 0."""
         shape, (guess, lapse) = shape_named(self.shape), self.rates
         z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
-        log_s = (shape.log_cdf if outcome else shape.log_sf)(z)[..., None]
-        floor, span = guess if outcome else lapse, 1 - guess - lapse
+        log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
+        s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
         with np.errstate(divide="ignore"):
-            mixed = np.log(floor + span * np.exp(log_s))
+            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))
         no_floor = floor == 0
-        mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s
+        if no_floor.any():
+            mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]
         return np.asarray(mixed, dtype=np.float64)
 
     def log_chance(self, level: float, outcome: int) -> Array:
@@ -170,7 +173,11 @@ class MixtureChances:
 
     def certainty(self, weights: Array) -> Array:
         by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
-        return np.asarray(np.matmul(self.costs, by_threshold)[..., 0].sum(axis=0), dtype=np.float64)
+        total = np.zeros(len(self.levels))
+        for n in range(0, by_threshold.shape[1], BLOCK):
+            part = np.matmul(self.costs[:, :, n : n + BLOCK], by_threshold[:, n : n + BLOCK])
+            total += part[..., 0].sum(axis=0)
+        return total
 
 
 def _diagonal(distances: Array) -> Array | None:

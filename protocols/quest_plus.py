@@ -81,6 +81,7 @@ class QuestPlus:
         object.__setattr__(self, "chances", self.grid.chances(self.levels))
         if self.aim == "parameters" and self.criterion == "entropy":
             self._chances.prepare()
+        _ = self.level  # the first trial does not wait for it either
 
     def _check(self) -> None:
         if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
