@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_device_audio import server, sink  # noqa: F401  # fixtures
+from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available
 
 from tactometry.devices.reader import Block, Reader
@@ -318,6 +318,21 @@ def test_an_output_gain_is_measured_at_the_load(tmp_path):
     refused = calibrate(*base, cwd=tmp_path)
     assert "limits: found none in the bench file" in refused.stderr
     assert not (tmp_path / "played").exists()
+
+
+@pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
+def test_tones_are_played_at_the_load_and_the_voltages_asked_for(alsa, tmp_path):  # noqa: F811
+    bench = LOOPBACK.replace('"pulse"', '"tofile"')
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    arguments = ["--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--tone-s", "0.2"]
+    done = calibrate("gain", *arguments, "--json", cwd=tmp_path, env=alsa, answers="y\n2.1\ny\n4.2\n")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["volts_per_unit"] == pytest.approx(21.0)
+    played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
+    assert np.abs(played).max() / 32767 == pytest.approx(0.2, rel=0.02)
+    (tmp_path / "bench.toml").write_text(bench.replace("[output.gain]\nvolts_per_unit = 20.0\n", ""), encoding="utf-8")
+    refused = calibrate("gain", *arguments, "--measured-v", "1,x", cwd=tmp_path)
+    assert "--measured-v: found '1,x', expected numbers" in refused.stderr
 
 
 def test_a_display_is_measured_by_its_bar(tmp_path):

@@ -31,8 +31,9 @@ def command() -> None:
 @by_option
 @click.option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
 @click.option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
+@click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
 @json_option
-def gain(bench_path: Path, by: str, parts: str, measured_v: str, *, as_json: bool) -> None:
+def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, *, as_json: bool) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
     The limits and the gain that the bench file states hold while it plays. With --measured-v nothing is played.
@@ -42,7 +43,7 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, *, as_json: boo
 
     bench = load_bench(bench_path)
     units = _numbers("--parts", parts)
-    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, units))
+    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, units, tone_s))
     fit = fit_gain(units, volts)
     table = gain_toml(fit.volts_per_unit, bench.output.gain.amplifier_gain, TODAY(), by)
     stated = bench.output.gain.load_volts_per_unit
@@ -50,7 +51,8 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, *, as_json: boo
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}, as_json=as_json)
 
 
-def _played_v(bench: "BenchFile", units: list[float]) -> Iterator[float]:
+def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator[float]:
+    import math
     import time
 
     from tactometry.errors import InvalidParameter
@@ -59,12 +61,14 @@ def _played_v(bench: "BenchFile", units: list[float]) -> Iterator[float]:
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
     output = bench.devices(bench.limits, TODAY()).output
+    if not math.isfinite(output.full_scale_v):
+        raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
     with ExitStack() as last_first:
         last_first.callback(output.close)
         output.open()
         for part in units:
             click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
-            tone = gain_tone(part, output.full_scale_v, output.n_channels or 1, output.rate_hz or 48e3)
+            tone = gain_tone(part, output.full_scale_v, output.n_channels or 1, output.rate_hz or 48e3, tone_s)
             output.play(tone)
             time.sleep(tone.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
