@@ -10,22 +10,31 @@ import scipy.linalg  # so that its BLAS is limited and listed
 from threadpoolctl import threadpool_info, threadpool_limits
 
 threadpool_limits(1)
+TURN_S = 5e-3
 
 
 def interleaved(contenders: Mapping[str, Callable[[], object]], n_rounds: int = 7) -> dict[str, float]:
-    """Median processor time (s) of each, after one warm-up, all in turn in every round.
+    """Median processor time (s) of a call of each, after a warm-up, all in turn in every round.
+
+    A short call is repeated until its turn lasts some milliseconds, as it is in a sweep or a movie.
 
     On one thread processor time is the time on a quiet machine; what neighbours take is not counted.
     """
     for call in contenders.values():
         call()
+    n_calls = {name: max(int(TURN_S / _spent_s(call, 1)), 1) for name, call in contenders.items()}
     times: dict[str, list[float]] = {name: [] for name in contenders}
     for _ in range(n_rounds):
         for name, call in contenders.items():
-            start = time.process_time()
-            call()
-            times[name].append(time.process_time() - start)
+            times[name].append(_spent_s(call, n_calls[name]))
     return {name: statistics.median(each) for name, each in times.items()}
+
+
+def _spent_s(call: Callable[[], object], n_calls: int) -> float:
+    start = time.process_time()
+    for _ in range(n_calls):
+        call()
+    return max(time.process_time() - start, 1e-9) / n_calls
 
 
 def machine() -> str:

@@ -65,6 +65,17 @@ def test_impulses_reproduce_the_impulse_response():
     assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
+def test_a_run_is_its_steps_with_the_weights_of_both_ends():
+    oscillators = Oscillators(np.array([300.0, 2e3, 5e4]), np.array([10.0, 3e3, 500.0]))
+    forces = np.random.default_rng(0).normal(size=(3, 40))
+    step, weights = transition(oscillators, 1e-4), linear_input(oscillators, 1e-4)
+    state, expected = np.zeros((3, 2)), [np.zeros(3)]
+    for k in range(1, 40):
+        state = np.einsum("nij,nj->ni", step, state) + np.einsum("nij,nj->ni", weights, forces[:, k - 1 : k + 1])
+        expected.append(state[:, 0])
+    assert run_linear(oscillators, forces, 1e4) == pytest.approx(np.array(expected).T, rel=1e-12, abs=1e-20)
+
+
 def test_a_constant_force_ends_at_the_static_deflection():
     modes = Oscillators(np.array([1e4, 3e4]), np.array([2e3, 2e3]))
     q = run_linear(modes, np.ones((2, 5000)), 1e5)
