@@ -80,10 +80,10 @@ def test_statsmodels_restricted_likelihood_is_nowhere_higher() -> None:
             warnings.simplefilter("ignore")
             peer = MixedLM(table["y"].to_numpy(), x, table["subject"].to_numpy()).fit(reml=True)
         assert own.log_likelihood >= peer.llf - 1e-8
-        if own.log_likelihood < peer.llf + 1e-6 and own.status is ModelStatus.OK:
+        if own.log_likelihood < peer.llf + 1e-6 and own.participant_variance > 0.2 * own.residual_variance:
             n_alike += 1
-            assert own.participant_variance == pytest.approx(float(peer.cov_re[0, 0]), rel=0.02, abs=0.02)
-            assert own.coefficients["se"].to_numpy() == pytest.approx(peer.bse_fe, rel=0.02)
+            assert own.participant_variance == pytest.approx(float(peer.cov_re[0, 0]), rel=0.05)
+            assert own.coefficients["se"].to_numpy() == pytest.approx(peer.bse_fe, rel=0.05)
     assert n_alike > 0
 
 
