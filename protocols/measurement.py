@@ -44,8 +44,8 @@ class Measurement:
 def level_of(nanometres: float | None, level_unit: str) -> float | None:
     """A reading in the unit of the levels; None where there is none.
 
-    >>> level_of(10e3, "dB re 1 um"), level_of(500.0, "m"), level_of(0.0, "dB re 1 um")
-    (20.0, 5e-07, None)
+    >>> level_of(10e3, "dB re 1 um"), level_of(0.0, "dB re 1 um"), level_of(0.0, "m")
+    (20.0, None, 0.0)
     """
     if nanometres is None or (nanometres == 0 and level_unit != "m"):
         return None
