@@ -69,7 +69,7 @@ class HierarchicalFit:
     conditions : DataFrame
         Per condition (a column per factor) `threshold`, `standard_error`, `interval_low`, `interval_high`, `width`,
         `width_low`, `width_high`, `status`; a threshold outside of the levels is missing and one end of its interval is
-        a bound.
+        a bound. For ``weibull`` widths and standard errors are of logarithms of the level.
     participants : DataFrame
         The same per participant and condition, with `n_trials`: shrunken estimates with intervals that count the
         uncertainty of the group's means, not that of the variances.

@@ -168,7 +168,8 @@ def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, re
 
 
 def participant_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
-    """Of the cells, by participant; of a threshold outside of the cell's levels a bound is given."""
+    """Of the cells, by participant; a threshold outside of the cell's levels has a bound, that of its own answers where
+    they alone say so: there the model's density is no normal one."""
     used = study.n_trials.reshape(-1, study.n_trials.shape[2]) > 0
     u, rows = study.u.reshape(used.shape), place.by_participant()
     low, high = np.where(used, u, np.inf).min(axis=1), np.where(used, u, -np.inf).max(axis=1)
@@ -177,8 +178,8 @@ def participant_table(layout: Layout, study: Study, place: Place, alone: Alone, 
     start = [_start(one, bool(none)) for one, none in zip(single, lost, strict=True)]
     status = [_placed(*each) for each in zip(start, rows.threshold, low, high, strict=True)]
     own = np.array([(one.interval_low, one.interval_high) for one in single], dtype=np.float64)
-    censored = lost & [each in CENSORED for each in status]
-    table = _table(layout, rows, status, np.where(censored[:, None], own, rows.ends(reach)), reach)
+    censored = [each in CENSORED and one.status == each for each, one in zip(status, single, strict=True)]
+    table = _table(layout, rows, status, np.where(np.array(censored)[:, None], own, rows.ends(reach)), reach)
     keys = layout.conditions.loc[np.tile(np.arange(study.n_conditions), study.n_participants)].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(layout.participants, study.n_conditions))
     return pd.concat([keys, table.assign(n_trials=study.n_trials.sum(axis=2).ravel().astype(int))], axis=1)

@@ -113,17 +113,26 @@ def test_variances_are_found_again() -> None:
     assert found.lapse_rate < 0.08
 
 
-def test_participants_are_drawn_to_the_group(study) -> None:
-    rows, _ = study
-    found = fitted(rows).participants
-    free = [
-        fit(part["level"], part["k"], part["n"], shape="normal", guess_rate=0.5, method="map").threshold
-        for _, part in rows.groupby(["participant", "force_n"], sort=True)
+def expected_counts(thresholds, n_trials) -> pd.DataFrame:
+    """Answers as often as they are expected."""
+    parts = [
+        pd.DataFrame({"participant": f"P{p}", "force_n": 1.0, "level": LEVELS, "k": np.round(n * curve(m)), "n": n})
+        for p, (m, n) in enumerate(zip(thresholds, n_trials, strict=True))
     ]
-    own, told = found["threshold"].to_numpy(float), np.array([np.nan if x is None else x for x in free])
-    both = np.isfinite(own) & np.isfinite(told)
-    assert np.std(own[both]) < 1.05 * np.std(told[both])
-    assert np.corrcoef(own[both], told[both])[0, 1] > 0.8
+    return pd.concat(parts, ignore_index=True)
+
+
+def curve(threshold):
+    return PsychometricFunction("normal", threshold, WIDTH, 0.5, LAPSE_RATE).probability(LEVELS)
+
+
+def test_a_participant_is_drawn_to_the_group_the_more_the_fewer_the_trials() -> None:
+    thresholds, distances = [24.0, 16.0, 17.0, 18.0, 19.0, 20.0], []
+    for n in (1000, 60, 12):
+        found = fitted(expected_counts(thresholds, [n, *[100] * 5]))
+        distances.append(found.participants["threshold"][0] - 18.0)
+    assert pytest.approx(distances[0], abs=0.3) == 6.0
+    assert distances[0] > distances[1] > distances[2] > 0
 
 
 # Real data
@@ -257,6 +266,15 @@ def test_neither_the_order_of_rows_nor_names_matter(study) -> None:
         assert found.conditions["threshold"].to_numpy() == pytest.approx(
             one.conditions["threshold"].to_numpy(), rel=1e-6
         )
+
+
+def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
+    rows = study[0]
+    one = fitted(rows, shape="weibull").conditions
+    other = fitted(rows.assign(level=np.log(rows["level"])), shape="gumbel").conditions
+    for name in ("threshold", "interval_low", "interval_high"):
+        assert np.log(one[name].to_numpy(float)) == pytest.approx(other[name].to_numpy(float), rel=1e-9)
+    assert one["standard_error"].to_numpy() == pytest.approx(other["standard_error"].to_numpy(), rel=1e-9)
 
 
 def test_effects_of_a_factorial() -> None:
