@@ -160,6 +160,18 @@ def test_duty_and_session_count_what_was_played_and_what_was_stopped():
     assert driver.emitted.count("open") == 1
 
 
+def test_another_signal_is_checked_anew_after_one_that_was_fine():
+    driver, limits = SixteenBits(Gain(100.0)), Limits(50.0, current_peak_a=1.0, duty=1.0, session_s=9.0)
+    output = Guarded(driver, limits, FINGER)
+    fine = volts([[0.0, 10.0, 0.0]])
+    for _ in range(2):
+        output.check(fine)
+        output.play(fine)
+    with pytest.raises(LimitExceeded, match="voltage_peak_v"):
+        output.play(volts([[0.0, 60.0, 0.0]]))
+    assert len(driver.emitted) == 2
+
+
 # --- calibrations
 
 

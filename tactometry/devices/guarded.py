@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 from tactometry.devices.output import Output, check_playable
@@ -36,7 +35,6 @@ class Driver(Output, Protocol):
         """What the journal says of the device after it was opened, and of what went wrong since."""
 
 
-@dataclass
 class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
@@ -51,13 +49,24 @@ class Guarded:
         Seconds; by default `time.perf_counter`.
     """
 
-    driver: Driver
-    limits: Limits | None
-    load: Load | None = None
-    clock: Callable[[], float] = time.perf_counter
-
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        driver: Driver,
+        limits: Limits | None,
+        load: Load | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
         self._exposure = Exposure(self.clock())
+        self._checked: tuple[Signal, Signal] | None = None
+
+    @property
+    def limits(self) -> Limits | None:
+        return self._limits
+
+    @property
+    def load(self) -> Load | None:
+        return self._load
 
     @property
     def name(self) -> str:
@@ -105,7 +114,7 @@ class Guarded:
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
-        """The limits and the final samples of a signal that keeps them.
+        """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
 
         Raises
         ------
@@ -113,12 +122,17 @@ class Guarded:
             If the signal must not or cannot be played.
         """
         limits = self._stated()
+        if self._checked is None or self._checked[0] is not signal:
+            self._checked = signal, self._final(signal, limits)
+        return limits, self._checked[1]
+
+    def _final(self, signal: Signal, limits: Limits) -> Signal:
         check_playable(signal, self)
         final = self.driver.final(signal)
         limits.check(final)
         if self.load is not None:
             limits.check_load(final, self.load)
-        return limits, final
+        return final
 
     def stop(self) -> None:
         self.driver.stop()

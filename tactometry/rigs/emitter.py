@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping
 
+from tactometry.devices.guarded import Guarded
 from tactometry.devices.output import Output, check_playable, with_ramps
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.limits import Limits
@@ -35,7 +36,10 @@ class Emitter:
                 f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}{nearest(name, self._bank)}"
             )
         signal = with_ramps(self._bank[name].at(level), self._ramp_s)
-        check_playable(signal, self._output)
+        if isinstance(self._output, Guarded):
+            self._output.check(signal)
+        else:
+            check_playable(signal, self._output)
         if self._limits is not None:
             self._limits.check(signal)
         return signal
