@@ -130,7 +130,7 @@ class Staircase:
 
     def _moved(self, level: float, direction: int) -> Self:
         if direction == 0:
-            return replace(self, _asked=level)
+            return replace(self, _asked=self._bounded(level))
         turned = self._direction == -direction
         told = replace(
             self,
@@ -142,6 +142,9 @@ class Staircase:
         pinned = level >= self.high if direction > 0 else level <= self.low
         return replace(
             told,
-            _asked=min(max(wanted, self.low), self.high),
+            _asked=self._bounded(wanted),
             _n_pinned=self._n_pinned + 1 if pinned and not turned else int(pinned),
         )
+
+    def _bounded(self, level: float) -> float:
+        return min(max(level, self.low), self.high)

@@ -93,7 +93,7 @@ def variance(rule, name):
 
 def test_three_answers_find_what_they_come_from():
     rng, found = np.random.default_rng(), []
-    for _ in range(30):
+    for _ in range(15):
         rule = QuestPlus(tuple(np.linspace(0, 10, 21)), THREE, n_trials=60)
         while not rule.finished:
             chances = [float(np.exp(similarity(rule.level, r, centre=6.0, spread=1.0))) for r in range(3)]
@@ -140,7 +140,7 @@ def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
     assert told.marginal("width").sum() == pytest.approx(1)
 
 
-@pytest.mark.parametrize("answers", [[1, 0] * 150, [1] * 300 + [0] * 300, [0] * 300 + [1] * 300])
+@pytest.mark.parametrize("answers", [[1, 0] * 60, [1] * 150 + [0] * 150, [0] * 150 + [1] * 150])
 def test_a_posterior_that_would_underflow_equals_that_of_fifty_digits(answers):
     """In linear space the cells of these runs fall below 1e-308 on the way and come back."""
     grid = ParameterGrid((0.0, 15.0, 30.0), (3.0, 12.0), (0.0,), (1e-12, 0.01), shape="logistic")

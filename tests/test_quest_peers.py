@@ -10,7 +10,7 @@ from scipy.stats import norm
 from tactometry.protocols import ParameterGrid, Quest, QuestPlus, psi
 from tactometry.psychometric import shape_named
 
-N_RUNS = 100 if os.environ.get("TACTOMETRY_SOAK") == "1" else 6
+N_RUNS = 100 if os.environ.get("TACTOMETRY_SOAK") == "1" else 3
 N_TRIALS = 30
 TIED = 1e-11
 """Losses (nat) this near to each other are equal up to the rounding of either program."""
@@ -112,7 +112,7 @@ def test_quest_equals_psychopy_on_its_grid(target, guess):
 def test_quest_recovers_a_threshold(placing):
     rng, errors = np.random.default_rng(), []
     start = Quest(20.0, 10.0, 0.0, 40.0, 0.5, placing=placing, n_trials=60)
-    for _ in range(60):
+    for _ in range(30):
         rule, truth = start, rng.uniform(10, 30)
         while not rule.finished:
             rule = rule.after(bool(rng.random() < chance(rule.level - truth)))

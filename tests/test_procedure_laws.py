@@ -1,0 +1,69 @@
+"""What holds for every procedure of the catalogue when the level that is delivered is not the one asked for."""
+
+import math
+
+import catalogue
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+
+per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
+
+
+@per_procedure
+@given(answers=st.lists(st.tuples(st.booleans(), st.floats(-100, 140)), max_size=40))
+@settings(max_examples=20, deadline=None)
+def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(procedure, answers):
+    for answer, level in answers:
+        if procedure.finished:
+            break
+        procedure = procedure.after(answer, delivered=level)
+        assert math.isfinite(procedure.level)
+        assert 0.0 <= procedure.level <= 40.0
+
+
+@per_procedure
+def test_a_clipped_level_does_not_keep_a_procedure_from_ending(procedure):
+    """An amplifier that delivers half of what is asked for, at most 15, below any threshold."""
+    n_trials = 0
+    while not procedure.finished:
+        procedure = procedure.after(0, delivered=min(procedure.level / 2, 15.0))
+        n_trials += 1
+        assert n_trials <= 400
+    assert procedure.ended in ("censored_above", "trials")
+
+
+@per_procedure
+@pytest.mark.parametrize("answer", [0, 1])
+def test_equal_answers_never_end_as_converged(procedure, answer):
+    while not procedure.finished:
+        procedure = procedure.after(answer)
+    assert procedure.ended == ("censored_below" if answer else "censored_above")
+
+
+@per_procedure
+def test_the_same_answers_give_the_same_levels(procedure):
+    answers = np.random.default_rng().random(30) < 0.7
+    assert levels(procedure, answers) == levels(procedure, answers)
+
+
+def levels(procedure, answers):
+    asked = []
+    for answer in answers:
+        if procedure.finished:
+            break
+        asked.append(procedure.level)
+        procedure = procedure.after(bool(answer))
+    return asked
+
+
+@per_procedure
+@pytest.mark.parametrize("level", [math.nan, math.inf])
+def test_a_delivered_level_that_is_no_number_is_refused(procedure, level):
+    if procedure.name == "constant_stimuli":
+        pytest.skip("constant stimuli take no notice of the delivered level: the journal has it")
+    with pytest.raises(InvalidParameter, match="expected a finite number"):
+        procedure.after(1, delivered=level)
