@@ -77,6 +77,15 @@ class Framing:
     rest: bytes = b""
     n_skipped: int = 0
 
+    @property
+    def n_missing(self) -> int:
+        """Bytes until the next frame can be whole, at least 1.
+
+        >>> Framing(n_channels=1).n_missing, Framing(n_channels=1, rest=SYNC).n_missing
+        (20, 18)
+        """
+        return max(1, frame_bytes(self.n_channels) - len(self.rest))
+
     def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
         """Take in bytes: the new state, and the frames that are whole by now."""
         stream, at, n_skipped, frames = self.rest + data, 0, self.n_skipped, []

@@ -59,7 +59,7 @@ class SerialSource:
     def receive(self) -> Block | None:
         serial = _library()
         try:
-            data = self._line.read(max(1, self._line.in_waiting))
+            data = self._line.read(max(self._framing.n_missing, self._line.in_waiting))
         except (serial.SerialException, OSError, TypeError) as error:
             raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
         arrival_s = now_s()
