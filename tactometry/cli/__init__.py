@@ -29,6 +29,7 @@ COMMANDS = {
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
     "export": ("tactometry.cli.export:command", "The data set for other programs: BIDS, PsychoPy, R."),
     "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
+    "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 

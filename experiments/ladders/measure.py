@@ -1,0 +1,106 @@
+"""Errors and prices of a ladder: contenders interleaved, the first call apart, medians and spread, peak memory."""
+
+import math
+import statistics
+import time
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tactometry.experiments.ladders.problem import Problem, Rung
+
+N_ROUNDS = 5
+GOALS = (1e-2, 1e-3, 1e-4)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A rung measured: relative error, first call, median and interquartile range of warm calls (s), bytes.
+
+    A result that is not finite is `unstable`; its error is infinite. `price` is the median time, or what the ladder
+    says is paid.
+    """
+
+    ladder: str
+    setting: str
+    error: float
+    unstable: bool
+    price: float
+    first_s: float
+    median_s: float
+    spread_s: float
+    peak_bytes: int
+    answer_bytes: int
+
+
+@dataclass(frozen=True)
+class Climb:
+    """All points of a ladder and the floor below which no error is believed."""
+
+    problem: Problem
+    points: tuple[Point, ...]
+    floor: float
+
+
+def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
+    """Measure a ladder on one thread; errors are the same in every run, times are not."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        answer, floor = problem.reference()
+        firsts = [timed(rung.run) for rung in problem.rungs]
+        rounds = [[timed(rung.run)[0] for rung in problem.rungs] for _ in range(n_rounds)]
+    points = tuple(
+        _point(problem, rung, first, [times[n] for times in rounds], answer)
+        for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
+    )
+    return Climb(problem, points, floor)
+
+
+def timed(run: Callable[[], Any]) -> tuple[float, Any]:
+    """Time (s) and answer of a call."""
+    start_s = time.perf_counter()
+    answer = run()
+    return time.perf_counter() - start_s, answer
+
+
+def cheapest(found: Climb, goal: float) -> Point | None:
+    """The rung with the lowest price whose error, or the floor, is at most `goal`; None if there is none."""
+    good = [point for point in found.points if max(point.error, found.floor) <= goal]
+    return min(good, key=lambda point: point.price, default=None)
+
+
+def _point(problem: Problem, rung: Rung, first: tuple[float, Any], times_s: Sequence[float], reference: Any) -> Point:
+    first_s, answer = first
+    error = problem.error(answer, reference)
+    median_s = statistics.median(times_s)
+    low_s, _, high_s = statistics.quantiles(times_s, n=4) if len(times_s) > 1 else (median_s,) * 3
+    return Point(
+        ladder=problem.name,
+        setting=rung.setting,
+        error=error if math.isfinite(error) else math.inf,
+        unstable=not math.isfinite(error),
+        price=median_s if rung.price is None else rung.price,
+        first_s=first_s,
+        median_s=median_s,
+        spread_s=high_s - low_s,
+        peak_bytes=_peak_bytes(rung.run),
+        answer_bytes=_bytes(answer),
+    )
+
+
+def _peak_bytes(run: Callable[[], Any]) -> int:
+    tracemalloc.start()
+    try:
+        run()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def _bytes(answer: Any) -> int:
+    import numpy as np
+
+    parts = answer if isinstance(answer, tuple) else (answer,)
+    return sum(int(np.asarray(part).nbytes) for part in parts)

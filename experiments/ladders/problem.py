@@ -1,0 +1,41 @@
+"""A ladder: one problem, a reference, and settings that come nearer to it at a price."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A setting in words, the computation with it, and its price if that is not the time of computing."""
+
+    setting: str
+    run: Callable[[], Any]
+    price: float | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A workload with rungs from coarse to fine.
+
+    Parameters
+    ----------
+    name, title : str
+    reference : callable
+        Gives the answer and its own relative uncertainty, below which no error is believed.
+    independent : callable
+        The same by another way, with its own relative uncertainty.
+    error : callable
+        Of an answer against the reference's: relative, in the norm that `title` states.
+    rungs : tuple of Rung
+    price : str
+        What is paid, with its unit, in words.
+    """
+
+    name: str
+    title: str
+    reference: Callable[[], tuple[Any, float]]
+    independent: Callable[[], tuple[Any, float]]
+    error: Callable[[Any, Any], float]
+    rungs: tuple[Rung, ...]
+    price: str = "computing time (s)"

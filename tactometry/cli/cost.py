@@ -1,0 +1,69 @@
+"""`tactometry cost`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.cli.output import json_option, progress, say
+
+if TYPE_CHECKING:
+    from tactometry.experiments.ladders.measure import Climb
+
+
+@click.command(epilog="Example: tactometry cost skin-propagator --out cost")
+@click.argument("ladder", metavar="LADDER|all")
+@click.option("--out", type=click.Path(path_type=Path), help="Write a CSV of all points and a figure per ladder.")
+@click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each rung.")
+@json_option
+def command(*, ladder: str, out: Path | None, rounds: int, as_json: bool) -> None:
+    """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
+
+    Errors are the same in every run; times are those of this machine, now.
+    """
+    from tactometry.errors import InvalidParameter, nearest
+    from tactometry.experiments.ladders import LADDERS
+    from tactometry.experiments.ladders.measure import climb
+    from tactometry.experiments.ladders.report import machine, table
+    from tactometry.target import resolve
+
+    if ladder != "all" and ladder not in LADDERS:
+        raise InvalidParameter(
+            f"LADDER: found {ladder!r}, expected all or one of {', '.join(LADDERS)}{nearest(ladder, LADDERS)}"
+        )
+    names = list(LADDERS) if ladder == "all" else [ladder]
+    problems = [resolve(LADDERS[name])() for name in names]
+    climbs = [climb(problem, rounds) for problem in progress(problems, len(problems), "ladders")]
+    if out is not None:
+        _write(climbs, out)
+    say("\n\n".join([*map(table, climbs), machine()]), _record(climbs), as_json=as_json)
+
+
+def _write(climbs: "list[Climb]", out: Path) -> None:
+    from tactometry.experiments.ladders.figures import error_against_price
+    from tactometry.experiments.ladders.report import write_csv
+
+    write_csv(climbs, out / "cost.csv")
+    for found in climbs:
+        error_against_price(found).savefig(out / f"{found.problem.name}.png", dpi=150)
+
+
+def _record(climbs: "list[Climb]") -> dict[str, object]:
+    from dataclasses import asdict
+
+    from tactometry.experiments.ladders.report import answers, machine
+
+    ladders = {
+        found.problem.name: {
+            "points": [_plain(asdict(point)) for point in found.points],
+            "reference_error": found.floor,
+            "cheapest": answers(found),
+        }
+        for found in climbs
+    }
+    return {"machine": machine(), "ladders": ladders}
+
+
+def _plain(point: dict[str, object]) -> dict[str, object]:
+    """JSON has no infinity: an unstable point has no error."""
+    return {**point, "error": None} if point["unstable"] else point

@@ -1,0 +1,149 @@
+"""Laws of every ladder, and what `tactometry cost` makes of them."""
+
+import csv
+import json
+import math
+from functools import partial
+
+import pytest
+
+from tactometry.cli import main
+from tactometry.experiments.ladders import LADDERS
+from tactometry.experiments.ladders.figures import error_against_price, frontier
+from tactometry.experiments.ladders.measure import cheapest, climb
+from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.ladders.report import answers, table
+from tactometry.target import resolve
+
+
+@pytest.fixture(scope="module", params=LADDERS)
+def found(request):
+    return climb(resolve(LADDERS[request.param])(), n_rounds=1)
+
+
+def call(*arguments):
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    return ended.value.code
+
+
+# --- laws of every ladder
+
+
+def test_the_error_falls_along_the_ladder_down_to_the_floor(found):
+    errors = [max(point.error, found.floor) for point in found.points]
+    assert len(errors) >= 3
+    assert errors == sorted(errors, reverse=True)
+    assert errors[0] > 10 * errors[-1]
+    assert not any(point.unstable for point in found.points)
+
+
+def test_the_reference_agrees_with_an_independent_one(found):
+    answer, floor = found.problem.reference()
+    other, uncertainty = found.problem.independent()
+    assert found.problem.error(other, answer) <= floor + uncertainty
+    assert floor < found.points[0].error / 10
+
+
+def test_errors_are_the_same_in_every_run(found):
+    answer, _ = found.problem.reference()
+    for rung, point in list(zip(found.problem.rungs, found.points, strict=True))[:2]:
+        again = found.problem.error(rung.run(), answer)
+        assert again == pytest.approx(point.error, rel=1e-6, abs=found.floor)
+
+
+def test_a_point_says_what_it_took(found):
+    for point in found.points:
+        assert point.price > 0
+        assert point.first_s > 0
+        assert point.peak_bytes > 0
+        assert point.answer_bytes >= 8
+
+
+def test_the_table_fits_a_terminal_and_names_the_cheapest_rungs(found):
+    lines = table(found).splitlines()
+    assert max(map(len, lines[1:])) <= 100
+    assert [line.split(":")[0] for line in lines[-3:]] == ["1.00%", "0.10%", "0.01%"]
+
+
+# --- the measuring itself, on a ladder whose answers are known
+
+
+def halves(n: int) -> float:
+    return 1 - 0.5**n if n < 30 else math.nan
+
+
+def known(prices=(5.0, 3.0, 4.0, 9.0)) -> Problem:
+    steps = (3, 7, 14, 40)
+    rungs = tuple(Rung(f"n = {n}", partial(halves, n), price) for n, price in zip(steps, prices, strict=True))
+    return Problem("known", "halves", lambda: (1.0, 1e-3), lambda: (1.0, 0.0), lambda a, b: abs(a - b), rungs, "coins")
+
+
+def test_what_is_not_finite_is_unstable_and_kept():
+    points = climb(known(), n_rounds=1).points
+    assert [point.unstable for point in points] == [False, False, False, True]
+    assert points[-1].error == math.inf
+    assert "unstable" in table(climb(known(), n_rounds=1))
+
+
+def test_the_cheapest_rung_is_the_one_of_the_lowest_price_that_is_good_enough():
+    climbed = climb(known(), n_rounds=2)
+    assert cheapest(climbed, 0.2).setting == "n = 7"
+    assert cheapest(climbed, 2e-3).setting == "n = 14"
+    assert answers(climbed)[0] == "1.00%: n = 7, price 3"
+
+
+def test_nothing_below_the_floor_of_the_reference_is_believed():
+    climbed = climb(known(), n_rounds=1)
+    assert climbed.points[2].error < 1e-4
+    assert cheapest(climbed, 1e-4) is None
+    assert answers(climbed)[2] == "0.01%: no rung reaches it"
+
+
+def test_the_frontier_leaves_out_what_is_beaten_in_both():
+    assert [price for price, _ in frontier(climb(known(), n_rounds=1))] == [3.0, 4.0]
+
+
+def test_the_figure_shows_every_rung_the_floor_and_the_unstable():
+    axes = error_against_price(climb(known(), n_rounds=1)).axes[0]
+    said = {text.get_text() for text in axes.texts}
+    assert {"n = 3", "n = 7", "n = 14"} <= said
+    assert {text.get_text() for text in axes.get_legend().get_texts()} == {
+        "rungs",
+        "cheapest",
+        "unstable",
+        "reference's own error",
+    }
+    assert axes.get_xlabel() == "coins"
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+# --- the command
+
+
+def test_the_command_prints_writes_and_draws(tmp_path, capsys):
+    assert call("cost", "skin-propagator", "--rounds", 1, "--out", tmp_path / "cost") == 0
+    assert "1.00%:" in capsys.readouterr().out
+    with (tmp_path / "cost" / "cost.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["setting"] for row in rows][:2] == ["5 kHz", "20 kHz"]
+    assert {row["ladder"] for row in rows} == {"skin-propagator"}
+    assert (tmp_path / "cost" / "skin-propagator.png").stat().st_size > 10_000
+
+
+def test_the_command_as_json(capsys):
+    assert call("cost", "reversal-time", "--rounds", 1, "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert "numpy" in said["machine"]
+    assert len(said["ladders"]["reversal-time"]["points"]) == 6
+
+
+def test_an_unknown_ladder_names_the_nearest(capsys):
+    assert call("cost", "skin-propagater") == 2
+    assert "did you mean 'skin-propagator'?" in capsys.readouterr().err
+
+
+def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path, capsys):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert call("cost", "reversal-time", "--rounds", 1, "--out", tmp_path / "file") == 3
+    assert "cannot write" in capsys.readouterr().err
