@@ -107,7 +107,7 @@ def main():
     window = Window(fullscreen=False, size=(1280, 800))
     page = marker_page(None, playing=True)
     print("ms (p50, p99, max)        arrival in the thread     known to the loop         peer: newest sample      lost")
-    for kind in ("serial", "lsl", "udp"):
+    for kind in sys.argv[1:] or ("serial", "lsl", "udp"):
         for work_s in (0.0, 0.008):
             with tempfile.TemporaryDirectory() as folder:
                 device = Emulator(kind, Path(folder), profile=PROFILE)
