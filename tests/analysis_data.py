@@ -42,9 +42,10 @@ def write_study(
     n_catch: int = 20,
     task: str = "yes_no",
     width: float = 8.0,
+    false_alarm_rate: float = 0.05,
 ) -> Path:
     """One CSV with every participant and condition of `thresholds`."""
-    guess = {"yes_no": 0.05, "forced_choice": 0.5, "comparison": 0.0}[task]
+    guess = {"yes_no": false_alarm_rate, "forced_choice": 0.5, "comparison": 0.0}[task]
     lapse = 0.0 if task == "comparison" else 0.02
     lines = [f"participant,session,study,block,trial,{','.join(factors)},{COLUMNS}"]
     for (participant, condition), threshold in thresholds.items():
