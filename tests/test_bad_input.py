@@ -88,8 +88,8 @@ STUDIES = {
     ),
     "unknown task": (
         TUTORIAL.replace('"yes_no"', '"yesno"'),
-        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice, same_different, comparison, magnitude, "
-        "localisation, preference, adjustment, rating; did you mean 'yes_no'?",
+        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice, same_different, comparison, "
+        "magnitude, localisation, preference, adjustment, rating, measurement; did you mean 'yes_no'?",
     ),
     "catch rate": (
         TUTORIAL.replace("catch_rate = 0.2", "catch_rate = 0.9"),
@@ -103,7 +103,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step, focus, pattern; did you mean 'sine'?",
+        "pulse_train, step, focus, pattern, measured_focus; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),

@@ -37,11 +37,14 @@ def simulate(root, *options):
     main(["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(root), *options])
 
 
+PARTS = {"calibrate": ("gain", "force", "display", "responses")}
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example(capsys, command):
-    out = call(capsys, command, "--help")
-    assert f"Example: tactometry {command}" in out
-    assert "--json" in out
+    assert f"Example: tactometry {command}" in call(capsys, command, "--help")
+    for words in ([command, part] for part in PARTS[command]) if command in PARTS else [[command]]:
+        assert "--json" in call(capsys, *words, "--help")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
