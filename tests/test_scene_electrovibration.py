@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from scene_cases import ELECTROVIBRATION, LEVEL, SLIDING, default, effect, panel, panels, with_needs
 
 from tactometry.contact import Contact
@@ -220,7 +220,7 @@ def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(kin
 
 
 @given(panels(outputs=("t_s", "electrostatic_force_n", "friction_force_n", "peak_force_n")))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenes_keep_their_accuracy(case):
     surface, effects, outputs = case
     scene = Scene(surface, effects, outputs, 1e-2, SLIDING)
