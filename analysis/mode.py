@@ -29,6 +29,8 @@ SMALL_DECREMENT = 1e-13
 WORTH_LEAVING = 0.6
 NARROWEST_START = 0.03
 SMALLEST_CURVATURE = 1e-12
+RIVAL = 5.0
+"""A coarse start this far behind the best (log density) may still lead to a higher summit."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,34 @@ def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Arr
 
 
 def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = None) -> Mode:
-    """Climb from the best node of a coarse grid, or from `start` (n_sets, 4)."""
-    theta = _coarse_start(shape, counts, prior) if start is None else start.copy()
+    """Climb from `start` (n_sets, 4), or from the best narrow and the best wide node of a coarse grid.
+
+    A density may have two summits, a steep function with lapses and a shallow one without: the lower start is climbed
+    from too where it is no more than `RIVAL` behind.
+    """
+    if start is not None:
+        return _climbed(shape, counts, prior, start)
+    first, second, behind = _coarse_starts(shape, counts, prior)
+    best = _climbed(shape, counts, prior, first)
+    rivals = np.flatnonzero(behind < RIVAL)
+    if not rivals.size:
+        return best
+    other = _climbed(shape, counts[rivals], prior[rivals], second[rivals])
+    return _higher(best, other, rivals)
+
+
+def _higher(best: Mode, other: Mode, places: NDArray[np.int64]) -> Mode:
+    """`best`, with those of `other` at `places` that are denser."""
+    denser = other.log_density > best.log_density[places]
+    at = places[denser]
+    parts = {name: getattr(best, name).copy() for name in ("theta", "log_density", "covariance", "interior")}
+    for name, part in parts.items():
+        part[at] = getattr(other, name)[denser]
+    return Mode(**parts)
+
+
+def _climbed(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
+    theta = start.copy()
     low, high = prior.bounds()
     theta = np.clip(theta, low, high)
     part = _Open(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
@@ -194,10 +222,12 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
 
 
-def _coarse_start(shape: Shape, counts: Counts, prior: Prior) -> Array:
-    """The best node of a coarse grid. Sets with the same levels and catch trials share the chances: one
-    product of matrices."""
-    theta = np.empty((len(counts), N_PARAMETERS))
+def _coarse_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
+    """The best node of a coarse grid, the best one of the other half of its widths, and how far behind that is.
+
+    Sets with the same levels and catch trials share the chances: one product of matrices."""
+    first, second = (np.empty((len(counts), N_PARAMETERS)) for _ in range(2))
+    behind = np.empty(len(counts))
     catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
     for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
         nodes = _nodes(prior, float(counts.gap[members[0]]))
@@ -206,8 +236,15 @@ def _coarse_start(shape: Shape, counts: Counts, prior: Prior) -> Array:
         used = n[0] > 0
         finite = (np.maximum(v[:, used], -1e6) for v in (yes, no))
         likelihood = np.hstack([k[:, used], (n - k)[:, used]]) @ np.hstack(list(finite)).T
-        theta[members] = nodes[np.argmax(likelihood + log_prior(prior[members[:1]], nodes[None]), axis=1)]
-    return theta
+        density = likelihood + log_prior(prior[members[:1]], nodes[None])
+        halves = np.where(nodes[:, LOG_WIDTH] < np.median(nodes[:, LOG_WIDTH]), 0, 1)
+        best = [np.where(halves == half, density, -np.inf).argmax(axis=1) for half in (0, 1)]
+        each = np.arange(len(members))
+        lead = density[each, best[0]] - density[each, best[1]]
+        first[members] = nodes[np.where(lead >= 0, *best)]
+        second[members] = nodes[np.where(lead >= 0, *best[::-1])]
+        behind[members] = np.abs(lead)
+    return first, second, behind
 
 
 def same_rows(rows: Array) -> list[NDArray[np.int64]]:

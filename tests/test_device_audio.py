@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -228,6 +229,11 @@ def test_a_killed_process_falls_silent(sink):
 
 
 def test_a_process_that_was_held_up_reports_its_underruns(sink):
+    """A busy computer may be late to hold it up: three tries."""
+    assert any(n_underruns_when_held_up(sink) >= 1 for _ in range(3))
+
+
+def n_underruns_when_held_up(sink):
     what = asked(2, "pulse", 1.5, lead_s=0.3, tail_s=0.2, tell=True)
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
         while int(process.stdout.readline()) < 12_000:
@@ -235,5 +241,5 @@ def test_a_process_that_was_held_up_reports_its_underruns(sink):
         process.send_signal(signal.SIGSTOP)
         time.sleep(0.5)
         process.send_signal(signal.SIGCONT)
-        (facts,) = (json.loads(line) for line in process.stdout if line.startswith(b"{"))
-    assert facts["n_underruns"] >= 1
+        said = process.stdout.read()
+    return json.loads(re.search(rb"\{.*?\}", said)[0])["n_underruns"]
