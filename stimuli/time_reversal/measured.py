@@ -4,14 +4,15 @@ Files
 -----
 WAV : one file per point, one channel per transducer; the rate from the header, full scale in m (m/s, m/s^2)
 per unit of
-    the drive from the caller.
+    the drive from the caller. 8-bit samples are unsigned around 128, as the format has it.
 NPZ, HDF5 : ``samples`` (n_points, n_channels, n_samples), ``rate_hz``, and optionally ``quantity``.
-CSV : first line ``# rate_hz=100000 quantity=displacement scale=1e-6``, then one column per transducer with
-a header row;
-    one file per point.
+CSV : first line ``# rate_hz=100000 quantity=displacement unit=um``, then a header row with one name per
+    transducer and one column each; one file per point. ``scale`` is a factor on top of the unit.
 """
 
 import struct
+import zipfile
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,13 +22,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive, some
+from tactometry.stimuli.time_reversal.checks import choice, positive, some
 from tactometry.stimuli.time_reversal.responses import Responses
 
 FloatArray = NDArray[np.float64]
 
 CLIPPED_RUN: Final = 3
 """Equal samples at the extreme of a channel that betray clipping."""
+
+_PREFIXES: Final = {"": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
+_UNITS: Final = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+_CSV_WORDS: Final = ("rate_hz", "quantity", "unit", "scale")
 
 
 def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
@@ -150,7 +155,11 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
         raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
     try:
         return reader(path, full_scale, quantity)
-    except (OSError, KeyError, ValueError, struct.error, InvalidParameter) as error:
+    except ImportError as error:
+        raise InvalidFile(
+            f"{path}: found no h5py, expected it for an HDF5 file: pip install tactometry[hdf5]"
+        ) from error
+    except _UNREADABLE as error:
         raise InvalidFile(f"{path}: cannot be read as impulse responses: {error}") from error
 
 
@@ -158,17 +167,31 @@ def _read_wav(path: Path, full_scale: float, quantity: str) -> Responses:
     from scipy.io import wavfile
 
     rate, samples = wavfile.read(path)
-    unit = 1.0 if samples.dtype.kind == "f" else -float(np.iinfo(samples.dtype).min)
-    columns = samples.reshape(len(samples), -1).astype(float)
-    return Responses(columns.T[None] * (full_scale / unit), float(rate), quantity)
+    zero, unit = _wav_zero_and_unit(samples.dtype)
+    columns = (samples.reshape(len(samples), -1).astype(float) - zero) * (full_scale / unit)
+    return Responses(columns.T[None], float(rate), quantity)
+
+
+def _wav_zero_and_unit(kind: np.dtype[np.generic]) -> tuple[float, float]:
+    if kind.kind == "f":
+        return 0.0, 1.0
+    half = 2.0 ** (8 * kind.itemsize - 1)
+    return (half if kind.kind == "u" else 0.0), half
 
 
 def _read_npz(path: Path, full_scale: float, quantity: str) -> Responses:
     del full_scale
+    if not zipfile.is_zipfile(path):
+        raise ValueError("found no complete NPZ archive, expected one as numpy.savez writes it")
     with np.load(path, allow_pickle=False) as file:
-        return Responses(
-            file["samples"], float(file["rate_hz"]), str(file["quantity"]) if "quantity" in file else quantity
-        )
+        said = str(file["quantity"]) if "quantity" in file else quantity
+        return Responses(file["samples"], _one_number(file["rate_hz"]), said)
+
+
+def _one_number(rate_hz: NDArray[np.generic]) -> float:
+    if np.ndim(rate_hz) != 0:
+        raise ValueError(f"rate_hz: found an array of shape {np.shape(rate_hz)}, expected one number")
+    return float(rate_hz)  # type: ignore[arg-type, unused-ignore]
 
 
 def _read_hdf5(path: Path, full_scale: float, quantity: str) -> Responses:
@@ -177,18 +200,62 @@ def _read_hdf5(path: Path, full_scale: float, quantity: str) -> Responses:
     del full_scale
     with h5py.File(path, "r") as file:
         said = file["quantity"].asstr()[()] if "quantity" in file else quantity
-        return Responses(np.asarray(file["samples"], float), float(file["rate_hz"][()]), str(said))
+        return Responses(np.asarray(file["samples"], float), _one_number(file["rate_hz"][()]), str(said))
 
 
 def _read_csv(path: Path, full_scale: float, quantity: str) -> Responses:
     del full_scale
     with path.open(encoding="utf-8") as file:
-        said = dict(word.split("=", 1) for word in file.readline().lstrip("#").split())
-        columns = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
-    scale = float(said.get("scale", "1"))
-    return Responses(columns.T[None] * scale, float(said["rate_hz"]), said.get("quantity", quantity))
+        said = _said(file.readline())
+        _check_header(file.readline())
+        columns = np.loadtxt(file, delimiter=",", ndmin=2)
+    kind = said.get("quantity", quantity)
+    scale = float(said.get("scale", "1")) * (_unit_scale(said["unit"], kind) if "unit" in said else 1.0)
+    return Responses(columns.T[None] * scale, float(said["rate_hz"]), kind)
 
 
+def _said(line: str) -> dict[str, str]:
+    """What the first line of a CSV file says, every word known."""
+    said = dict(word.split("=", 1) for word in line.lstrip("#").split())
+    for word in said:
+        choice("first line", word, _CSV_WORDS)
+    if "rate_hz" not in said:
+        raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
+    return said
+
+
+def _check_header(line: str) -> None:
+    """Refuse a second line of numbers, which would be a sample taken for names."""
+    if all(_is_number(cell) for cell in line.split(",")):
+        raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _unit_scale(unit: str, quantity: str) -> float:
+    """SI units in one of `unit`."""
+    si = _UNITS.get(quantity, "")
+    choice("unit", unit, [prefix + si for prefix in _PREFIXES])
+    return _PREFIXES[unit.removesuffix(si)]
+
+
+_UNREADABLE: Final = (
+    OSError,
+    EOFError,
+    KeyError,
+    ValueError,
+    TypeError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+    InvalidParameter,
+)
 _READERS: Final[Mapping[str, Callable[[Path, float, str], Responses]]] = {
     ".wav": _read_wav,
     ".npz": _read_npz,

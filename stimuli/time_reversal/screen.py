@@ -1,5 +1,6 @@
 """A haptic screen: a plate, its transducers and how it loses energy."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -25,19 +26,20 @@ class Screen:
     Parameters
     ----------
     plate : Plate
-    sources : tuple of Source
-        One channel each; at least one.
+    sources : sequence of Source
+        One channel each, at least one; kept as a tuple.
     attenuation : Attenuation
     shear_factor : float, optional
         Mindlin's shear factor (5/6); None is Kirchhoff's thin plate.
     """
 
     plate: Plate
-    sources: tuple[Source, ...]
+    sources: Sequence[Source]
     attenuation: Attenuation
     shear_factor: float | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "sources", tuple(self.sources))
         some("Screen.sources", self.sources)
         for i, source in enumerate(self.sources):
             source.check(self.plate, f"Screen.sources[{i}]")
