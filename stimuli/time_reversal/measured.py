@@ -10,6 +10,7 @@ CSV : first line ``# rate_hz=100000 quantity=displacement unit=um``, then a head
     transducer and one column each; one file per point. ``scale`` is a factor on top of the unit.
 """
 
+import math
 import struct
 import zipfile
 import zlib
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.stimuli.time_reversal.checks import choice, positive, some
+from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
 
 FloatArray = NDArray[np.float64]
@@ -33,6 +35,10 @@ CLIPPED_RUN: Final = 3
 _PREFIXES: Final = {"": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 _UNITS: Final = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 _CSV_WORDS: Final = ("rate_hz", "quantity", "unit", "scale")
+
+
+FLUCTUATION: Final = 20.0
+"""Factor by which the power of a tenth of one pair may exceed the decay that the pairs share; unverified default."""
 
 
 def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
@@ -115,15 +121,28 @@ class Findings:
 def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
     """Look for clipping, silent channels and a high noise floor.
 
-    The floor is the mean power of the last tenth, compared with that of the loudest tenth.
+    The floor is the mean power of the last tenth, compared with that of the loudest tenth. The end of a short record is
+    allowed to be as loud as the decay that the pairs share leaves it.
     """
     h = responses.samples
     silent = ~h.any(axis=2)
     tenth = max(h.shape[2] // 10, 1)
     power = np.square(h[:, :, : tenth * (h.shape[2] // tenth)]).reshape(*h.shape[:2], -1, tenth).mean(axis=3)
-    noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * 10 ** (-snr_db / 10))
+    allowed = max(10 ** (-snr_db / 10), _left_of_decay(h[~silent]))
+    noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * allowed)
     clipped = ~silent & (_longest_run_at_peak(h) >= CLIPPED_RUN)
     return Findings(*(tuple((int(p), int(q)) for p, q in np.argwhere(bad)) for bad in (clipped, silent, noisy)))
+
+
+def _left_of_decay(pairs: FloatArray) -> float:
+    """Share of its loudest tenth to which a pair may have decayed at its end; 0 where no decay can be told."""
+    size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
+    if size == 0:
+        return 0.0
+    energy = np.square(pairs[:, : size * N_BLOCKS]).reshape(len(pairs), N_BLOCKS, size).mean(axis=2)
+    share = np.maximum(energy / energy.max(axis=1, keepdims=True), 1e-30)
+    decay = decay_of(np.exp(np.log(share).mean(axis=0)))
+    return FLUCTUATION * math.exp(-1.8 * decay.n_taus) if decay.fall_db >= LEAST_FALL_DB else 0.0
 
 
 def reciprocity_error(there: FloatArray, back: FloatArray) -> float:
