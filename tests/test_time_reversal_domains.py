@@ -1,18 +1,41 @@
 """Outside of its domain each thing says so, in one clear sentence; within it nothing is NaN."""
 
+import math
 import sys
 
 import numpy as np
 import pytest
 from scipy.io import wavfile
 
-from tactometry.errors import InvalidFile
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.energy import average_power_w, bridge_power_w, capacitance_f, switched_power_w
+from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.measured import read
+from tactometry.stimuli.time_reversal.merit import (
+    area_m2,
+    contrast_far_of,
+    contrast_temporal_of,
+    contrast_whole_of,
+    deformation_energy_estimate_j,
+    temporal_width_s,
+    uniformity,
+    width_m,
+)
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
 from tactometry.stimuli.time_reversal.transducer import border
 
+FOCUS = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
+LINE, BUMP = np.arange(5.0), np.array([0.0, 1.0, 4.0, 1.0, 0.0])
+FIELD = np.outer(BUMP, BUMP)
+NANS = np.array([1.0, math.nan, 1.0])
 SAMPLES = np.random.default_rng(0).standard_normal((1, 2, 50))
 
 
@@ -107,3 +130,53 @@ def test_a_csv_file_that_would_be_misread_is_refused(tmp_path, text, found):
     path.write_text(text)
     with pytest.raises(InvalidFile, match=found):
         read([path])
+
+
+def inverse(samples=FOCUS.samples, wanted=(1.0,)):
+    return inverse_filter_waveform(Responses(samples, 1e3), wanted, Band(0.0, 400.0), reversal_s=3e-3)
+
+
+OUTSIDE = {
+    "window nan": (lambda: drive(FOCUS, 1.0, window=NANS), "window"),
+    "window inf": (lambda: drive(FOCUS, 1.0, window=np.array([1.0, math.inf, 1.0])), "window"),
+    "one bit nan": (lambda: OneBit().quantise(NANS[None], 1e3), "waveform"),
+    "analogue nan": (lambda: Analogue().quantise(NANS[None], 1e3), "waveform"),
+    "pulse width nan": (lambda: PulseWidth(100.0).quantise(NANS[None], 1e3), "waveform"),
+    "sigma-delta nan": (lambda: SigmaDelta().quantise(NANS[None], 1e3), "waveform"),
+    "inverse of zeros": (lambda: inverse(np.zeros((1, 1, 3))), "points"),
+    "inverse wanted nan": (lambda: inverse(wanted=[math.nan]), "wanted"),
+    "contrast of nan": (lambda: contrast_whole_of(math.nan, FIELD), "amplitude"),
+    "contrast of a nan field": (lambda: contrast_whole_of(1.0, NANS), "field"),
+    "far radius nan": (lambda: contrast_far_of(1.0, FIELD, (LINE, LINE), (2.0, 2.0), math.nan), "radius_m"),
+    "temporal nan": (lambda: contrast_temporal_of(BUMP, 2, 1.0, math.nan, 2.0), "start_s"),
+    "temporal before": (lambda: contrast_temporal_of(BUMP, -1, 1.0, 2.0, 3.0), "focus_sample"),
+    "width nan": (lambda: width_m(LINE, np.full(5, math.nan)), "profile"),
+    "width of zeros": (lambda: width_m(LINE, np.zeros(5)), "profile"),
+    "width of unequal": (lambda: width_m(LINE, BUMP[:3]), "profile"),
+    "width descending": (lambda: width_m(LINE[::-1], BUMP), "at_m"),
+    "width level": (lambda: width_m(LINE, BUMP, 1.0), "level"),
+    "temporal width nan": (lambda: temporal_width_s(NANS, 1e3), "signal_m"),
+    "area nan": (lambda: area_m2(np.full((5, 5), math.nan), (LINE, LINE)), "field_m"),
+    "area of zeros": (lambda: area_m2(np.zeros((5, 5)), (LINE, LINE)), "field_m"),
+    "area of another grid": (lambda: area_m2(FIELD, (LINE[:3], LINE)), "field_m"),
+    "uniformity nan": (lambda: uniformity(NANS), "amplitudes_m"),
+    "energy nan": (lambda: deformation_energy_estimate_j(1.0, math.nan, 1.0, 1.0), "frequency_hz"),
+    "capacitance nan": (lambda: capacitance_f(math.nan, 1e-3), "area_m2"),
+    "capacitance of no thickness": (lambda: capacitance_f(1e-4, 0.0), "thickness_m"),
+    "power nan": (lambda: switched_power_w(Signal(BUMP[None], 1e3, "V"), math.nan), "channel_capacitance_f"),
+    "bridge nan": (lambda: bridge_power_w(Signal(BUMP[None], 1e3, "V"), math.nan), "channel_capacitance_f"),
+    "mean power nan": (lambda: average_power_w(math.nan, 1.0, 1.0), "power_w"),
+    "deflection nan": (lambda: deflection_m(A4_SCREEN, math.nan, (0.1, 0.1), 0.1, 0.1), "force_n"),
+    "deflection off the plate": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), 0.1, 9.0), "x_m, y_m"),
+    "deflection at nan": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), math.nan, 0.1), "x_m, y_m"),
+    "stress nan": (lambda: bending_stress_pa(A4_SCREEN, math.nan, 0.01), "force_n"),
+    "stress of a large contact": (lambda: bending_stress_pa(A4_SCREEN, 1.0, 0.25), "contact_m"),
+}
+
+
+@pytest.mark.parametrize(("call", "names"), OUTSIDE.values(), ids=OUTSIDE)
+def test_outside_of_the_domain_one_sentence(call, names):
+    with pytest.raises(InvalidParameter, match=names) as caught:
+        call()
+    assert "found" in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 
@@ -32,11 +32,36 @@ def within(name: str, value: float, low: float, high: float) -> None:
         raise InvalidParameter(f"{name}: found {value}, expected a number from {low} to {high}")
 
 
-def finite(name: str, values: NDArray[np.float64]) -> None:
-    """Refuse an array with NaN or infinity, naming the first."""
-    if not np.isfinite(values).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
-        raise InvalidParameter(f"{name}{list(where)}: found {values[where]}, expected a finite number")
+def share(name: str, value: float) -> None:
+    """Refuse `value` unless it lies between 0 and 1, both left out."""
+    if not 0 < value < 1:
+        raise InvalidParameter(f"{name}: found {value}, expected a number above 0 and below 1")
+
+
+def finite(name: str, values: ArrayLike) -> None:
+    """Refuse a number or an array with NaN or infinity, naming the first."""
+    _each(name, values, np.isfinite(values), "a finite number")
+
+
+def all_positive(name: str, values: ArrayLike) -> None:
+    """Refuse a number or an array unless each is finite and above 0."""
+    _each(name, values, np.isfinite(values) & (np.asarray(values) > 0), "a finite number above 0")
+
+
+def ascending(name: str, values: ArrayLike) -> None:
+    """Refuse a list unless it is finite, has two or more numbers, and each is above the one before."""
+    found = np.asarray(values, float)
+    finite(name, found)
+    if found.ndim != 1 or len(found) < 2 or not (np.diff(found) > 0).all():
+        raise InvalidParameter(
+            f"{name}: found shape {found.shape} not ascending, expected two or more ascending numbers"
+        )
+
+
+def _each(name: str, values: ArrayLike, good: NDArray[np.bool_], expected: str) -> None:
+    if not np.all(good):
+        found, where = np.asarray(values), tuple(int(i) for i in np.argwhere(~np.asarray(good))[0])
+        raise InvalidParameter(f"{name}{list(where) or ''}: found {found[where]}, expected {expected}")
 
 
 def some(name: str, values: Sequence[object]) -> None:

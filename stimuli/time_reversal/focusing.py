@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import finite, positive
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 
@@ -139,6 +139,7 @@ def _window(window: FloatArray | None, n: int) -> FloatArray:
         return np.ones(n)
     if np.shape(window) != (n,):
         raise InvalidParameter(f"window: found shape {np.shape(window)}, expected ({n},)")
+    finite("window", window)
     return np.asarray(window, float)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import finite, positive
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.spectrum import Band
 
@@ -42,11 +42,19 @@ def inverse_filter_waveform(
     Returns
     -------
     (n_channels, n_samples) array, scaled to no particular voltage.
+
+    Raises
+    ------
+    InvalidParameter
+        If `wanted` does not fit or is not finite, all responses are zero, or `regularisation` is not above 0.
     """
     positive("regularisation", regularisation)
     target = np.asarray(wanted, float)
+    finite("wanted", target)
     if target.shape != (points.n_points,) or not target.any():
         raise InvalidParameter(f"wanted: found {wanted}, expected {points.n_points} numbers, not all zero")
+    if not points.samples.any():
+        raise InvalidParameter("points: found responses that are zero everywhere, expected a point that can be moved")
     n = samples_in("reversal_s", reversal_s, points.rate_hz)
     n_fft = 2 * max(n, points.n_samples)
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / points.rate_hz), float)

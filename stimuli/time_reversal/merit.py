@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import ascending, finite, not_negative, positive, share, within
 
 FloatArray = NDArray[np.float64]
 Grid = tuple[FloatArray, FloatArray]
@@ -30,6 +30,7 @@ def contrast_far_of(
     amplitude_m: float, field_m: FloatArray, grid_m: Grid, focus_m: tuple[float, float], radius_m: float
 ) -> float:
     """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
+    not_negative("radius_m", radius_m)
     away = np.hypot(grid_m[0][:, None] - focus_m[0], grid_m[1][None, :] - focus_m[1]) >= radius_m
     return _ratio(amplitude_m, field_m[away])
 
@@ -38,6 +39,9 @@ def contrast_temporal_of(
     signal_m: FloatArray, focus_sample: int, rate_hz: float, start_s: float, stop_s: float
 ) -> float:
     """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
+    positive("rate_hz", rate_hz)
+    finite("start_s, stop_s", [start_s, stop_s])
+    within("focus_sample", focus_sample, 0, len(signal_m) - 1)
     first, last = (focus_sample + round(t * rate_hz) for t in (start_s, stop_s))
     if not 0 <= first < last <= len(signal_m):
         raise InvalidParameter(
@@ -56,6 +60,13 @@ def width_m(at_m: FloatArray, profile: FloatArray, level: float = HALF) -> float
     >>> round(width_m(x, 1 - np.abs(x)), 12)
     1.0
     """
+    ascending("at_m", at_m)
+    finite("profile", profile)
+    share("level", level)
+    if np.shape(profile) != np.shape(at_m) or not np.any(profile):
+        raise InvalidParameter(
+            f"profile: found shape {np.shape(profile)}, expected {np.shape(at_m)} as at_m has, not all zero"
+        )
     peak = int(np.argmax(np.abs(profile)))
     relative = profile / profile[peak]
     right = _crossing(at_m[peak:], relative[peak:], level)
@@ -67,6 +78,14 @@ def area_m2(field_m: FloatArray, grid_m: Grid, level: float = HALF) -> float:
     """Area around the peak that stays above `level` times the peak, counting cells connected to the peak."""
     from scipy.ndimage import label
 
+    share("level", level)
+    finite("field_m", field_m)
+    for axis_m in grid_m:
+        ascending("grid_m", axis_m)
+    if field_m.shape != tuple(map(len, grid_m)) or not field_m.any():
+        raise InvalidParameter(
+            f"field_m: found shape {field_m.shape}, expected {tuple(map(len, grid_m))} as the grid has, not all zero"
+        )
     peak = np.unravel_index(np.argmax(np.abs(field_m)), field_m.shape)
     islands, _ = label(field_m / field_m[peak] >= level)
     cell = (grid_m[0][1] - grid_m[0][0]) * (grid_m[1][1] - grid_m[1][0])
@@ -82,12 +101,15 @@ def envelope(signal: FloatArray) -> FloatArray:
 
 def temporal_width_s(signal_m: FloatArray, rate_hz: float, level: float = HALF) -> float:
     """Full width in time of the envelope around its peak, at `level` times the peak."""
+    positive("rate_hz", rate_hz)
+    finite("signal_m", signal_m)
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
 def uniformity(amplitudes_m: FloatArray) -> float:
     """1 - standard deviation / mean over focus positions; 1 is an even screen."""
     amplitudes = np.abs(np.asarray(amplitudes_m, float))
+    finite("amplitudes_m", amplitudes)
     if amplitudes.size < 2 or not amplitudes.any():
         raise InvalidParameter(f"amplitudes_m: found {amplitudes.size} values, expected two or more, not all zero")
     return 1 - float(np.std(amplitudes, ddof=1) / np.mean(amplitudes))
@@ -101,11 +123,17 @@ def deformation_energy_estimate_j(
     >>> round(deformation_energy_estimate_j(2.453, 12.5e3, 10e-6, 14.7e-3) * 1e3, 2)
     0.13
     """
+    for name, value in (("area_density_kg_per_m2", area_density_kg_per_m2), ("resolution_m", resolution_m)):
+        positive(name, value)
+    for name, value in (("frequency_hz", frequency_hz), ("amplitude_m", amplitude_m)):
+        not_negative(name, value)
     disc_m2 = math.pi * resolution_m**2 / 4
     return 0.5 * area_density_kg_per_m2 * (2 * math.pi * frequency_hz * amplitude_m) ** 2 * disc_m2
 
 
 def _ratio(amplitude: float, field: FloatArray) -> float:
+    finite("amplitude", amplitude)
+    finite("field", field)
     rms = math.sqrt(float(np.mean(np.square(field)))) if np.size(field) else 0.0
     if rms == 0.0:
         raise InvalidParameter("field: found zero everywhere, expected a field to compare the focus with")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.stimuli.time_reversal.checks import positive, within
+from tactometry.stimuli.time_reversal.checks import finite, positive, within
 
 FloatArray = NDArray[np.float64]
 
@@ -44,6 +44,7 @@ class OneBit:
 
     def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
         del rate_hz
+        finite("waveform", waveform)
         return np.where(waveform >= 0, 1.0, -1.0)
 
 
@@ -112,6 +113,7 @@ class PulseWidth:
 
 def normalised(waveform: FloatArray, *, per_channel: bool = False) -> FloatArray:
     """The waveform with a peak of 1; zeros stay zeros."""
+    finite("waveform", waveform)
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
 

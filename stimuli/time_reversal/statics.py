@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.axis import SineAxis
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import finite, positive, within
 from tactometry.stimuli.time_reversal.legendre import families, n_rigid
 from tactometry.stimuli.time_reversal.plate import Plate
 
@@ -38,7 +38,8 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     Raises
     ------
     InvalidParameter
-        If the force is outside of the plate, or the edges leave a rigid-body motion.
+        If the force or a point is outside of the plate, the force is not finite, or the edges
+        leave a rigid-body motion.
 
     Examples
     --------
@@ -50,13 +51,20 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
         raise InvalidParameter(f"at_m: found {at_m}, expected a point of the plate")
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
+    finite("force_n", force_n)
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
+    for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
+        if not plate.contains(*place):
+            raise InvalidParameter(f"x_m, y_m: found {place} at {i}, expected points of the plate")
     solve = _levy if plate.boundary == "SSSS" else _ritz
     return force_n * solve(plate, at_m, x.astype(float), y.astype(float))
 
 
 def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     """Largest bending stress of a simply supported plate, loaded over a square at its centre.
+
+    The edges count as simply supported whatever `plate.boundary` says. The square's side `contact_m` is above 0
+    and at most the plate's shorter side, else `InvalidParameter`.
 
     sigma = 6 M_y / h^2 with M_y = -D (u_yy + nu u_xx), or M_x if that is larger, by Navier's sum. A point
     force would give an infinite stress.
@@ -65,7 +73,9 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     >>> round(bending_stress_pa(A4_SCREEN, 2.0, 10e-3) / 1e6, 1)
     3.6
     """
+    finite("force_n", force_n)
     positive("contact_m", contact_m)
+    within("contact_m", contact_m, 0.0, min(plate.length_m, plate.width_m))
     axes = [SineAxis(side, N_TERMS_PATCH) for side in (plate.length_m, plate.width_m)]
     middles = [plate.length_m / 2, plate.width_m / 2]
     shape = [axis.value(middle)[:, 0] for axis, middle in zip(axes, middles, strict=True)]
