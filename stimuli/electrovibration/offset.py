@@ -1,12 +1,14 @@
 """A constant added to a voltage."""
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Protocol
 
 import numpy as np
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.force import Law, force_form
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
@@ -42,9 +44,9 @@ class WithOffset:
     """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0,
     peak V0 in all.
 
-    In a lossless skin the force then contains the frequency of the voltage. A leaky skin behind an
-    insulator blocks the constant after a few time constants: that is allowed, and `remark` says so. The
-    constant has the ramps of w.
+    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an
+    insulator loses the constant after a few time constants: its force vanishes in the `sc_layer` law and rises in
+    the `interface` law. That is allowed, and `remark` says so. The constant has the ramps of w.
 
     Parameters
     ----------
@@ -95,18 +97,26 @@ class WithOffset:
         height_v = self.ratio * peak_voltage_v(level, self.level_unit)
         return _sum(plain, constant.scaled(height_v)).scaled(1 / (1 + abs(self.ratio)))
 
-    def remark(self, skin: Skin) -> str | None:
-        """What a skin makes of the offset, if it blocks it; None if it does not.
+    def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
+        """What becomes of the force of the offset, if the skin changes it in time; None if it does not.
+
+        The time is that of the slowest relaxation of the law on the contact area (1 cm^2: unverified default).
 
         >>> from tactometry.stimuli.electrovibration import Sine
-        >>> WithOffset(Sine(frequency_hz=60.0), ratio=0.5).remark(Skin())
-        'WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau (1.58 ms)'
+        >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+        >>> tone.remark(Skin(), "sc_layer")
+        'WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change'
+        >>> tone.remark(Skin(), "interface")
+        'WithOffset.ratio: interface keeps a constant: its force has risen fully 5 tau (1.58 ms) after its last change'
+        >>> tone.remark(Skin(), "parallel_plate") is None
+        True
         """
-        if self.ratio == 0 or skin.tau_s == np.inf:
+        found = force_form(law, skin, area_m2).relaxations
+        if self.ratio == 0 or (found.dc_gain != 0 and not found.rates_per_s):
             return None
-        return (
-            f"WithOffset.ratio: the insulator blocks a constant: no force of it after 5 tau ({5e3 * skin.tau_s:.3g} ms)"
-        )
+        fates = "blocks a constant: below 1 % of its force", "keeps a constant: its force has risen fully"
+        after_ms = 5e3 / min(found.rates_per_s, default=inf)
+        return f"WithOffset.ratio: {law} {fates[found.dc_gain != 0]} 5 tau ({after_ms:.3g} ms) after its last change"
 
 
 def _sum(one: Pieces, other: Pieces) -> Pieces:
