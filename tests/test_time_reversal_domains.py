@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.energy import average_power_w, bridge_power_w, capacitance_f, switched_power_w
+from tactometry.stimuli.time_reversal.estimation import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
@@ -180,3 +182,17 @@ def test_outside_of_the_domain_one_sentence(call, names):
         call()
     assert "found" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("missing", range(1, 16))
+def test_the_rigidity_ratio_holds_without_one_of_the_modes(missing):
+    modes_hz = A4_SCREEN.frequencies_hz(2000.0)[:16]
+    softer = replace(A4_SCREEN, youngs_modulus_pa=0.8 * A4_SCREEN.youngs_modulus_pa)
+    found = rigidity_ratio_from_modes(np.delete(modes_hz, missing), softer)
+    assert found.value == pytest.approx(A4_SCREEN.wave_constant_m2_per_s**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_a_mode_that_is_no_number_is_refused(wrong):
+    with pytest.raises(InvalidParameter, match="measured_hz"):
+        rigidity_ratio_from_modes([100.0, wrong], A4_SCREEN)

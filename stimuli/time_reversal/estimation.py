@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import all_positive
 from tactometry.stimuli.time_reversal.decay import Estimate, mean_estimate
 from tactometry.stimuli.time_reversal.plate import Plate
 
@@ -24,27 +25,28 @@ def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m
 def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
     """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
 
-    Each measured frequency goes to the nearest mode of `guess` on a logarithmic scale, after the common
-    factor between the two is found from the first mode; frequencies depend on D / rho_s by its square root,
-    and through the edges weakly on Poisson's ratio, which is taken from `guess`.
+    Each measured frequency, in ascending order, goes to the nearest mode of `guess` on a logarithmic scale, times
+    the common factor of those before it; the first goes to the first mode. Frequencies depend on D / rho_s by
+    its square root, and through the edges weakly on Poisson's ratio, which is taken from `guess`.
 
     Parameters
     ----------
     measured_hz : sequence of float
-        Ascending, above 0, from the first elastic mode without gaps.
+        Ascending, above 0, from the first elastic mode on; later modes may be missing.
     guess : Plate
         Size, edges and Poisson's ratio as measured; modulus and density of the right order.
     """
     measured = np.asarray(measured_hz, float)
-    if measured.ndim != 1 or len(measured) == 0 or not (np.diff(measured) >= 0).all() or not measured[0] > 0:
+    all_positive("measured_hz", measured)
+    if measured.ndim != 1 or len(measured) == 0 or not (np.diff(measured) >= 0).all():
         raise InvalidParameter(f"measured_hz: found {measured.tolist()}, expected ascending frequencies above 0")
     factor = measured[0] / _elastic(guess, 4.0)[0]
-    model = _elastic(guess, 1.2 * measured[-1] / factor)[: len(measured)]
+    model = _elastic(guess, 1.2 * measured[-1] / factor)
     if len(model) < len(measured):
         raise InvalidParameter(
             f"measured_hz: found {len(measured)} modes up to {measured[-1]} Hz, the plate has {len(model)} there"
         )
-    return _geometric(2 * np.log(guess.wave_constant_m2_per_s * measured / model))
+    return _geometric(2 * np.log(guess.wave_constant_m2_per_s * measured / _nearest(measured, model)))
 
 
 def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> Estimate:
@@ -69,6 +71,16 @@ def _elastic(plate: Plate, f_max_hz: float) -> FloatArray:
     found = plate.frequencies_hz(f_max_hz)
     found = found[found > 0]
     return found if len(found) else _elastic(plate, 2 * f_max_hz)
+
+
+def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
+    """(n_measured,): the mode that each belongs to, by the mean factor of those before it."""
+    found, modes = np.log(measured), np.log(model)
+    paired = modes[:1]
+    for i in range(1, len(found)):
+        expected = modes + np.mean(found[:i] - paired)
+        paired = np.append(paired, modes[np.argmin(np.abs(found[i] - expected))])
+    return np.asarray(np.exp(paired))
 
 
 def _geometric(logarithms: FloatArray) -> Estimate:
