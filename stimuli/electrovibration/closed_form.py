@@ -1,4 +1,7 @@
-"""Voltage across the corneum and force in closed form, without body resistance, in the `sc_layer` law."""
+"""Voltage across the corneum and force in closed form, in the `sc_layer` law, of an insulator and a leaky corneum.
+
+A skin with a body resistance or tissue has more relaxations than one, and is refused here: `Solution` solves it.
+"""
 
 from math import inf
 
@@ -14,7 +17,7 @@ from tactometry.stimuli.electrovibration.skin import Skin
 
 def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
-    return np.asarray(skin.k * voltage_v * np.exp(-_elapsed(t_s, skin)))
+    return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_elapsed(t_s, skin)))
 
 
 def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
@@ -23,16 +26,17 @@ def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
     >>> round(step_impulse_n_s(100.0, Skin(), 1e-4) * 1e6, 8)
     3.3494745
     """
-    return force_per_square_volt_n(skin, area_m2) * (skin.k * voltage_v) ** 2 * skin.tau_s / 2
+    return force_per_square_volt_n(skin, area_m2) * _peak_v(voltage_v, skin) ** 2 * skin.tau_s / 2
 
 
 def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
-    return skin.k * voltage_v * phi1(_elapsed(rise_s, skin))
+    return _peak_v(voltage_v, skin) * phi1(_elapsed(rise_s, skin))
 
 
 def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
+    _check_one_relaxation(skin)
     response = complex(skin.response(frequency_hz))
     steady = response * np.exp(2j * np.pi * frequency_hz * np.asarray(t_s, dtype=np.float64))
     return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_elapsed(t_s, skin))))
@@ -44,13 +48,14 @@ def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, are
     >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
     [0.1479612, 1.9583526]
     """
+    _check_one_relaxation(skin)
     return force_per_square_volt_n(skin, area_m2) * (voltage_v * skin.gain(frequency_hz)) ** 2 / 2
 
 
 def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
     half_periods = _elapsed(_period_s(frequency_hz) / 2, skin)
-    return 2 * skin.k * voltage_v / (1 + np.exp(-half_periods))
+    return 2 * _peak_v(voltage_v, skin) / (1 + np.exp(-half_periods))
 
 
 def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
@@ -66,9 +71,15 @@ def square_harmonic_force_n(
 
     ``4 b V+^2 (1 - exp(-T/tau))/(T |2/tau + 4 pi i n f|)``.
     """
+    n = require.finite_array("square_harmonic_force_n.n_harmonic", n_harmonic)
+    if ((n < 1) | (n != np.round(n))).any():
+        raise InvalidParameter(
+            f"square_harmonic_force_n.n_harmonic: found {n_harmonic!r}, expected whole numbers from 1 (the mean, at 0, "
+            "is square_mean_force_n)"
+        )
     edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
     decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
-    rate_per_s: NDArray[np.float64] = np.abs(2 * decay_per_s + 4j * np.pi * np.asarray(n_harmonic) * frequency_hz)
+    rate_per_s: NDArray[np.float64] = np.abs(2 * decay_per_s + 4j * np.pi * n * frequency_hz)
     charged = -np.expm1(-decay_per_s / frequency_hz)
     return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
 
@@ -78,6 +89,22 @@ def _period_s(frequency_hz: ArrayLike) -> NDArray[np.float64]:
     if (f_hz <= 0).any():
         raise InvalidParameter(f"closed_form.frequency_hz: found {f_hz.min()}, expected numbers above 0")
     return 1 / f_hz
+
+
+def _peak_v(voltage_v: float, skin: Skin) -> float:
+    """Corneum voltage at once after a step."""
+    _check_one_relaxation(skin)
+    require.finite("closed_form", voltage_v=voltage_v)
+    return skin.k * voltage_v
+
+
+def _check_one_relaxation(skin: Skin) -> None:
+    for name, neutral in (("body_resistance_ohm", 0.0), ("tissue", None)):
+        if getattr(skin, name) != neutral:
+            raise InvalidParameter(
+                f"closed_form: found a skin with Skin.{name} other than {neutral}, which these formulas have no term "
+                f"for; expected {neutral}, or take Solution or electrostatic_force_n_at"
+            )
 
 
 def _elapsed(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:

@@ -17,7 +17,8 @@ from tactometry.stimuli.electrovibration.pieces import Pieces
 class CoulombFriction:
     """``F_f = mu (F_n + F_e)`` with ``mu = mu_1 (F_n/1 N)^exponent``.
 
-    A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load.
+    A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
+    that of the finger: the voltage does not change the coefficient.
 
     >>> float(CoulombFriction(0.5).modulation_n(0.01, force_n=1.0))
     0.005
@@ -31,13 +32,18 @@ class CoulombFriction:
         require.finite("CoulombFriction", load_exponent=self.load_exponent)
 
     def coefficient_at(self, force_n: float) -> float:
-        """The coefficient under a normal force (N); 0 without one."""
+        """The coefficient under a normal force (N).
+
+        Without one it is the constant coefficient (the voltage alone causes friction, ``mu F_e``), 0 for an exponent
+        above 0, and without a limit for an exponent below 0, which is refused.
+
+        >>> CoulombFriction(0.5).coefficient_at(0.0), CoulombFriction(0.5, load_exponent=0.1).coefficient_at(0.0)
+        (0.5, 0.0)
+        """
         require.non_negative("CoulombFriction", force_n=force_n)
-        if force_n == 0:
-            return 0.0
         try:
             return float(self.coefficient * float(force_n) ** self.load_exponent)
-        except OverflowError:
+        except (OverflowError, ZeroDivisionError):
             raise InvalidParameter(
                 f"CoulombFriction.load_exponent: found {self.load_exponent} for a normal force of {force_n} N, "
                 "expected a coefficient within the range of a double"
