@@ -11,8 +11,22 @@ from scipy.io import wavfile
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.closed_forms import (
+    Reverberation,
+    analogue_amplitude_ratio,
+    contrast_far,
+    contrast_temporal,
+    contrast_whole,
+    focus_profile,
+    half_wavelength_m,
+    mistuned_amplitude_ratio,
+    one_bit_amplitude_ratio,
+    repetition_noise_ratio,
+    resolution_m,
+)
 from tactometry.stimuli.time_reversal.energy import average_power_w, bridge_power_w, capacitance_f, switched_power_w
 from tactometry.stimuli.time_reversal.estimation import rigidity_ratio_from_modes
+from tactometry.stimuli.time_reversal.finger import Emission, amplitude_ratio_elsewhere
 from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
@@ -27,17 +41,25 @@ from tactometry.stimuli.time_reversal.merit import (
     uniformity,
     width_m,
 )
+from tactometry.stimuli.time_reversal.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.sound import noise
 from tactometry.stimuli.time_reversal.spectrum import Band
 from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
 from tactometry.stimuli.time_reversal.transducer import border
 
 FOCUS = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
 LINE, BUMP = np.arange(5.0), np.array([0.0, 1.0, 4.0, 1.0, 0.0])
 FIELD = np.outer(BUMP, BUMP)
 NANS = np.array([1.0, math.nan, 1.0])
+ROOM = Reverberation(32, 25e3, 3e-3, 6e-3, 18e-3)
+TWO = Pattern(100.0, 20e-3, Exponential())
+SMALL = Screen(A4_SCREEN, border(A4_SCREEN, 2), Attenuation(3e-3))
+PULSE = Signal(np.array([[1.0, -1.0], [1.0, 1.0]]), 1e3, "V")
+SAMPLING = {"rate_hz": 1e3, "duration_s": 5e-3, "f_max_hz": 500.0}
 SAMPLES = np.random.default_rng(0).standard_normal((1, 2, 50))
 
 
@@ -172,6 +194,30 @@ OUTSIDE = {
     "deflection off the plate": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), 0.1, 9.0), "x_m, y_m"),
     "deflection at nan": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), math.nan, 0.1), "x_m, y_m"),
     "stress nan": (lambda: bending_stress_pa(A4_SCREEN, math.nan, 0.01), "force_n"),
+    "one bit tau": (lambda: one_bit_amplitude_ratio(1.0, -1.0), "tau_s"),
+    "one bit T": (lambda: one_bit_amplitude_ratio([1.0, -1.0], 1.0), r"reversal_s\[1\]"),
+    "analogue T": (lambda: analogue_amplitude_ratio(math.nan, 1.0), "reversal_s"),
+    "kurtosis": (lambda: replace(ROOM, kurtosis=math.nan), "kurtosis"),
+    "contrast before the focus": (lambda: contrast_temporal(ROOM, -1e-3, 1e-3), "start_s"),
+    "contrast of no time": (lambda: contrast_temporal(ROOM, 1e-3, 1e-3), "stop_s"),
+    "contrast far r": (lambda: contrast_far(ROOM, 500.0, -0.01), "radius_m"),
+    "repetition": (lambda: repetition_noise_ratio(0.0, 1.0), "repetition_s"),
+    "profile": (lambda: focus_profile(A4_SCREEN, Band(0.0, 1e3), math.nan), "radius_m"),
+    "resolution level 0": (lambda: resolution_m(A4_SCREEN, Band(0.0, 1e3), 0.0), "level"),
+    "resolution level 1": (lambda: resolution_m(A4_SCREEN, Band(0.0, 1e3), 1.0), "level"),
+    "half a wavelength": (lambda: half_wavelength_m(A4_SCREEN, -1.0), "f_mean_hz"),
+    "mistuned tau": (lambda: mistuned_amplitude_ratio(0.01, Band(0.0, 1e3), math.inf), "tau_s"),
+    "mistuned shift": (lambda: mistuned_amplitude_ratio(math.nan, Band(0.0, 1e3), 1.0), "relative_shift"),
+    "burst weight": (lambda: burst_s(2.0, 7e-3, 3e-3), "weight"),
+    "burst tau": (lambda: burst_s(0.5, 7e-3, math.inf), "tau_s"),
+    "pattern tau": (lambda: pattern_drive(FOCUS, TWO, 1.0, modulation="burst", tau_s=-1.0), "tau_s"),
+    "stimulus T": (lambda: TimeReversalStimulus(FOCUS, reversal_s=0.0), "reversal_s"),
+    "emission T": (lambda: Emission(Band(0.0, 1e3), 0.0, 1e4), "reversal_s"),
+    "elsewhere T": (lambda: amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 0.0), "reversal_s"),
+    "elsewhere tau": (lambda: amplitude_ratio_elsewhere(A4_SCREEN, 10.0, math.inf, 7e-3), "tau_s"),
+    "noise of no time": (lambda: noise(SMALL, PULSE, 500.0, duration_s=0.0), "duration_s"),
+    "quantity": (lambda: impulse_responses(SMALL, [(0.1, 0.1)], **SAMPLING, quantity="x"), "quantity"),
+    "mode count": (lambda: A4_SCREEN.mode_count(-1.0), "frequency_hz"),
     "stress of a large contact": (lambda: bending_stress_pa(A4_SCREEN, 1.0, 0.25), "contact_m"),
 }
 
@@ -196,3 +242,21 @@ def test_the_rigidity_ratio_holds_without_one_of_the_modes(missing):
 def test_a_mode_that_is_no_number_is_refused(wrong):
     with pytest.raises(InvalidParameter, match="measured_hz"):
         rigidity_ratio_from_modes([100.0, wrong], A4_SCREEN)
+
+
+def test_near_the_focus_the_far_contrast_leaves_nothing_out():
+    everything = math.sqrt(32 * ROOM.n_modes / (32 + ROOM.kurtosis + ROOM.absorption))
+    assert contrast_far(ROOM, 500.0, 1e-9) == pytest.approx(everything, rel=1e-12)
+    assert everything == pytest.approx(contrast_whole(ROOM), rel=1e-12)
+
+
+@pytest.mark.parametrize("level", [1e-3, 0.1, 0.5, 0.999])
+@pytest.mark.parametrize("band", [Band(0.0, 25e3), Band(20e3, 20.1e3)], ids=["wide", "narrow"])
+def test_every_level_below_the_peak_has_a_width(band, level):
+    width = resolution_m(A4_SCREEN, band, level)
+    assert focus_profile(A4_SCREEN, band, width / 2) == pytest.approx(level, abs=1e-9)
+
+
+def test_the_whole_weight_takes_the_whole_reversal():
+    assert burst_s(1.0, 7e-3, 1e-6) == 7e-3
+    assert burst_s(0.0, 7e-3, 3e-3) == 0.0

@@ -48,6 +48,16 @@ def all_positive(name: str, values: ArrayLike) -> None:
     _each(name, values, np.isfinite(values) & (np.asarray(values) > 0), "a finite number above 0")
 
 
+def all_at_least_0(name: str, values: ArrayLike) -> None:
+    """Refuse a number or an array unless each is at least 0; infinity is taken."""
+    _each(name, values, np.asarray(values) >= 0, "a number, at least 0")
+
+
+def all_above_0(name: str, values: ArrayLike) -> None:
+    """Refuse a number or an array unless each is above 0; infinity is taken."""
+    _each(name, values, np.asarray(values) > 0, "a number above 0")
+
+
 def ascending(name: str, values: ArrayLike) -> None:
     """Refuse a list unless it is finite, has two or more numbers, and each is above the one before."""
     found = np.asarray(values, float)

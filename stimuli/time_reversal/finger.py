@@ -73,13 +73,17 @@ class Finger:
 
 @dataclass(frozen=True)
 class Emission:
-    """How a focus is made: band, T, sampling, voltage and quantiser."""
+    """How a focus is made: band, T, sampling and voltage, each above 0, and quantiser."""
 
     band: Band
     reversal_s: float
     rate_hz: float
     voltage_v: float = 30.0
     quantiser: Quantiser | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("reversal_s", "rate_hz", "voltage_v"):
+            positive(f"Emission.{name}", getattr(self, name))
 
     @property
     def f_max_hz(self) -> float:
@@ -135,6 +139,8 @@ def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s:
 
     Scattering adds to the loss; relearning removes that part only.
     """
+    positive("tau_s", tau_s)
+    positive("reversal_s", reversal_s)
     loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
     ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
     return float(loaded_tau_s / tau_s * ratio)

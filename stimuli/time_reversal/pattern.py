@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, positive
+from tactometry.stimuli.time_reversal.checks import choice, not_negative, positive, within
 from tactometry.stimuli.time_reversal.focusing import reversed_waveform
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses
@@ -206,10 +206,16 @@ def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[
 def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     """Emission that reaches `weight` times the amplitude of the whole T: -tau ln(1 - w (1 - exp(-T / tau))).
 
+    The weight lies from 0 to 1, T is at least 0 and tau above 0.
+
     >>> round(burst_s(1.0, 7e-3, 3.5e-3) * 1e3, 9)
     7.0
     """
-    return -tau_s * math.log1p(weight * math.expm1(-reversal_s / tau_s))
+    within("weight", weight, 0.0, 1.0)
+    not_negative("reversal_s", reversal_s)
+    positive("tau_s", tau_s)
+    reached = -weight * math.expm1(-reversal_s / tau_s)
+    return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
 
 
 def _starts(pattern: Pattern, rate_hz: float) -> NDArray[np.int64]:

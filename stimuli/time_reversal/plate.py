@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive, within
+from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.modes import Modes
@@ -127,6 +127,7 @@ class Plate:
         >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
         (425, 425)
         """
+        not_negative("frequency_hz", frequency_hz)
         k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
         return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
 

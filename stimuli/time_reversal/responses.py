@@ -115,6 +115,7 @@ def impulse_responses(
     >>> h.samples.shape
     (1, 32, 50)
     """
+    choice("quantity", quantity, QUANTITIES)
     n_samples = samples_in("duration_s", duration_s, rate_hz)
     if 2 * f_max_hz > rate_hz:
         raise InvalidParameter(

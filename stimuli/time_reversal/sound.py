@@ -92,13 +92,14 @@ def noise(
     distance_m: float = 0.3,
     duration_s: float | None = None,
 ) -> NoiseSpectrum:
-    """Sound of a drive at a distance, averaged over `duration_s` (by default the drive and 5 tau).
+    """Sound of a drive at a distance, averaged over `duration_s`, above 0 (by default the drive and 5 tau).
 
     W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
     """
     positive("distance_m", distance_m)
     frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
-    span_s = duration_s or signal.duration_s + 5 * screen.attenuation.tau_s
+    span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
+    positive("duration_s", span_s)
     watt_per_hz = (
         AIR_DENSITY_KG_PER_M3
         * SOUND_SPEED_M_PER_S

@@ -32,7 +32,7 @@ class TimeReversalStimulus:
     quantiser : Quantiser, optional
         By default one bit.
     reversal_s : float, optional
-        T; by default the whole of the responses.
+        T, above 0; by default the whole of the responses.
     voltage_max_v : float
         What the amplifier can emit, above 0.
     level_unit : str
@@ -60,6 +60,8 @@ class TimeReversalStimulus:
         choice("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         choice("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
         positive("TimeReversalStimulus.voltage_max_v", self.voltage_max_v)
+        if self.reversal_s is not None:
+            positive("TimeReversalStimulus.reversal_s", self.reversal_s)
 
     def at(self, level: float) -> Signal:
         """The drive (V) whose largest focus has this amplitude.
