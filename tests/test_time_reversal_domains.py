@@ -24,6 +24,7 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
+from tactometry.stimuli.time_reversal.contactor import Contactor
 from tactometry.stimuli.time_reversal.energy import average_power_w, bridge_power_w, capacitance_f, switched_power_w
 from tactometry.stimuli.time_reversal.estimation import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.finger import Emission, amplitude_ratio_elsewhere
@@ -217,6 +218,10 @@ OUTSIDE = {
     "elsewhere tau": (lambda: amplitude_ratio_elsewhere(A4_SCREEN, 10.0, math.inf, 7e-3), "tau_s"),
     "noise of no time": (lambda: noise(SMALL, PULSE, 500.0, duration_s=0.0), "duration_s"),
     "quantity": (lambda: impulse_responses(SMALL, [(0.1, 0.1)], **SAMPLING, quantity="x"), "quantity"),
+    "points of three": (lambda: impulse_responses(SMALL, [(0.1, 0.1, 0.1)] * 2, **SAMPLING), "points"),
+    "one bare point": (lambda: impulse_responses(SMALL, (0.1, 0.1), **SAMPLING), "points"),
+    "contactor off": (lambda: Contactor("soft").loads(A4_SCREEN, (9.0, 9.0), 1.0), "at_m"),
+    "finger off": (lambda: Contactor("finger").loads(A4_SCREEN, (9.0, 9.0), 1.0), "at_m"),
     "mode count": (lambda: A4_SCREEN.mode_count(-1.0), "frequency_hz"),
     "stress of a large contact": (lambda: bending_stress_pa(A4_SCREEN, 1.0, 0.25), "contact_m"),
 }

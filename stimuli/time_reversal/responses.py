@@ -177,9 +177,11 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
     InvalidParameter
         If there is no point, or one is outside of the plate.
     """
-    place = np.asarray(points, float).reshape(-1, 2)
+    place = np.asarray(points, float)
     if len(place) == 0:
         raise InvalidParameter("points: found none, expected at least one")
+    if place.ndim != 2 or place.shape[1] != 2:
+        raise InvalidParameter(f"points: found shape {place.shape}, expected (n_points, 2), pairs (x_m, y_m)")
     for i, (x, y) in enumerate(place):
         if not screen.plate.contains(x, y):
             raise InvalidParameter(
