@@ -5,14 +5,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped, times_s
+from tactometry.stimuli.electrovibration.timing import check_nyquist, check_pulse, check_timing, ramped, times_s
 
 
 class Repeated(Protocol):
@@ -72,12 +71,10 @@ def check_periodic(waveform: Repeated) -> None:
 
 
 def check_width(waveform: Repeated, name: str, width_s: float) -> None:
-    """Refuse an edge-to-edge time shorter than a sample, which samples would lengthen or miss."""
-    if width_s < 1 / waveform.rate_hz * (1 - 1e-9) and not waveform.band_limited:
-        raise InvalidParameter(
-            f"{type(waveform).__name__}.{name}: found a pulse of {width_s:.6g} s, expected at least one sample "
-            f"({1 / waveform.rate_hz:.6g} s); lengthen it, raise rate_hz or set band_limited"
-        )
+    """Refuse a pulse or a pause shorter than a sample, which samples would lengthen or miss."""
+    if not waveform.band_limited:
+        owner = type(waveform).__name__
+        check_pulse(f"{owner}.{name}", width_s, waveform.rate_hz, "lengthen it, raise rate_hz or set band_limited")
 
 
 def _shape(waveform: Repeated) -> NDArray[np.float64]:

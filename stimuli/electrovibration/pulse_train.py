@@ -83,8 +83,14 @@ class PulseTrain(Periodic):
                 f"PulseTrain.width_s: found {self.width_s} s, expected at most {longest_s:.6g} s for "
                 f"{self.polarity} pulses at {self.frequency_hz} Hz; shorten them or lower the frequency"
             )
-
         check_width(self, "width_s", self.width_s)
+        pause_s = self._pause_s
+        if pause_s > 1e-9 * longest_s:
+            check_width(self, "width_s (the pause after it)", pause_s)
+
+    @property
+    def _pause_s(self) -> float:
+        return 1 / self.frequency_hz - (2 if self.polarity == "biphasic" else 1) * self.width_s
 
     @property
     def corners(self) -> Corners:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import resample
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -59,8 +60,15 @@ class Sampled:
 
     @property
     def force_frequency_hz(self) -> float:
-        """The strongest line of the spectrum of the square; 0 if there is none."""
-        return strongest_hz(np.asarray(self.shape) ** 2, self.rate_hz)
+        """The strongest line of the spectrum of the square, taken at twice the rate, where it does not alias;
+        0 if there is none.
+
+        >>> t_s = np.arange(20_000) / 20_000
+        >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
+        19800.0
+        """
+        finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
+        return strongest_hz(finer**2, 2 * self.rate_hz)
 
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""

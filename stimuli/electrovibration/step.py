@@ -9,7 +9,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
-from tactometry.stimuli.electrovibration.timing import check_timing, times_s
+from tactometry.stimuli.electrovibration.timing import check_pulse, check_timing, n_samples, times_s
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,8 @@ class Step:
     Raises
     ------
     InvalidParameter
-        If a value is outside of its domain or the parts are longer than the whole.
+        If a value is outside of its domain, the parts are longer than the whole, or the voltage stays for less
+        than a sample above ``V0 / 2``, so that samples may miss it.
 
     >>> Step(onset_s=0.1, duration_s=0.4, rate_hz=10.0).at(20.0).samples.tolist()
     [[0.0, 10.0, 10.0, 10.0]]
@@ -50,6 +51,9 @@ class Step:
                 f"Step: found onset, rise and fall of {parts_s} s in all, expected less than duration_s "
                 f"({self.duration_s} s); lengthen the signal"
             )
+        end_s = min(self.duration_s - self.fall_s / 2, n_samples(self.duration_s, self.rate_hz) / self.rate_hz)
+        width_s = end_s - self.onset_s - self.rise_s / 2
+        check_pulse("Step.duration_s", width_s, self.rate_hz, "lengthen it or raise rate_hz")
 
     @property
     def ramp_s(self) -> float:

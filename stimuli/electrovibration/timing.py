@@ -42,6 +42,14 @@ def check_nyquist(owner: str, name: str, frequency_hz: float, rate_hz: float) ->
         )
 
 
+def check_pulse(where: str, width_s: float, rate_hz: float, mending: str) -> None:
+    """Refuse a pulse shorter than a sample: it may fall between two of them."""
+    if width_s < 1 / rate_hz * (1 - 1e-9):
+        raise InvalidParameter(
+            f"{where}: found a pulse of {width_s:.6g} s, expected at least one sample ({1 / rate_hz:.6g} s); {mending}"
+        )
+
+
 def times_s(duration_s: float, rate_hz: float) -> NDArray[np.float64]:
     """(n_samples,) times of the samples from 0."""
     return np.arange(n_samples(duration_s, rate_hz)) / rate_hz

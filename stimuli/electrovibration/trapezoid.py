@@ -7,7 +7,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
-from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic
+from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic, check_width
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class Trapezoid(Periodic):
     Raises
     ------
     InvalidParameter
-        If a value is outside of its domain.
+        If a value is outside of its domain, or the voltage stays for less than a sample above or below the
+        middle of its two values, so that samples may miss it.
 
     >>> lines = Trapezoid(rise_s=0.1, high_s=0.1, fall_s=0.1, low_s=0.1, rate_hz=10.0, duration_s=0.4)
     >>> lines.at(0.0).samples.round(12).tolist()
@@ -54,6 +55,9 @@ class Trapezoid(Periodic):
         if not -1 <= self.low_ratio <= 1:
             raise InvalidParameter(f"Trapezoid.low_ratio: found {self.low_ratio!r}, expected -1 to 1")
         check_periodic(self)
+        edges_s = (self.rise_s + self.fall_s) / 2
+        check_width(self, "high_s", self.high_s + edges_s)
+        check_width(self, "low_s", self.low_s + edges_s)
 
     @property
     def frequency_hz(self) -> float:

@@ -1,0 +1,94 @@
+"""What samples can hold: no pulse, texture or line of the force is lost or folded in silence."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Step, Trapezoid
+
+RATE_HZ = 1000.0
+LINE_S = st.floats(0, 4e-3)
+
+
+@given(rise_s=LINE_S, high_s=LINE_S, fall_s=LINE_S, low_s=LINE_S, low_ratio=st.sampled_from([0.0, -1.0]))
+def test_the_samples_of_a_trapezoid_pass_its_middle_both_ways(
+    rise_s: float, high_s: float, fall_s: float, low_s: float, low_ratio: float
+) -> None:
+    edges_s = (rise_s + fall_s) / 2
+    lines = {"rise_s": rise_s, "high_s": high_s, "fall_s": fall_s, "low_s": low_s}
+    if min(high_s, low_s) + edges_s < 0.99e-3:
+        with pytest.raises(InvalidParameter):
+            Trapezoid(**lines, low_ratio=low_ratio, rate_hz=RATE_HZ)
+    elif min(high_s, low_s) + edges_s > 1.01e-3:
+        samples = Trapezoid(**lines, low_ratio=low_ratio, rate_hz=RATE_HZ).at(0.0).samples[0]
+        middle = (1 + low_ratio) / 2
+        assert samples.max() >= middle - 1e-9
+        assert samples.min() <= middle + 1e-9
+        if max(rise_s, fall_s) == 0:
+            assert (samples.max(), samples.min()) == (1.0, low_ratio)
+
+
+@given(onset_s=LINE_S, rise_s=LINE_S, fall_s=LINE_S, rest_s=st.floats(1e-9, 4e-3))
+def test_the_samples_of_a_step_reach_its_half(onset_s: float, rise_s: float, fall_s: float, rest_s: float) -> None:
+    times = {"onset_s": onset_s, "rise_s": rise_s, "fall_s": fall_s}
+    times["duration_s"] = sum(times.values()) + rest_s
+    width_s = rest_s + (rise_s + fall_s) / 2
+    if width_s < 0.99e-3:
+        with pytest.raises(InvalidParameter):
+            Step(**times, rate_hz=RATE_HZ)
+    elif width_s > 1.51e-3:
+        assert Step(**times, rate_hz=RATE_HZ).at(0.0).samples.max() >= 0.5 - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: Trapezoid(rise_s=0.0, high_s=1e-6, fall_s=0.0, low_s=4e-3),
+            "Trapezoid.high_s: found a pulse of 1e-06 s, expected at least one sample (5e-05 s); lengthen it, raise "
+            "rate_hz or set band_limited",
+        ),
+        (
+            lambda: Trapezoid(rise_s=1e-6, high_s=4e-3, fall_s=1e-6, low_s=3e-6),
+            "Trapezoid.low_s: found a pulse of 4e-06 s, expected at least one sample (5e-05 s); lengthen it, raise "
+            "rate_hz or set band_limited",
+        ),
+        (
+            lambda: Step(onset_s=0.09999, duration_s=0.1),
+            "Step.duration_s: found a pulse of 1e-05 s, expected at least one sample (5e-05 s); lengthen it or raise "
+            "rate_hz",
+        ),
+        (
+            lambda: PulseTrain(frequency_hz=100.0, width_s=9.99e-3, polarity="positive"),
+            "PulseTrain.width_s (the pause after it): found a pulse of 1e-05 s, expected at least one sample (5e-05 "
+            "s); lengthen it, raise rate_hz or set band_limited",
+        ),
+    ],
+)
+def test_a_pulse_that_falls_between_samples_is_refused(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
+
+
+def test_a_short_pulse_plays_band_limited_or_at_a_higher_rate() -> None:
+    lines = {"rise_s": 0.0, "high_s": 1e-5, "fall_s": 0.0, "low_s": 3.99e-3}
+    assert Trapezoid(**lines, rate_hz=200_000.0).at(0.0).peak == 1.0
+    mean = Trapezoid(**lines, band_limited=True).at(0.0).samples.mean()
+    assert mean == pytest.approx(1e-5 / 4e-3, rel=1e-9)
+
+
+@pytest.mark.parametrize("polarity", ["positive", "negative", "biphasic", "alternating"])
+def test_pulses_may_follow_each_other_without_a_pause(polarity: str) -> None:
+    longest_s = 1 / 200 if polarity == "biphasic" else 1 / 100
+    samples = PulseTrain(frequency_hz=100.0, width_s=longest_s, ramp_s=0.0, polarity=polarity).at(0.0).samples
+    assert np.all(np.abs(samples) == 1.0)
+
+
+@pytest.mark.parametrize("frequency_hz", [30.0, 2400.0, 5100.0, 9900.0])
+@pytest.mark.parametrize("n", [20_000, 20_001])
+def test_the_force_of_a_sampled_tone_has_twice_its_frequency(frequency_hz: float, n: int) -> None:
+    tone = Sampled(tuple(np.sin(2 * np.pi * frequency_hz * np.arange(n) / 20_000)), rate_hz=20_000.0)
+    assert tone.force_frequency_hz == pytest.approx(2 * frequency_hz, abs=1.0)
