@@ -1,6 +1,8 @@
 """What electrovibration says of itself is so: each claim against the force or the motion that it speaks of."""
 
+import doctest
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,13 +21,13 @@ from tactometry.stimuli.electrovibration import (
     Travel,
     WithOffset,
     electrostatic_force_n_at,
+    force_form,
+    lagged_friction_n,
     sliding,
     sliding_many,
     stick_slip,
 )
 from tactometry.stimuli.electrovibration import closed_form as closed
-from tactometry.stimuli.electrovibration.force import force_form
-from tactometry.stimuli.electrovibration.friction import lagged_friction_n
 
 P0, AREA_M2 = Skin(), 1e-4
 FORM = force_form("sc_layer", P0, AREA_M2)
@@ -191,3 +193,42 @@ def test_a_closed_form_refuses_a_skin_that_it_has_no_term_for(call) -> None:
 def test_harmonics_of_a_square_are_counted_from_1(n_harmonic) -> None:
     with pytest.raises(InvalidParameter, match="square_harmonic_force_n.n_harmonic"):
         closed.square_harmonic_force_n(n_harmonic, 60.0, 100.0, P0, AREA_M2)
+
+
+def swept_n(corner_hz: float, t_s) -> np.ndarray:
+    """A lagging friction of a sine in `sc_layer`, written out: squares of exponentials, each lagged by itself."""
+    (gain,), (decay_per_s,) = FORM.relaxations.gains, FORM.relaxations.rates_per_s
+    rate_per_s, omega = 2 * np.pi * corner_hz, 2 * np.pi * 60.0
+    response = gain * 1j * omega / (1j * omega + decay_per_s)
+    rates = np.array([1j * omega, -1j * omega, -decay_per_s])
+    heights = 100.0 * np.array([response / 2j, -np.conj(response) / 2j, -response.imag])
+    sums, products = np.add.outer(rates, rates).ravel(), np.outer(heights, heights).ravel()
+    moving = np.exp(np.outer(t_s, sums)) - np.exp(-rate_per_s * np.asarray(t_s))[:, None]
+    return 0.5 * FORM.newton_per_v2 * (moving @ (products * rate_per_s / (sums + rate_per_s))).real
+
+
+@pytest.mark.parametrize("corner_hz", [1e2, 1e4, 1e6, 1e8, 9.9e9])
+def test_a_lag_that_is_not_refused_is_exact(corner_hz: float) -> None:
+    t_s = np.linspace(0, 0.1, 101)
+    found_n = lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=t_s)
+    expected_n = swept_n(corner_hz, t_s)
+    np.testing.assert_allclose(found_n, expected_n, rtol=0, atol=1e-9 * expected_n.max())
+
+
+@pytest.mark.parametrize("corner_hz", [1.1e10, 1e21, 1e300])
+def test_a_lag_too_short_to_be_resolved_is_refused(corner_hz: float) -> None:
+    with pytest.raises(InvalidParameter, match=r"lagged_friction_n.lag: found a corner of .* expected a product of at"):
+        lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=np.linspace(0, 0.1, 101))
+
+
+@pytest.mark.parametrize("speed_m_per_s", [1e200, 1e305])
+def test_a_speed_beyond_all_is_refused(speed_m_per_s: float) -> None:
+    with pytest.raises(InvalidParameter, match="lagged_friction_n.lag: found a corner of"):
+        lagged_n(FrictionLag(), CoulombFriction(), 0.5, speed_m_per_s=speed_m_per_s)
+
+
+def test_the_examples_of_the_page_are_true() -> None:
+    page = Path(__file__).resolve().parents[1] / "docs" / "electrovibration.md"
+    failed, tried = doctest.testfile(str(page), module_relative=False)
+    assert failed == 0
+    assert tried > 30

@@ -12,14 +12,26 @@ from tactometry.stimuli.electrovibration.contact_area import (
 )
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
-from tactometry.stimuli.electrovibration.drive import charge_c, current_a
+from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
 from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding, sliding_many
-from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n, electrostatic_force_n_at
-from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
+from tactometry.stimuli.electrovibration.force import (
+    LAWS,
+    ForceForm,
+    Law,
+    electrostatic_force_n,
+    electrostatic_force_n_at,
+    force_form,
+)
+from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag, lagged_friction_n
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
 from tactometry.stimuli.electrovibration.offset import WithOffset
-from tactometry.stimuli.electrovibration.pieces import Pieces
-from tactometry.stimuli.electrovibration.played_texture import PlayedTexture, PositionSensor
+from tactometry.stimuli.electrovibration.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.played_texture import (
+    PlayedTexture,
+    PositionSensor,
+    lateral_modulation_n,
+    straight_path_m,
+)
 from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.pulse_train import PulseTrain
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
@@ -48,6 +60,7 @@ __all__ = [
     "DryFriction",
     "ElectrovibrationSensation",
     "Finger",
+    "ForceForm",
     "FrictionLag",
     "Grating",
     "Image",
@@ -81,14 +94,21 @@ __all__ = [
     "WithOffset",
     "area_of_prints",
     "charge_c",
+    "charge_c_at",
     "current_a",
+    "current_a_at",
     "electrostatic_force_n",
     "electrostatic_force_n_at",
     "ellipse_area_m2",
+    "force_form",
+    "lagged_friction_n",
+    "lateral_modulation_n",
     "level_db_re_1v",
     "peak_voltage_v",
     "power_law_of_prints",
     "sliding",
     "sliding_many",
     "stick_slip",
+    "straight",
+    "straight_path_m",
 ]

@@ -12,6 +12,9 @@ from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem
 from tactometry.stimuli.electrovibration.pieces import Pieces
 
+CYCLES_MAX = 1e7
+"""The most periods of the lag's corner between two times: rounding is 1e-9 of the largest force there."""
+
 
 @dataclass(frozen=True)
 class CoulombFriction:
@@ -99,13 +102,37 @@ def lagged_friction_n(
     """(n_times,) friction force (N) that lags behind ``mu (F_n + F_e)``, exactly; 0 for a finger at rest.
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, or the corner is so high that rounding would pass 1e-9 (`CYCLES_MAX`).
+
+    >>> from tactometry.stimuli.electrovibration import Skin, Step, force_form
+    >>> pieces, form = Step(duration_s=0.1).pieces(40.0), force_form("parallel_plate", Skin(), 1e-4)
+    >>> lag, friction = FrictionLag(slope_hz_per_m_per_s=0.0, floor_hz=100.0), CoulombFriction(0.5)
+    >>> t_s = [0.0, 1 / (2 * np.pi * 100.0), 0.1]
+    >>> friction_n = lagged_friction_n(t_s, pieces, form, lag=lag, friction=friction, force_n=1.0, speed_m_per_s=0.05)
+    >>> friction_n.round(3).tolist()  # 0.5 (1 N + 17.3 N) in the end, 63 % of the way after one time constant
+    [0.5, 5.957, 9.133]
     """
     t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
     check_times(t, pieces)
     if speed_m_per_s == 0:
         return np.zeros_like(t)
-    rate_per_s = 2 * np.pi * lag.cutoff_hz(speed_m_per_s)
+    rate_per_s = 2 * np.pi * _resolved_hz(lag.cutoff_hz(speed_m_per_s), t)
     low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
     (lagging_n,) = driven(pieces, form, low_pass, t)
     return np.asarray(mu * force_n + lagging_n)
+
+
+def _resolved_hz(cutoff_hz: float, t_s: NDArray[np.float64]) -> float:
+    """The corner of a lag that the solution over these times resolves."""
+    longest_s = float(np.diff(t_s, prepend=0.0).max())
+    if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
+        raise InvalidParameter(
+            f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; a lag that short is none: take mu (F_n + F_e)"
+        )
+    return cutoff_hz
