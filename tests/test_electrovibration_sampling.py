@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Step, Trapezoid
+from tactometry.stimuli.electrovibration.played_texture import PlayedTexture, finest_period_m, straight_path_m
+from tactometry.stimuli.electrovibration.texture import Bump, Grating, Region, Texture
 
 RATE_HZ = 1000.0
 LINE_S = st.floats(0, 4e-3)
@@ -92,3 +94,50 @@ def test_pulses_may_follow_each_other_without_a_pause(polarity: str) -> None:
 def test_the_force_of_a_sampled_tone_has_twice_its_frequency(frequency_hz: float, n: int) -> None:
     tone = Sampled(tuple(np.sin(2 * np.pi * frequency_hz * np.arange(n) / 20_000)), rate_hz=20_000.0)
     assert tone.force_frequency_hz == pytest.approx(2 * frequency_hz, abs=1.0)
+
+
+@given(
+    texture=st.sampled_from([Grating(1e-3, duty=0.1), Grating(1e-3, duty=0.8), Region(0.0, 1e-3), Bump(0.0, 1e-3)]),
+    share=st.floats(0.01, 0.999),
+    start=st.floats(0, 1),
+)
+def test_positions_within_the_guard_miss_no_part_of_a_texture(texture: Texture, share: float, start: float) -> None:
+    step_m = share * (finest_period_m(texture) or 0.0) / 2
+    found = texture.force_share(np.arange(-10e-3 - start * step_m, 10e-3, step_m))
+    assert found.max() > 0.85
+    assert found.min() < 0.15
+
+
+PATH = straight_path_m(0.1, 0.1, 20_000.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: PlayedTexture(Grating(10e-6, "sinusoidal"), PATH),
+            "PlayedTexture.path_m: found a step of 5e-06 m, expected less than half of the texture's period (5e-06 "
+            "m); else the texture aliases: widen it, slow down or raise rate_hz",
+        ),
+        (
+            lambda: PlayedTexture(Grating(80e-6, "sinusoidal"), PATH),
+            "PlayedTexture.carrier_hz: found 2000.0 Hz, expected at least twice the frequency of the texture under "
+            "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
+        ),
+        (
+            lambda: PlayedTexture(Grating(0.1e-3, "sinusoidal"), PATH, carrier_hz=9500.0),
+            "PlayedTexture.carrier_hz + that of the texture: found 10500.0 Hz, expected less than half of rate_hz "
+            "(10000.0 Hz); lower the frequency or raise rate_hz",
+        ),
+    ],
+)
+def test_a_path_or_carrier_too_coarse_for_the_texture_is_refused(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message
+
+
+def test_aliasing_may_be_allowed_and_a_finger_at_rest_meets_any_texture() -> None:
+    grating = Grating(10e-6, "sinusoidal")
+    assert np.ptp(PlayedTexture(grating, PATH, aliasing="allow").force_share) < 1e-9
+    assert PlayedTexture(grating, (0.0,) * 100).force_frequency_hz == 0.0

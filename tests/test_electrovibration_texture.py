@@ -143,7 +143,7 @@ def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
     with pytest.raises(InvalidParameter) as caught:
         PlayedTexture(grating, path, sensor=sensor)
     assert str(caught.value) == (
-        "PositionSensor.rate_hz: found 120.0 reports per second, expected at least 200 for a period of 0.001 m at 0.1 "
+        "PositionSensor.rate_hz: found 120.0 reports per second, expected more than 200 for a period of 0.001 m at 0.1 "
         "m/s; else the texture aliases: widen it, slow down or report faster"
     )
     PositionSensor(rate_hz=1000.0).check(1e-3, 0.1)
@@ -156,22 +156,26 @@ def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
         (Velvet(tuft_period_m=2e-3), 2e-3),
         (NOISE, 1e-3),
         (Image(np.linspace(0, 1, 50), 1e-3), 2e-3),
-        (Bump(0.02, 3e-3), None),
+        (Grating(1e-3, duty=0.9), 0.2e-3),
+        (Bump(0.02, 3e-3), 6e-3),
+        (Region(0.01, 0.03), 0.04),
+        (Grating(1e-3, duty=1.0), None),
+        (Velvet(tuft_depth=0.0), None),
     ],
 )
 def test_the_finest_period_of_a_texture_sets_the_sensor_that_it_needs(texture: Texture, period_m: float) -> None:
     path = straight_path_m(0.1, 0.1, RATE_HZ)
     needed_hz = 0.0 if period_m is None else 0.2 / period_m
-    PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 1.001 + 1))
+    PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 1.001 + 1e-3))
     if period_m is not None:
         with pytest.raises(InvalidParameter, match="else the texture aliases"):
-            PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 0.99))
+            PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz))
 
 
-def test_a_resolution_coarser_than_half_a_period_is_refused() -> None:
-    PositionSensor(resolution_m=0.5e-3).check(1e-3, 0.1)
+def test_a_resolution_of_half_a_period_is_refused() -> None:
+    PositionSensor(resolution_m=0.49e-3).check(1e-3, 0.1)
     with pytest.raises(InvalidParameter, match=r"PositionSensor\.resolution_m"):
-        PositionSensor(resolution_m=0.6e-3).check(1e-3, 0.1)
+        PositionSensor(resolution_m=0.5e-3).check(1e-3, 0.1)
 
 
 def test_a_grid_finer_than_the_resolution_gives_steps() -> None:

@@ -11,7 +11,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.sampled import strongest_hz
-from tactometry.stimuli.electrovibration.texture import Grating, Image, Noise, Texture
+from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
 from tactometry.stimuli.electrovibration.timing import check_nyquist, check_timing, ramped
 from tactometry.stimuli.electrovibration.velvet import Velvet
 
@@ -53,27 +53,26 @@ class PositionSensor:
         return np.asarray(steps, dtype=np.float64)
 
     def check(self, period_m: float, speed_m_per_s: float) -> None:
-        """Refuse a texture whose period is shorter than two reports or two steps of resolution.
+        """Refuse a texture whose period is not longer than two reports and two steps of resolution.
 
         >>> PositionSensor(rate_hz=100.0).check(period_m=1e-3, speed_m_per_s=0.1)
         Traceback (most recent call last):
-        tactometry.errors.InvalidParameter: PositionSensor.rate_hz: found 100.0 reports per second, expected at \
-least 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
+        tactometry.errors.InvalidParameter: PositionSensor.rate_hz: found 100.0 reports per second, expected \
+more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
         """
         require.positive("PositionSensor.check", period_m=period_m)
         require.non_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
         needed_hz = 2 * speed_m_per_s / period_m
-        if self.rate_hz < needed_hz * (1 - 1e-9):
+        if self.rate_hz <= needed_hz * (1 + 1e-9):
             raise InvalidParameter(
-                f"PositionSensor.rate_hz: found {self.rate_hz} reports per second, expected at least {needed_hz:.6g} "
-                f"for a period of {period_m} m at {speed_m_per_s:.6g} m/s; else the texture aliases: widen it, slow "
-                f"down "
-                "or report faster"
+                f"PositionSensor.rate_hz: found {self.rate_hz} reports per second, expected more than {needed_hz:.6g} "
+                f"for a period of {period_m:.6g} m at {speed_m_per_s:.6g} m/s; else the texture aliases: widen it, "
+                "slow down or report faster"
             )
-        if self.resolution_m > period_m / 2:
+        if self.resolution_m >= period_m / 2 * (1 - 1e-9):
             raise InvalidParameter(
-                f"PositionSensor.resolution_m: found {self.resolution_m} m, expected at most half of the period "
-                f"({period_m / 2} m); else the texture aliases: widen it"
+                f"PositionSensor.resolution_m: found {self.resolution_m} m, expected less than half of the period "
+                f"({period_m / 2:.6g} m); else the texture aliases: widen it"
             )
 
 
@@ -92,7 +91,9 @@ class PlayedTexture:
     sensor : PositionSensor or None
         None: the position is known exactly and at once.
     aliasing : {"refuse", "allow"}
-        Whether a sensor that is too slow or too coarse for the texture at the fastest part of the path is an error.
+        Whether a path, sensor or carrier that is too slow or too coarse for the finest part of the texture at the
+        fastest part of the path is an error: each wants more than two steps in `finest_period_m`, the carrier at
+        least twice the frequency at which that period passes, and their sum stays below half of `rate_hz`.
     ramp_s
         Ramps on and off over the time of the path; none by default.
     level_unit
@@ -101,7 +102,7 @@ class PlayedTexture:
     Raises
     ------
     InvalidParameter
-        If a value is outside of its domain, or the sensor is too slow or too coarse.
+        If a value is outside of its domain, or the path, sensor or carrier is too slow or too coarse.
 
     >>> grating = PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.5, 20e3))
     >>> grating.voltage_frequency_hz, grating.force_frequency_hz
@@ -127,9 +128,27 @@ class PlayedTexture:
         check_timing("PlayedTexture", self.duration_s, self.ramp_s, self.rate_hz)
         require.one_of("PlayedTexture.aliasing", self.aliasing, ("refuse", "allow"))
         period_m = finest_period_m(self.texture)
-        if self.sensor is not None and period_m is not None and self.aliasing == "refuse":
-            steps_m = np.abs(np.diff(path)).max(initial=0.0)
-            self.sensor.check(period_m, float(steps_m * self.rate_hz))
+        if period_m is not None and self.aliasing == "refuse":
+            self._check_sampling(period_m, float(np.abs(np.diff(path)).max(initial=0.0)))
+
+    def _check_sampling(self, period_m: float, step_m: float) -> None:
+        if step_m >= period_m / 2 * (1 - 1e-9):
+            raise InvalidParameter(
+                f"PlayedTexture.path_m: found a step of {step_m:.6g} m, expected less than half of the texture's "
+                f"period ({period_m / 2:.6g} m); else the texture aliases: widen it, slow down or raise rate_hz"
+            )
+        if self.sensor is not None:
+            self.sensor.check(period_m, step_m * self.rate_hz)
+        self._check_carrier(step_m * self.rate_hz / period_m)
+
+    def _check_carrier(self, texture_hz: float) -> None:
+        sideband_hz = round(self.carrier_hz + texture_hz, 6)
+        check_nyquist("PlayedTexture", "carrier_hz + that of the texture", sideband_hz, self.rate_hz)
+        if self.carrier_hz < 2 * texture_hz * (1 - 1e-9):
+            raise InvalidParameter(
+                f"PlayedTexture.carrier_hz: found {self.carrier_hz} Hz, expected at least twice the frequency of the "
+                f"texture under the finger ({2 * texture_hz:.6g} Hz); raise the carrier, slow down or widen the texture"
+            )
 
     @property
     def duration_s(self) -> float:
@@ -169,18 +188,28 @@ def share_along(texture: Texture | Velvet, path_m: Real) -> Real:
 
 
 def finest_period_m(texture: Texture | Velvet) -> float | None:
-    """The shortest period (m) that a texture holds: of a grating, tufts, a band of noise, two pixels; else None.
+    """The shortest period (m) that positions must resolve; None if there is none.
 
-    >>> finest_period_m(Grating(2e-3))
-    0.002
+    Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
+    narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of
+    an image a pixel. Positions closer than half of it miss no part.
+
+    >>> finest_period_m(Grating(2e-3)), finest_period_m(Grating(2e-3, duty=0.25))
+    (0.002, 0.001)
     """
     match texture:
-        case Grating(period_m=period_m) | Velvet(tuft_period_m=period_m):
+        case Grating(shape="square"):
+            return 2 * min(texture.duty, 1 - texture.duty) * texture.period_m or None
+        case Grating(period_m=period_m):
             return period_m
+        case Velvet(tuft_period_m=period_m, tuft_depth=depth):
+            return period_m if depth else None
         case Noise(high_per_m=high_per_m):
             return 1 / high_per_m
-        case Image(pixel_m=pixel_m):
-            return 2 * pixel_m
+        case Image(pixel_m=width_m) | Bump(width_m=width_m):
+            return 2 * width_m
+        case Region(left_m=left_m, right_m=right_m):
+            return 2 * (right_m - left_m)
     return None
 
 
