@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Step, Trapezoid
+from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
 from tactometry.stimuli.electrovibration.played_texture import PlayedTexture, finest_period_m, straight_path_m
-from tactometry.stimuli.electrovibration.texture import Bump, Grating, Region, Texture
+from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
+from tactometry.stimuli.electrovibration.velvet import Velvet
 
 RATE_HZ = 1000.0
 LINE_S = st.floats(0, 4e-3)
@@ -141,3 +142,61 @@ def test_aliasing_may_be_allowed_and_a_finger_at_rest_meets_any_texture() -> Non
     grating = Grating(10e-6, "sinusoidal")
     assert np.ptp(PlayedTexture(grating, PATH, aliasing="allow").force_share) < 1e-9
     assert PlayedTexture(grating, (0.0,) * 100).force_frequency_hz == 0.0
+
+
+@pytest.mark.parametrize("n_rms", [10.0, 40.0])
+def test_a_noise_texture_has_the_rms_it_was_asked_for(n_rms: float) -> None:
+    drawn = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5))
+    noise = Noise(100.0, 1000.0, 0.1, drawn.phases_rad, n_rms=n_rms)
+    share = noise.force_share(np.arange(1000) * 1e-4)
+    assert share.std() == pytest.approx(1 / (2 * n_rms), rel=1e-9)
+    assert share.mean() == pytest.approx(0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [400.0, -400.0, 1e300, -1e300])
+def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> None:
+    noise = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5), exponent=exponent)
+    power = np.abs(np.fft.rfft(noise.height(np.arange(1000) * 1e-4)))
+    assert np.argmax(power) == (100 if exponent > 0 else 10)
+    assert noise.height(np.arange(1000) * 1e-4).std() == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: Square(frequency_hz=60.0, duty="a"),
+            "Square.duty: found 'a', expected a number between 0 and 1",
+        ),
+        (
+            lambda: Square(frequency_hz=60.0, duty=1.0),
+            "Square.duty: found 1.0, expected a number between 0 and 1",
+        ),
+        (
+            lambda: Trapezoid(rise_s=1e-3, high_s=1e-3, fall_s=1e-3, low_s=1e-3, low_ratio=None),
+            "Trapezoid.low_ratio: found None, expected a finite number",
+        ),
+        (
+            lambda: Image(np.zeros((4, 4)), 1e-3, row=1.5),
+            "Image.row: found 1.5, expected a row of the image (shape (4, 4))",
+        ),
+        (
+            lambda: Velvet().force_share_along([]),
+            "Velvet.x_m: found shape (0,), expected positions (n_times,), at least one",
+        ),
+        (
+            lambda: Sine(frequency_hz=60.0, duration_s=1e12),
+            "Sine.duration_s: found 1000000000000.0 s, expected at most 268435456 samples at 20000.0 Hz; shorten the "
+            "signal or lower rate_hz",
+        ),
+        (
+            lambda: Image(np.array([0, 1, 1]), 1e-3),
+            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
+            "0.0 to 1.0, or scale them to 255",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert str(caught.value) == message

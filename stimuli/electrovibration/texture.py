@@ -184,7 +184,8 @@ class Noise:
     def height(self, x_m: ArrayLike) -> Real:
         """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
         lines = self.lines_per_m
-        amplitudes = lines ** (self.exponent / 2)
+        strongest = lines[-1] if self.exponent >= 0 else lines[0]
+        amplitudes = (lines / strongest) ** (self.exponent / 2)
         amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
         turns = 2 * np.pi * np.multiply.outer(require.finite_array("Noise.x_m", x_m), lines) + np.array(self.phases_rad)
         return np.asarray(np.cos(turns) @ amplitudes)
@@ -206,7 +207,8 @@ class Image:
     Parameters
     ----------
     grey : (n_pixels,) or (n_rows, n_pixels) array
-        Whole numbers 0..255, or numbers 0..1. Colour channels are refused.
+        Whole numbers 0..255, or numbers 0..1. Colour channels are refused, and whole numbers of which 1 is the
+        largest, which may be meant either way.
     pixel_m : float
         Width of a pixel.
     row : int
@@ -228,8 +230,8 @@ class Image:
                 f"Image.grey: found shape {shape}, expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
                 "colour channels; convert it to grey first"
             )
-        if not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
-            raise InvalidParameter(f"Image.row: found {self.row}, expected a row of the image (shape {shape})")
+        if not isinstance(self.row, int | np.integer) or not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
+            raise InvalidParameter(f"Image.row: found {self.row!r}, expected a row of the image (shape {shape})")
         object.__setattr__(self, "grey", _grey(self.grey))
 
     def force_share(self, x_m: ArrayLike) -> Real:
@@ -242,6 +244,11 @@ def _grey(values: NDArray[np.generic]) -> Real:
     array = np.asarray(values)
     if array.dtype.kind not in "uif":
         raise InvalidParameter(f"Image.grey: found values of type {array.dtype}, expected numbers")
+    if array.dtype.kind in "ui" and array.max() == 1:
+        raise InvalidParameter(
+            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
+            "0.0 to 1.0, or scale them to 255"
+        )
     scaled = array / 255.0 if array.dtype.kind in "ui" else np.asarray(array, dtype=np.float64)
     if not (np.isfinite(scaled) & (scaled >= 0) & (scaled <= 1)).all():
         raise InvalidParameter(

@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 
+MOST_SAMPLES = 2**28
+
 
 def n_samples(duration_s: float, rate_hz: float) -> int:
     """The number of samples of a signal, to the nearest one."""
@@ -13,7 +15,7 @@ def n_samples(duration_s: float, rate_hz: float) -> int:
 
 
 def check_timing(owner: str, duration_s: float, ramp_s: float, rate_hz: float) -> None:
-    """Refuse a signal without samples, or with ramps longer than itself.
+    """Refuse a signal without samples, with more than `MOST_SAMPLES`, or with ramps longer than itself.
 
     >>> check_timing("Sine", duration_s=0.1, ramp_s=0.06, rate_hz=20e3)
     Traceback (most recent call last):
@@ -22,6 +24,11 @@ expected at most half of the duration of 0.1 s; shorten the ramp
     """
     require.positive(owner, duration_s=duration_s, rate_hz=rate_hz)
     require.non_negative(owner, ramp_s=ramp_s)
+    if duration_s * rate_hz > MOST_SAMPLES:
+        raise InvalidParameter(
+            f"{owner}.duration_s: found {duration_s} s, expected at most {MOST_SAMPLES} samples at {rate_hz} Hz; "
+            "shorten the signal or lower rate_hz"
+        )
     if n_samples(duration_s, rate_hz) < 1:
         raise InvalidParameter(
             f"{owner}.duration_s: found {duration_s} s, expected at least one sample at {rate_hz} Hz"

@@ -52,6 +52,7 @@ class Trapezoid(Periodic):
         require.non_negative("Trapezoid", **times)
         if sum(times.values()) == 0:
             raise InvalidParameter("Trapezoid: found four lines of 0 s, expected a period above 0 s")
+        require.finite("Trapezoid", low_ratio=self.low_ratio)
         if not -1 <= self.low_ratio <= 1:
             raise InvalidParameter(f"Trapezoid.low_ratio: found {self.low_ratio!r}, expected -1 to 1")
         check_periodic(self)

@@ -53,8 +53,8 @@ class Velvet:
         [0.3, 0.9]
         """
         path = require.finite_array("Velvet.x_m", x_m)
-        if path.ndim != 1:
-            raise InvalidParameter(f"Velvet.x_m: found shape {path.shape}, expected positions (n_times,)")
+        if path.ndim != 1 or path.size == 0:
+            raise InvalidParameter(f"Velvet.x_m: found shape {path.shape}, expected positions (n_times,), at least one")
         return self._pile(path) * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * path / self.tuft_period_m)) / 2)
 
     def _pile(self, path: Real) -> Real:
@@ -62,7 +62,7 @@ class Velvet:
         target = np.where(direction >= 0, self.with_pile, self.against_pile)
         turns = np.flatnonzero(np.diff(target)) + 1
         bounds = np.r_[0, turns, path.size]
-        share, before = np.empty(path.size), float(target[0]) if path.size else 0.0
+        share, before = np.empty(path.size), float(target[0])
         for low, high in pairwise(bounds):
             way_m = np.abs(path[low:high] - path[max(low - 1, 0)])
             share[low:high] = target[low] + (before - target[low]) * np.exp(-way_m / self.reversal_m)
@@ -74,5 +74,5 @@ def _directions(path: Real) -> Real:
     """1 or -1 at each position, the last one that the finger moved in; 1 before it moves."""
     steps = np.sign(np.diff(path, prepend=path[:1]))
     moved = np.where(steps != 0, np.arange(path.size), -1)
-    last = np.maximum.accumulate(moved) if path.size else moved.astype(int)
+    last = np.maximum.accumulate(moved)
     return np.where(last >= 0, steps[np.maximum(last, 0)], 1.0)
