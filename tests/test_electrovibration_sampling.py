@@ -190,6 +190,11 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             "signal or lower rate_hz",
         ),
         (
+            lambda: Square(frequency_hz=0.01, rate_hz=192_000.0, band_limited=True),
+            "Square.band_limited: found 9.6e+06 harmonics below half of rate_hz, expected at most 1048576; raise "
+            "frequency_hz or lower rate_hz",
+        ),
+        (
             lambda: Image(np.array([0, 1, 1]), 1e-3),
             "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
             "0.0 to 1.0, or scale them to 255",
@@ -200,3 +205,34 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("n_highest", [0, 1, 2, 33, 700])
+def test_a_band_limited_polygon_is_its_fourier_series(n_highest: int) -> None:
+    corners = Trapezoid(rise_s=0.001, high_s=0.003, fall_s=0.0, low_s=0.002, low_ratio=-0.2).corners
+    phase = np.r_[0.0, 1.0, np.random.default_rng(1).uniform(-3, 3, 500)]
+    n = np.arange(1, n_highest + 1)
+    series = corners.mean + 2 * (np.exp(2j * np.pi * np.multiply.outer(phase, n)) @ corners.harmonics(n)).real
+    found = corners.band_limited(phase, n_highest)
+    scale = found[0] / series[0]
+    assert 0.8 < scale <= 1 + 1e-9
+    np.testing.assert_allclose(found, scale * series, atol=1e-11)
+
+
+def test_a_slow_band_limited_square_at_a_high_rate_is_its_series() -> None:
+    square = Square(frequency_hz=0.3003, duration_s=0.5, ramp_s=0.0, rate_hz=192_000.0, band_limited=True)
+    samples, n = square.at(0.0).samples[0], np.arange(1, 319_681)
+    where = np.array([0, 1, 2, 40_000, 95_999])
+    turns = np.multiply.outer(np.mod(0.3003 * where / 192_000, 1.0), n)
+    series = 2 * (np.exp(2j * np.pi * turns) @ square.corners.harmonics(n)).real
+    np.testing.assert_allclose(samples[where] * (series[3] / samples[40_000]), series, atol=1e-9)
+
+
+def test_noise_in_chunks_is_noise_at_once() -> None:
+    noise = Noise.drawn(10.0, 10_000.0, 0.1, rng=np.random.default_rng(5))
+    x_m = np.linspace(-0.2, 0.2, 6000).reshape(2, 3000)
+    found = noise.height(x_m)
+    assert found.shape == (2, 3000)
+    np.testing.assert_allclose(found[1, ::500], noise.height(x_m[1, ::500]), atol=1e-9)
+    assert noise.height(0.0).shape == ()
+    assert noise.height([]).shape == (0,)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
 
 Real = NDArray[np.float64]
+NODES = range(-5, 7)
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,14 @@ class Corners:
         """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
 
         Cut short at an edge, the series overshoots (Gibbs, 9 % of a jump): it is scaled down to peak 1
-        where it does.
+        where it does. One FFT samples the series 16 times finer than its highest harmonic; a polynomial through the
+        12 nearest values is exact to 1e-12 there, so the cost is that of the FFT and of 12 values per sample.
         """
         coefficients = self.harmonics(np.arange(1, n_highest + 1)) if n_highest else np.zeros(0, complex)
         table = np.fft.irfft(np.r_[self.mean, coefficients], n=_table_size(n_highest), norm="forward")
-        distinct, where = np.unique(np.round(np.mod(phase, 1.0), 12), return_inverse=True)
-        series = self.mean + 2 * _horner(coefficients, np.exp(2j * np.pi * distinct)).real
+        series = _between(table, np.mod(phase, 1.0))
         peak = max(1.0, float(np.abs(table).max()), float(np.abs(series).max(initial=0.0)))
-        return np.asarray(series[where] / peak)
+        return np.asarray(series / peak)
 
 
 def _until(pieces: Pieces, end_s: float) -> Pieces:
@@ -84,12 +85,16 @@ def _until(pieces: Pieces, end_s: float) -> Pieces:
     return Pieces(pieces.starts_s[kept], end_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
 
-def _horner(coefficients: NDArray[np.complex128], z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """``sum_n c_n z^n`` from n = 1."""
-    total = np.zeros_like(z)
-    for coefficient in coefficients[::-1]:
-        total = (total + coefficient) * z
-    return total
+def _between(table: Real, phase: Real) -> Real:
+    """Lagrange polynomial through the nearest `NODES` values of one period (n_table,), at phases in 0..1."""
+    place = phase * table.size
+    left = np.floor(place)
+    u, first = np.maximum(place - left, 1e-300), left.astype(np.int64)
+    total = np.zeros_like(u)
+    for node in NODES:
+        others = [float(node - other) for other in NODES if other != node]
+        total += table[(first + node) % table.size] / (np.prod(others) * (u - node))
+    return np.asarray(total * np.prod([u - node for node in NODES], axis=0))
 
 
 def _table_size(n_highest: int) -> int:

@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
@@ -12,6 +13,8 @@ from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
 from tactometry.stimuli.electrovibration.timing import check_nyquist, check_pulse, check_timing, ramped, times_s
+
+MOST_HARMONICS = 2**20
 
 
 class Repeated(Protocol):
@@ -68,6 +71,12 @@ def check_periodic(waveform: Repeated) -> None:
     require.one_of(f"{owner}.level_unit", waveform.level_unit, ("dB re 1 V", "V"))
     check_timing(owner, waveform.duration_s, waveform.ramp_s, waveform.rate_hz)
     check_nyquist(owner, "frequency_hz", waveform.frequency_hz, waveform.rate_hz)
+    n_harmonics = waveform.rate_hz / (2 * waveform.voltage_frequency_hz)
+    if waveform.band_limited and n_harmonics > MOST_HARMONICS:
+        raise InvalidParameter(
+            f"{owner}.band_limited: found {n_harmonics:.6g} harmonics below half of rate_hz, expected at most "
+            f"{MOST_HARMONICS}; raise frequency_hz or lower rate_hz"
+        )
 
 
 def check_width(waveform: Repeated, name: str, width_s: float) -> None:

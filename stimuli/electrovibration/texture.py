@@ -126,6 +126,7 @@ class Bump:
 
 
 SIGNS = (1, -1)
+LARGEST_TABLE = 2**20
 
 
 @dataclass(frozen=True)
@@ -187,8 +188,10 @@ class Noise:
         strongest = lines[-1] if self.exponent >= 0 else lines[0]
         amplitudes = (lines / strongest) ** (self.exponent / 2)
         amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
-        turns = 2 * np.pi * np.multiply.outer(require.finite_array("Noise.x_m", x_m), lines) + np.array(self.phases_rad)
-        return np.asarray(np.cos(turns) @ amplitudes)
+        x, phases_rad = require.finite_array("Noise.x_m", x_m), np.array(self.phases_rad)
+        chunks = np.array_split(x.ravel(), 1 + x.size * lines.size // LARGEST_TABLE)
+        parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
+        return np.asarray(np.concatenate(parts).reshape(x.shape))
 
     def force_share(self, x_m: ArrayLike) -> Real:
         return np.clip(0.5 + self.height(x_m) / (2 * self.n_rms), 0.0, 1.0)
