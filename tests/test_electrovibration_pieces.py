@@ -108,8 +108,7 @@ def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:
     tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
     assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
     assert tone.remark(Skin(), "sc_layer") == (
-        "WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last "
-        "change"
+        "WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change"
     )
     assert tone.remark(Skin(corneum_resistivity_ohm_m=np.inf), "sc_layer") is None
     assert WithOffset(Sine(frequency_hz=60.0), ratio=0.0).remark(Skin(), "sc_layer") is None
