@@ -40,6 +40,8 @@ def input_against_position(
 
     The envelope is ``V0 sqrt(share)``. The default carrier is lower than a real one so that it can be seen.
     """
+    if not textures:
+        raise InvalidParameter("input_against_position.textures: found none, expected at least one")
     x_m = np.linspace(0, length_m, 8001)
     figure, axes = _panels(len(textures), 1, (7.0, 1.0 + 1.3 * len(textures)), sharex="all")
     for ax, (name, texture), colour in zip(axes, textures.items(), cycle(COLOURS), strict=False):

@@ -54,7 +54,7 @@ class CoulombFriction:
 
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
         """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
-        return self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
+        return self.coefficient_at(force_n) * require.finite_array("modulation_n.electrostatic_n", electrostatic_n)
 
 
 @dataclass(frozen=True)

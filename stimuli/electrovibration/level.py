@@ -1,12 +1,14 @@
 """The level of a voltage, in decibel re 1 V peak or in volt peak."""
 
-from math import isfinite, log10
+from math import log10
 from typing import Literal
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 
 LevelUnit = Literal["dB re 1 V", "V"]
+HIGHEST_V = 1e100
+"""Higher voltages have forces whose squares no number holds."""
 
 
 def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
@@ -15,7 +17,7 @@ def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
     Raises
     ------
     InvalidParameter
-        If the level is not finite or beyond the range of a double, or a level in volt is negative.
+        If the level is not finite or above `HIGHEST_V`, or a level in volt is negative.
 
     >>> peak_voltage_v(20.0)
     10.0
@@ -39,14 +41,13 @@ def level_db_re_1v(voltage_v: float) -> float:
 
 def _volt(level: float) -> float:
     require.non_negative("stimulus", level=level)
+    if level > HIGHEST_V:
+        raise InvalidParameter(f"stimulus.level: found {level} V, expected at most {HIGHEST_V:g} V")
     return float(level)
 
 
 def _decibel(level: float) -> float:
-    try:
-        voltage_v = float(10 ** (level / 20))
-    except OverflowError:
-        voltage_v = float("inf")
-    if not isfinite(voltage_v):
-        raise InvalidParameter(f"stimulus.level: found {level} dB re 1 V, expected a level below 6165 dB")
-    return voltage_v
+    highest_db = 20 * log10(HIGHEST_V)
+    if level > highest_db:
+        raise InvalidParameter(f"stimulus.level: found {level} dB re 1 V, expected at most {highest_db:g} dB")
+    return float(10 ** (level / 20))

@@ -48,7 +48,10 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
 
 def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """`values` as an array of finite numbers."""
-    array = np.asarray(values, dtype=np.float64)
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidParameter(f"{where}: found {values!r:.60}, expected finite numbers") from None
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InvalidParameter(f"{where}{list(index)}: found {array[index]}, expected a finite number")

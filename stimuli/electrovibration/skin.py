@@ -12,6 +12,8 @@ from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack
 
 INSULATOR, GAP, CORNEUM = 0, 1, 2
+THINNEST_M, SMALLEST_OHM_M = 1e-100, 1e-200
+"""Below these the squares and rates of the circuit leave the range of numbers."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +63,17 @@ class Skin:
             corneum_permittivity=self.corneum_permittivity,
         )
         require.non_negative("Skin", gap_m=self.gap_m, body_resistance_ohm=self.body_resistance_ohm)
-        if not 0 <= self.corneum_resistivity_ohm_m <= inf:
+        thinnest_m = min(self.insulator_thickness_m, self.corneum_thickness_m)
+        if thinnest_m < THINNEST_M:
+            raise InvalidParameter(f"Skin: found a layer of {thinnest_m} m, expected at least {THINNEST_M:g} m")
+        self._check_resistivity(self.corneum_resistivity_ohm_m)
+
+    def _check_resistivity(self, found: object) -> None:
+        is_one = isinstance(found, int | float) and (found == 0 or SMALLEST_OHM_M <= found <= inf)
+        if not is_one:
             raise InvalidParameter(
-                f"Skin.corneum_resistivity_ohm_m: found {self.corneum_resistivity_ohm_m!r}, "
-                "expected a number, at least 0 (inf: lossless)"
+                f"Skin.corneum_resistivity_ohm_m: found {found!r}, expected 0 (a conductor) or a number from "
+                f"{SMALLEST_OHM_M:g} on (inf: lossless)"
             )
 
     @property

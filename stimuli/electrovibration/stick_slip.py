@@ -122,6 +122,8 @@ def stick_slip(
 
     t = np.asarray(t_s, dtype=np.float64)
     require.non_negative("stick_slip", force_n=force_n)
+    if not (isinstance(n_events_max, int) and n_events_max >= 1):
+        raise InvalidParameter(f"stick_slip.n_events_max: found {n_events_max!r}, expected a whole number from 1")
     wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
     states, events, failure, time_s = power_series.flow(
         pieces.offsets_v,

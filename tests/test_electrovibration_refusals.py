@@ -1,0 +1,60 @@
+"""Numbers and words that no circuit, friction or figure can take: one sentence each."""
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    CoulombFriction,
+    DryFriction,
+    Finger,
+    Sine,
+    Skin,
+    Travel,
+    electrostatic_force_n,
+    figures,
+    force_form,
+    peak_voltage_v,
+    sliding,
+    stick_slip,
+)
+
+T_S = np.linspace(0, 0.01, 11)
+FORM = force_form("sc_layer", Skin(), 1e-4)
+SINE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.0)
+
+
+def stuck(n_events_max):
+    return stick_slip(
+        T_S, SINE.pieces(40.0), FORM, finger=Finger(), friction=DryFriction(), force_n=1.0, travel=Travel(0.05),
+        n_events_max=n_events_max,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: SINE.pieces(4000.0), "stimulus.level: found 4000.0 dB re 1 V, expected at most 2000 dB"),
+        (lambda: peak_voltage_v(1e200, "V"), "stimulus.level: found 1e\\+200 V, expected at most 1e\\+100 V"),
+        (lambda: Skin(corneum_resistivity_ohm_m=1e-300), "found 1e-300, expected 0 \\(a conductor\\) or a number from"),
+        (lambda: Skin(corneum_resistivity_ohm_m="a"), "found 'a', expected 0"),
+        (lambda: Skin(insulator_thickness_m=1e-200), "found a layer of 1e-200 m, expected at least 1e-100 m"),
+        (lambda: CoulombFriction().modulation_n([np.nan], 1.0), "electrostatic_n.*found nan, expected a finite number"),
+        (lambda: stuck(-1), "n_events_max: found -1, expected a whole number from 1"),
+        (lambda: stuck(1.5), "n_events_max: found 1.5, expected a whole number from 1"),
+        (lambda: figures.input_against_position({}), "textures: found none, expected at least one"),
+        (
+            lambda: electrostatic_force_n(["a"], rate_hz=1e3, skin=Skin(), area_m2=1e-4, law="sc_layer"),
+            r"found \['a'\], expected finite numbers",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_sentence(call, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        call()
+
+
+def test_the_highest_level_has_a_finite_motion():
+    motion = sliding(T_S, SINE.pieces(2000.0), FORM, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
+    assert np.isfinite(motion.lateral_n).all()
+    assert motion.lateral_n.max() > 1e180
