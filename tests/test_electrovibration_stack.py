@@ -255,7 +255,7 @@ def test_step_pieces_reach_the_closed_form() -> None:
         (lambda: Layer(-1e-6), "Layer.thickness_m: found -1e-06, expected a finite number, at least 0"),
         (
             lambda: Layer(1e-6, resistivity_ohm_m=-1.0),
-            "Layer.resistivity_ohm_m: found -1.0, expected a number, at least 0 (inf: lossless)",
+            "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-200 on (inf: lossless)",
         ),
         (
             lambda: Stack((Layer(0.0),)),

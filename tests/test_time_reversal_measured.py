@@ -341,3 +341,9 @@ def test_bad_input_is_refused_in_one_sentence(recorded, call, message):
     with pytest.raises(InvalidParameter) as caught:
         call(recorded)
     assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize("n_taus", [2.0, 5.0, 20.0, 60.0, 300.0])
+def test_tau_of_a_clean_decay_does_not_depend_on_the_length_of_its_record(n_taus) -> None:
+    t_s = np.arange(round(n_taus * 4e-3 * 1e5)) / 1e5
+    assert tau_s(np.exp(-t_s / 4e-3) * np.sin(1e4 * t_s), 1e5) == pytest.approx(4e-3, rel=0.02)

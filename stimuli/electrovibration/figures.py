@@ -136,7 +136,7 @@ def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
         ax.errorbar(place + 0.27, np.mean(values), yerr=_half_interval(values), fmt="s", color=COLOURS[0], capsize=4)
     ax.set_xticks(range(len(forces_n)), list(forces_n))
     ax.set(ylabel="applied force (N)", xlim=(-0.5, len(forces_n) - 0.3), ylim=(0, None))
-    ax.set_title("participants (grey), mean and 95 % interval (blue)", loc="left", fontsize=9)
+    ax.set_title("grey: participants\nblue: mean, 95 % interval", loc="left", fontsize=9)
     return figure
 
 
@@ -160,6 +160,8 @@ def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     right.plot(force_n, 1e4 * law.area_m2(force_n), color="0.4", zorder=0, label=f"A ∝ F^{law.exponent:.2f}")
     right.set(xlabel="applied force (N)", ylabel="contact area (cm²)", xlim=(0, None), ylim=(0, None))
     right.legend(frameon=False, loc="lower right")
+    if prints is UNVERIFIED_PRINTS:
+        left.set_title("prints: unverified defaults", loc="left", fontsize=9)
     return figure
 
 

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
-from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack
+from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
 
 INSULATOR, GAP, CORNEUM = 0, 1, 2
-THINNEST_M, SMALLEST_OHM_M = 1e-100, 1e-200
-"""Below these the squares and rates of the circuit leave the range of numbers."""
+THINNEST_M = 1e-100
+"""Below, the square of a thickness leaves the range of numbers."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +66,7 @@ class Skin:
         thinnest_m = min(self.insulator_thickness_m, self.corneum_thickness_m)
         if thinnest_m < THINNEST_M:
             raise InvalidParameter(f"Skin: found a layer of {thinnest_m} m, expected at least {THINNEST_M:g} m")
-        self._check_resistivity(self.corneum_resistivity_ohm_m)
-
-    def _check_resistivity(self, found: object) -> None:
-        is_one = isinstance(found, int | float) and (found == 0 or SMALLEST_OHM_M <= found <= inf)
-        if not is_one:
-            raise InvalidParameter(
-                f"Skin.corneum_resistivity_ohm_m: found {found!r}, expected 0 (a conductor) or a number from "
-                f"{SMALLEST_OHM_M:g} on (inf: lossless)"
-            )
+        check_resistivity("Skin.corneum_resistivity_ohm_m", self.corneum_resistivity_ohm_m)
 
     @property
     def insulator_equivalent_m(self) -> float:

@@ -16,6 +16,18 @@ VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 SMALLEST, LARGEST = 1e-300, 1e280
 
 
+SMALLEST_OHM_M = 1e-200
+"""Below, the rates of a circuit leave the range of numbers."""
+
+
+def check_resistivity(where: str, found: object) -> None:
+    """Refuse what is neither 0, nor a number from `SMALLEST_OHM_M` on, infinity included."""
+    if not (isinstance(found, int | float) and (found == 0 or SMALLEST_OHM_M <= found <= inf)):
+        raise InvalidParameter(
+            f"{where}: found {found!r}, expected 0 (a conductor) or a number from {SMALLEST_OHM_M:g} on (inf: lossless)"
+        )
+
+
 @dataclass(frozen=True)
 class Layer:
     """A slab: thickness, relative permittivity (1 is air), resistivity (``inf`` does not leak, 0 conducts).
@@ -31,11 +43,7 @@ class Layer:
     def __post_init__(self) -> None:
         require.non_negative("Layer", thickness_m=self.thickness_m)
         require.positive("Layer", permittivity=self.permittivity)
-        if not 0 <= self.resistivity_ohm_m <= inf:
-            raise InvalidParameter(
-                f"Layer.resistivity_ohm_m: found {self.resistivity_ohm_m!r}, expected a number, at least 0 "
-                "(inf: lossless)"
-            )
+        check_resistivity("Layer.resistivity_ohm_m", self.resistivity_ohm_m)
 
     @property
     def elastance_m2_per_f(self) -> float:

@@ -21,6 +21,10 @@ N_LEFT_OUT: Final = 8
 """Groups of channels, and of neighbouring blocks, that are left out in turn for the interval."""
 
 LEAST_FALL_DB: Final = 10.0
+FAINTEST: Final = 1e-7
+"""A record ends with its last sample above this part of its peak (140 dB below)."""
+LOWEST_LOG_FLOOR: Final = -69.0
+"""Energies below this part (its logarithm) of the loudest block are taken as a floor: 300 dB."""
 CONFIDENCE: Final = 0.95
 
 
@@ -98,8 +102,8 @@ def decay_of(energy: FloatArray, kept: NDArray[np.intp] | None = None) -> Decay:
     first = _first(energy)
     kept = np.arange(first, N_BLOCKS) if kept is None else kept
     time = (kept + 0.5) / N_BLOCKS
-    level = np.log(np.maximum(energy[kept], energy.max() * 1e-30))
-    fits = [_fit(time, level, log_floor) for log_floor in (-25.0, -3.0)]
+    level = np.log(np.maximum(energy[kept], energy.max() * math.exp(LOWEST_LOG_FLOOR)))
+    fits = [_fit(time, level, log_floor) for log_floor in (-60.0, -25.0, -3.0)]
     _, n_taus, log_floor = min(fits)[1]
     ends = np.exp(-2 * n_taus * np.array([first / N_BLOCKS, 1.0])) + math.exp(log_floor)
     return Decay(n_taus, math.exp(log_floor), float(10 * np.log10(ends[0] / ends[1])))
@@ -118,14 +122,15 @@ def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, 
 
     middle = len(time) // 2
     start = float(np.clip((level[0] - level[middle]) / (2 * (time[middle] - time[0])), 0.1, 400.0))
-    limits = ([-np.inf, 1e-3, -30.0], [np.inf, 500.0, 5.0])
+    limits = ([-np.inf, 1e-3, LOWEST_LOG_FLOOR], [np.inf, 500.0, 5.0])
     found = least_squares(misfit, [level[0], start, log_floor], slopes, bounds=limits)
     return float(found.cost), tuple(float(x) for x in found.x)
 
 
 def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
     """(n, `N_BLOCKS`) mean energy of equal blocks up to the last sound, and their whole length in s."""
-    sounding = np.flatnonzero(responses.any(axis=0))
+    loudest = np.abs(responses).max(axis=0)
+    sounding = np.flatnonzero(loudest > FAINTEST * loudest.max(initial=0.0))
     if not len(sounding):
         raise InvalidParameter("response: found zero everywhere, expected an impulse response")
     size = (int(sounding[-1]) + 1) // N_BLOCKS

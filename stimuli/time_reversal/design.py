@@ -203,7 +203,7 @@ def n_held(plate: Plate, side_m: float) -> int:
     24
     """
     room_m = (plate.length_m - side_m, plate.width_m - side_m)
-    return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m) for room in room_m))
+    return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m + 1e-9) for room in room_m))
 
 
 def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
