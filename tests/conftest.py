@@ -252,3 +252,19 @@ def synced(monkeypatch):
 
     monkeypatch.setattr(os, "fsync", noted)
     return paths
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A recorded session of the tutorial that no test changes."""
+    from tutorial_session import live
+
+    root = tmp_path_factory.mktemp("whole") / "d"
+    live(root)
+    return root
+
+
+@pytest.fixture
+def lived(whole, tmp_path):
+    """A copy of it to spoil."""
+    return Path(shutil.copytree(whole, tmp_path / "d"))

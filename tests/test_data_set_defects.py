@@ -1,38 +1,14 @@
 """What was lost or exchanged in a data set is found: lines, files, rigs, values."""
 
-import shutil
-from pathlib import Path
-
 import pytest
+from tutorial_session import EXPERIMENT, TOML, WHO, journal_of, live
 
 from tactometry.dataset import Session
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.recording import RigKind, Who, record, simulated
-from tactometry.experiments.study import load
+from tactometry.experiments.recording import RigKind, record, simulated
 from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
 from tactometry.journal import checksum, encode, read
 from tactometry.rows import defects
-
-STUDY, TOML = load("tutorial")
-EXPERIMENT = wire(STUDY, "tutorial")
-WHO = Who("P01", seed=1)
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    root = tmp_path_factory.mktemp("whole") / "d"
-    record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO))
-    return root
-
-
-@pytest.fixture
-def lived(whole, tmp_path):
-    return Path(shutil.copytree(whole, tmp_path / "d"))
-
-
-def journal_of(root):
-    return next((root / "journals").glob("*tutorial.jsonl"))
 
 
 def found(root):
@@ -88,7 +64,7 @@ def test_a_session_goes_on_with_the_rig_that_it_began_with(lived):
 def test_a_file_in_the_place_of_the_folder_is_bad_input(tmp_path):
     (tmp_path / "d").write_text("mine")
     with pytest.raises(InvalidFile, match="found a file, expected a folder for the data set"):
-        record(EXPERIMENT, TOML, tmp_path / "d", WHO, simulated(EXPERIMENT, WHO))
+        live(tmp_path / "d")
     assert (tmp_path / "d").read_text() == "mine"
 
 
@@ -133,5 +109,5 @@ def test_an_answer_of_two_options_is_1_or_0(whole, task):
 
 
 def test_the_trials_file_is_synced_at_the_end_of_a_sitting(tmp_path, synced):
-    recorded = record(EXPERIMENT, TOML, tmp_path, WHO, simulated(EXPERIMENT, WHO))
+    recorded = live(tmp_path)
     assert recorded.trials in synced

@@ -12,23 +12,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tutorial_session import EXPERIMENT, TOML, journal_of, live
 
 from tactometry.dataset import Session, trials_csv
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
 from tactometry.experiments.recording import Who, record, simulated
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
 from tactometry.journal import Journal, encode_entry, read
 from tactometry.request import Choose, Chosen, Done, Record, Wait
 from tactometry.trial import Trial
-
-STUDY, TOML = load("tutorial")
-EXPERIMENT = wire(STUDY, "tutorial")
-
-
-def live(root, participant="P01", seed=1, *, resume=False):
-    who = Who(participant, seed=seed)
-    return record(EXPERIMENT, TOML, root, who, simulated(EXPERIMENT, who), resume=resume)
 
 
 def files(root):
@@ -39,22 +30,6 @@ def files(root):
     }
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    root = tmp_path_factory.mktemp("whole") / "d"
-    live(root)
-    return root
-
-
-@pytest.fixture
-def lived(whole, tmp_path):
-    return Path(shutil.copytree(whole, tmp_path / "d"))
-
-
-def journal_of(root):
-    return next((root / "journals").glob("*study-tutorial.jsonl"))
-
-
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
     live(tmp_path / "a")
     live(tmp_path / "b")
@@ -62,8 +37,8 @@ def test_the_same_seed_gives_the_same_bytes(tmp_path):
 
 
 def test_another_seed_gives_other_answers(tmp_path):
-    live(tmp_path / "a", seed=1)
-    live(tmp_path / "b", seed=2)
+    live(tmp_path / "a", Who("P01", seed=1))
+    live(tmp_path / "b", Who("P01", seed=2))
     assert files(tmp_path / "a") != files(tmp_path / "b")
 
 

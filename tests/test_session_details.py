@@ -2,20 +2,17 @@
 
 import json
 import resource
-import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import catalogue
 import numpy as np
 import pytest
 from memory import Memory
+from tutorial_session import EXPERIMENT, journal_of, live
 
 from tactometry.dataset import cell
 from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.recording import Who, record, simulated
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.recording import Who
 from tactometry.journal import Journal, checksum, encode, read, write_atomically
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
@@ -27,30 +24,6 @@ from tactometry.rigs.replay import Replay
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.run import replay, run
 from tactometry.signal import Signal
-
-STUDY, TOML = load("tutorial")
-EXPERIMENT = wire(STUDY, "tutorial")
-WHO = Who("P01", seed=1)
-
-
-def live(root, *, resume=False):
-    return record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO), resume=resume)
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    root = tmp_path_factory.mktemp("whole") / "d"
-    live(root)
-    return root
-
-
-@pytest.fixture
-def lived(whole, tmp_path):
-    return Path(shutil.copytree(whole, tmp_path / "d"))
-
-
-def journal_of(root):
-    return next((root / "journals").glob("*tutorial.jsonl"))
 
 
 def contents(root):
@@ -414,7 +387,7 @@ def test_quantities_with_units(text, suffix, value):
 def test_a_session_goes_on_under_its_own_number(lived):
     who = Who("P01", number=5, seed=1)
     with pytest.raises(InvalidParameter, match="--number: found 5, but this session began with 1"):
-        record(EXPERIMENT, TOML, lived, who, simulated(EXPERIMENT, who), resume=True)
+        live(lived, who, resume=True)
 
 
 def test_each_session_of_a_participant_has_an_order_of_its_own():

@@ -3,7 +3,6 @@
 import io
 import json
 import math
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,12 +10,12 @@ import catalogue
 import numpy as np
 import pytest
 from memory import Memory
+from tutorial_session import EXPERIMENT, STUDY, TOML, live
 
 from tactometry.dataset import OpenSession, Session
 from tactometry.errors import DeviceFailed, Diverged, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench_file import BenchFile
 from tactometry.experiments.planning import duration_s, plan
-from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.replaying import replay_data_set
 from tactometry.experiments.simulating import Simulation
 from tactometry.experiments.study import load
@@ -34,24 +33,9 @@ from tactometry.rigs.texts import texts_in
 from tactometry.run import run
 from tactometry.signal import Signal
 
-STUDY, TOML = load("tutorial")
-EXPERIMENT = wire(STUDY, "tutorial")
-WHO = Who("P01", seed=1)
 N_DRAWS = 20_000
 STANDARD_ERRORS = 3.9
 """Of a two-sided test at 1e-4."""
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    root = tmp_path_factory.mktemp("whole") / "d"
-    record(EXPERIMENT, TOML, root, WHO, simulated(EXPERIMENT, WHO))
-    return root
-
-
-@pytest.fixture
-def lived(whole, tmp_path):
-    return Path(shutil.copytree(whole, tmp_path / "d"))
 
 
 def asked(participant, n_session, seed):
@@ -67,7 +51,7 @@ def near(count, n, probability):
 
 
 def test_the_head_of_a_new_journal_is_synced_with_its_folder(tmp_path, synced):
-    record(EXPERIMENT, TOML, tmp_path, WHO, simulated(EXPERIMENT, WHO))
+    live(tmp_path)
     head = synced.index(Session("P01", 1, STUDY.name).journal(tmp_path))
     assert synced[head + 1] == tmp_path / "journals"
 
