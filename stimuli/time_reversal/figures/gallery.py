@@ -1,6 +1,6 @@
 """Every figure of the thesis's time-reversal chapters, from the model with its default (unverified) parameters."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -18,7 +18,7 @@ from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.force_loss import force_loss
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.quantiser import OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses import Point, impulse_responses
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, TAU_S, Screen
 from tactometry.stimuli.time_reversal.sound import NoiseSpectrum, noise
 from tactometry.stimuli.time_reversal.spectrum import Band
@@ -72,8 +72,20 @@ def _decay_fit() -> Figure:
     return focus.decay_fit(h.samples[0, 0], 100e3)
 
 
-def _spectra() -> dict[str, NoiseSpectrum]:
-    return {name: _noise(emission) for name, emission in FOUR.items()}
+def _sound(emissions: Mapping[str, Emission] = FOUR) -> Figure:
+    return drives.sound_spectra({name: _noise(emission) for name, emission in emissions.items()})
+
+
+def _focus_map(emission: Emission = RIG_BAND) -> Figure:
+    return focus.displacement_map(A4_PROTOTYPE, FOCUS, emission)
+
+
+def _scans(emission: Emission = RIG_BAND) -> Figure:
+    return focus.scans_per_band(A4_PROTOTYPE, FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], emission)
+
+
+def _four_signals(emissions: Mapping[str, Emission] = FOUR) -> Figure:
+    return focus.four_signals(A4_PROTOTYPE, FOCUS, emissions)
 
 
 def _noise(emission: Emission) -> NoiseSpectrum:
@@ -90,16 +102,15 @@ def _subsets() -> Figure:
     return prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), subsets))
 
 
-def _resolution_of_foci() -> Figure:
-    widths = resolution_per_focus_m(A4_PROTOTYPE, FOCI, UNFILTERED)
+def _resolution_of_foci(foci: Sequence[Point] = FOCI) -> Figure:
+    widths = resolution_per_focus_m(A4_PROTOTYPE, foci, UNFILTERED)
     return prototype.resolution_of_foci(widths, resolution_m(A4_SCREEN, UNFILTERED.band))
 
 
-def _force_loss() -> Figure:
+def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)) -> Figure:
     contactors = [Contactor("finger"), *(Contactor(k, d) for k in ("soft", "rigid") for d in (5e-3, 10e-3))]
-    forces = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
     return prototype.loss_over_force(
-        force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, contactors, forces, RIG_BAND)
+        force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, contactors, forces_n, RIG_BAND)
     )
 
 
@@ -108,15 +119,13 @@ def _design() -> Figure:
     return design.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
 
 
-GALLERY: Final[Mapping[str, Callable[[], Figure]]] = {
-    "3.8-focus-map": lambda: focus.displacement_map(A4_PROTOTYPE, FOCUS, RIG_BAND),
+GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
+    "3.8-focus-map": _focus_map,
     "3.9-resolution-over-bandwidth": _resolution_over_bandwidth,
     "3.11-amplitude-over-bandwidth": lambda: focus.amplitude_over_bandwidth(
         {"12 mm discs": rig(12e-3), "35 mm discs": rig(35e-3)}, FOCUS, RIG_BAND
     ),
-    "3.13-scans-per-band": lambda: focus.scans_per_band(
-        A4_PROTOTYPE, FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], RIG_BAND
-    ),
+    "3.13-scans-per-band": _scans,
     "3.14-frequency-response": _frequency_response,
     "3.15-stress-and-deflection": lambda: theory.stress_and_deflection_over_thickness(A4_SCREEN),
     "3.16-resolution-over-mean-frequency": lambda: theory.resolution_over_mean_frequency(A4_SCREEN),
@@ -129,8 +138,8 @@ GALLERY: Final[Mapping[str, Callable[[], Figure]]] = {
     "4.9-modulator-noise": drives.modulator_noise,
     "4.11-decay-fit": _decay_fit,
     "4.13-noise-window": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
-    "4.15-four-signals": lambda: focus.four_signals(A4_PROTOTYPE, FOCUS, FOUR),
-    "4.25-sound": lambda: drives.sound_spectra(_spectra()),
+    "4.15-four-signals": _four_signals,
+    "4.25-sound": _sound,
     "4.28-layout": lambda: prototype.layout(A4_PROTOTYPE, FOCI),
     "4.29-amplitude-per-transducer": lambda: prototype.amplitude_per_transducer(_contributions()),
     "4.30-amplitude-over-count": lambda: prototype.amplitude_over_count(
