@@ -2,16 +2,26 @@
 
 from collections.abc import Mapping
 
+_HERE = "tactometry.experiments.ladders"
 LADDERS: Mapping[str, str] = {
-    "plate-modes-simply-supported": "tactometry.experiments.ladders.plate_modes:simply_supported",
-    "plate-modes-free": "tactometry.experiments.ladders.plate_modes:free",
-    "field-grid": "tactometry.experiments.ladders.field_grid:problem",
-    "skin-propagator": "tactometry.experiments.ladders.skin_propagator:problem",
-    "friction-events": "tactometry.experiments.ladders.friction_events:problem",
-    "sigma-delta-1": "tactometry.experiments.ladders.sigma_delta:first_order",
-    "sigma-delta-2": "tactometry.experiments.ladders.sigma_delta:second_order",
-    "quest-plus-grid": "tactometry.experiments.ladders.quest_plus_grid:problem",
-    "reversal-time": "tactometry.experiments.ladders.reversal_time:problem",
-    "scene-electrovibration-panel": "tactometry.experiments.ladders.scene_panel:problem",
+    "plate-modes-simply-supported": f"{_HERE}.plate_modes:simply_supported",
+    "plate-modes-free": f"{_HERE}.plate_modes:free",
+    "boundary-basis": f"{_HERE}.boundary_basis:problem",
+    "field-grid": f"{_HERE}.field_grid:problem",
+    "time-integration": f"{_HERE}.time_integration:problem",
+    "finger-load": f"{_HERE}.finger_load:problem",
+    "drive-oversampling": f"{_HERE}.drive_oversampling:problem",
+    "sigma-delta-1": f"{_HERE}.sigma_delta:first_order",
+    "sigma-delta-2": f"{_HERE}.sigma_delta:second_order",
+    "reversal-time-amplitude": f"{_HERE}.reversal_time:amplitude",
+    "reversal-time-contrast": f"{_HERE}.reversal_time:contrast",
+    "skin-propagator": f"{_HERE}.skin_propagator:problem",
+    "friction-events": f"{_HERE}.friction_events:problem",
+    "threshold-fit": f"{_HERE}.threshold_fit:problem",
+    "hierarchical-fit": f"{_HERE}.hierarchical_fit:problem",
+    "quest-plus-grid": f"{_HERE}.quest_plus_grid:problem",
+    "procedures": f"{_HERE}.procedures:problem",
+    "group-threshold": f"{_HERE}.group_threshold:problem",
+    "scene-electrovibration-panel": f"{_HERE}.scene_panel:problem",
 }
 """The name of each ladder, and the function that gives its problem."""

@@ -24,6 +24,8 @@ def problem() -> Problem:
     return Problem(
         "field-grid",
         f"largest error between grid points over the peak, A4 plate, {len(amplitude)} modes, bicubic",
+        "the sum over modes at points",
+        "sines written out",
         reference=lambda: (values(modes, *points).T @ amplitude, 1e-12),
         independent=lambda: (_sines(amplitude, points), 1e-12),
         error=_error,

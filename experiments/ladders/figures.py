@@ -1,32 +1,58 @@
 """Error against price, log-log: points, the frontier, the floor of the reference, unstable points at the top."""
 
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from tactometry.experiments.ladders.measure import GOALS, Climb
+from tactometry.experiments.ladders.measure import GOALS, Climb, Point
 
-BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#666666"
+BLUE, GREY = "#0072B2", "#666666"
+COLOURS = (BLUE, "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+MARKERS = ("o", "s", "^", "D", "v", "P")
 TOP = 2.0
 
 
-def error_against_price(found: Climb) -> Figure:
-    """One ladder; a point below the reference's own error is drawn at it."""
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
+    """One ladder; a point below the reference's own error is drawn at it. Hollow points are recorded peers."""
+    figure = Figure(figsize=(6.4, 4.2), layout="constrained", facecolor="white")
     axes = figure.subplots()
-    stable = [(point, max(point.error, found.floor)) for point in found.points if not point.unstable]
-    axes.loglog([point.price for point, _ in stable], [error for _, error in stable], "o", color=BLUE, label="rungs")
-    axes.loglog(*zip(*frontier(found), strict=True), color=BLUE, linewidth=1, label="cheapest")
-    for point, error in stable:
-        axes.annotate(point.setting, (point.price, error), (4, 4), textcoords="offset points", fontsize="x-small")
-    unstable = [point.price for point in found.points if point.unstable]
-    if unstable:
-        axes.loglog(unstable, [TOP] * len(unstable), "x", color=ORANGE, label="unstable")
-    lowest = min([GOALS[-1], *(error for _, error in stable)]) / 5
-    axes.axhspan(lowest / 10, found.floor, color=GREY, alpha=0.2, label="reference's own error")
+    names = dict.fromkeys([*found.contenders, *(point.contender for point in peers)])
+    for place, name in enumerate(names):
+        points = [point for point in (*found.points, *peers) if point.contender == name]
+        _draw(axes, points, found.floor, COLOURS[place % 6], MARKERS[place % 6], recorded=name not in found.contenders)
+    axes.loglog(*zip(*frontier(found), strict=True), color=GREY, linewidth=1, zorder=1, label="cheapest")
+    errors = [drawn_at(point, found.floor) for point in (*found.points, *peers)]
+    lowest = min([GOALS[-1], *errors]) / 5
+    if found.floor > 0:
+        axes.axhspan(lowest / 10, found.floor, color=GREY, alpha=0.2, label="reference's own error")
     axes.set(xlabel=found.problem.price, ylabel="relative error", ylim=(lowest, 3 * TOP))
     _finish(axes, f"{found.problem.name}\n{found.problem.title}")
     return figure
+
+
+def drawn_at(point: Point, floor: float) -> float:
+    """The error, within the floor and the top of the figure."""
+    return TOP if point.unstable else min(max(point.error, floor), TOP)
+
+
+def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker: str, *, recorded: bool) -> None:
+    for n, point in enumerate(points):
+        axes.loglog(
+            [point.price],
+            [drawn_at(point, floor)],
+            linestyle="",
+            marker="x" if point.unstable else marker,
+            color=colour,
+            markerfacecolor="white" if recorded else colour,
+            label="_" if n else f"{point.contender}{' (recorded)' if recorded else ''}",
+        )
+        place = (point.price, drawn_at(point, floor))
+        text = f"{point.setting}{' (unstable)' if point.unstable else ''}"
+        axes.annotate(text, place, (4, 4), textcoords="offset points", fontsize="xx-small", color=colour)
 
 
 def _finish(axes: Axes, title: str) -> None:
@@ -34,14 +60,15 @@ def _finish(axes: Axes, title: str) -> None:
     for goal in GOALS:
         axes.axhline(goal, color=GREY, linewidth=0.6, linestyle=":")
         axes.annotate(f" {goal:.2%}", (1, goal), xycoords=("axes fraction", "data"), va="center", fontsize="x-small")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
+    axes.margins(x=0.15)
+    low, high = axes.get_xlim()
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 300 * low else (1.0,), numticks=12))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda price, _: f"{price:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.tick_params(axis="x", labelsize="x-small")
-    axes.margins(x=0.15)
     axes.set_title(title, fontsize="small", wrap=True)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="x-small", loc="upper right")
+    axes.legend(fontsize="xx-small", loc="upper right")
     axes.spines[["top", "right"]].set_visible(False)
 
 
@@ -52,3 +79,9 @@ def frontier(found: Climb) -> list[tuple[float, float]]:
         if not point.unstable and (not best or max(point.error, found.floor) < best[-1][1]):
             best.append((point.price, max(point.error, found.floor)))
     return best
+
+
+def write_svg(figure: Figure, path: Path) -> None:
+    """The same bytes for the same figure, with letters as text."""
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tactometry"}):
+        figure.savefig(path, metadata={"Date": None})

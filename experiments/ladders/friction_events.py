@@ -21,6 +21,8 @@ def problem() -> Problem:
     return Problem(
         "friction-events",
         "time of the first break-away between two samples; the motion itself is exact",
+        "the event, a root of the exact motion",
+        "closed form without voltage",
         reference=lambda: (_event(), 1e-12),
         independent=lambda: ((breakaway_s, breakaway_s), 1e-10),
         error=lambda found, reference: max(abs(each / reference[0] - 1) for each in found),

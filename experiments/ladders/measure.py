@@ -23,6 +23,7 @@ class Point:
     """
 
     ladder: str
+    contender: str
     setting: str
     error: float
     unstable: bool
@@ -36,15 +37,27 @@ class Point:
 
 @dataclass(frozen=True)
 class Climb:
-    """All points of a ladder and the floor below which no error is believed."""
+    """All points of a ladder, the reference's answer and the floor below which no error is believed."""
 
     problem: Problem
     points: tuple[Point, ...]
+    answer: Any
     floor: float
+
+    @property
+    def contenders(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(point.contender for point in self.points))
+
+    def of(self, contender: str) -> list[Point]:
+        """The points of one contender, from coarse to fine."""
+        return [point for point in self.points if point.contender == contender]
 
 
 def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
-    """Measure a ladder on one thread; errors are the same in every run, times are not."""
+    """Measure a ladder on one thread; errors are the same in every run, times are not.
+
+    Without rounds the first call is the time, and memory is not measured (0).
+    """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
@@ -55,7 +68,7 @@ def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
         _point(problem, rung, first, [times[n] for times in rounds], answer)
         for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
     )
-    return Climb(problem, points, floor)
+    return Climb(problem, points, answer, floor)
 
 
 def timed(run: Callable[[], Any]) -> tuple[float, Any]:
@@ -74,10 +87,11 @@ def cheapest(found: Climb, goal: float) -> Point | None:
 def _point(problem: Problem, rung: Rung, first: tuple[float, Any], times_s: Sequence[float], reference: Any) -> Point:
     first_s, answer = first
     error = problem.error(answer, reference)
-    median_s = statistics.median(times_s)
+    median_s = statistics.median(times_s or [first_s])
     low_s, _, high_s = statistics.quantiles(times_s, n=4) if len(times_s) > 1 else (median_s,) * 3
     return Point(
         ladder=problem.name,
+        contender=rung.contender,
         setting=rung.setting,
         error=error if math.isfinite(error) else math.inf,
         unstable=not math.isfinite(error),
@@ -85,7 +99,7 @@ def _point(problem: Problem, rung: Rung, first: tuple[float, Any], times_s: Sequ
         first_s=first_s,
         median_s=median_s,
         spread_s=high_s - low_s,
-        peak_bytes=_peak_bytes(rung.run),
+        peak_bytes=_peak_bytes(rung.run) if times_s else 0,
         answer_bytes=_bytes(answer),
     )
 

@@ -4,23 +4,28 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+OURS = "tactometry"
+
 
 @dataclass(frozen=True)
 class Rung:
-    """A setting in words, the computation with it, and its price if that is not the time of computing."""
+    """A setting in words, the computation with it, its price if that is not the time of computing, and whose it is."""
 
     setting: str
     run: Callable[[], Any]
     price: float | None = None
+    contender: str = OURS
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A workload with rungs from coarse to fine.
+    """A workload with rungs from coarse to fine, those of each contender together.
 
     Parameters
     ----------
     name, title : str
+    by, checked_by : str
+        What the reference and the independent one are, in words.
     reference : callable
         Gives the answer and its own relative uncertainty, below which no error is believed.
     independent : callable
@@ -34,6 +39,8 @@ class Problem:
 
     name: str
     title: str
+    by: str
+    checked_by: str
     reference: Callable[[], tuple[Any, float]]
     independent: Callable[[], tuple[Any, float]]
     error: Callable[[Any, Any], float]

@@ -19,6 +19,8 @@ def problem() -> Problem:
     return Problem(
         "quest-plus-grid",
         "error of the posterior mean of the threshold after ten answers, over the range of 40 dB",
+        "a far finer grid",
+        "Gauss and Legendre, function by function",
         reference=lambda: (_mean(N_FINEST), abs(_mean(N_FINEST) - _mean(N_FINEST // 2 + 1)) / (HIGH - LOW)),
         independent=lambda: (_integral(), 1e-5),
         error=lambda found, reference: abs(found - reference) / (HIGH - LOW),

@@ -8,17 +8,19 @@ from pathlib import Path
 
 from tactometry.errors import DeviceFailed
 from tactometry.experiments.ladders.measure import GOALS, Climb, Point, cheapest
+from tactometry.experiments.ladders.problem import OURS
 
-ROW = "{:<26}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
+ROW = "{:<29}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
 
 
 def table(found: Climb) -> str:
-    """The points of a ladder, 95 columns wide, and the cheapest rungs."""
+    """The points of a ladder, 98 columns wide, and the cheapest rungs."""
     head = ROW.format("setting", "error", "price", "median (s)", "+- (s)", "memory (B)", "answer (B)")
-    lines = [f"{found.problem.name}: {found.problem.title}", f"price: {found.problem.price}", head]
+    problem = found.problem
+    lines = [f"{problem.name}: {problem.title}", f"against {problem.by}", f"price: {problem.price}", head]
     lines += [
         ROW.format(
-            point.setting,
+            label(point),
             "unstable" if point.unstable else f"{point.error:.1e}",
             f"{point.price:.3g}",
             f"{point.median_s:.3g}",
@@ -31,13 +33,18 @@ def table(found: Climb) -> str:
     return "\n".join([*lines, f"reference good to {found.floor:.0e}", *answers(found)])
 
 
+def label(point: Point) -> str:
+    """The setting, and whose it is if there are several contenders."""
+    return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
+
+
 def answers(found: Climb) -> list[str]:
     """What each error costs at least."""
     return [f"{goal:.2%}: {_said(cheapest(found, goal))}" for goal in GOALS]
 
 
 def _said(point: Point | None) -> str:
-    return "no rung reaches it" if point is None else f"{point.setting}, price {point.price:.3g}"
+    return "no rung reaches it" if point is None else f"{label(point)}, price {point.price:.3g}"
 
 
 def write_csv(climbs: Sequence[Climb], path: Path) -> None:

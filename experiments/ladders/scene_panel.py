@@ -30,6 +30,8 @@ def problem() -> Problem:
     return Problem(
         "scene-electrovibration-panel",
         "largest error of the electrostatic force over its peak, for the accuracy asked for",
+        "the exact solution in pieces",
+        "recurrence on fine samples",
         reference=lambda: (_exact(found), 1e-12),
         independent=lambda: (_stepped(found), 1e-4),
         error=_error,

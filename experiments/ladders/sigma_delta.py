@@ -25,6 +25,8 @@ def _problem(order: int) -> Problem:
     return Problem(
         f"sigma-delta-{order}",
         f"rms error in the band of 0 to 25 kHz over the rms of a 5 kHz tone, order {order}, 20 ms",
+        "the line of the tone",
+        "transform of the tone",
         reference=lambda: (_line(), 1e-12),
         independent=lambda: (_spectrum(_tone(RATES_HZ[0])), 1e-12),
         error=lambda found, reference: float(np.linalg.norm(found - reference) / np.linalg.norm(reference)),

@@ -22,6 +22,8 @@ def problem() -> Problem:
     return Problem(
         "skin-propagator",
         "largest error of the force of a 240 Hz sine over its peak, exact recurrence on samples",
+        "the exact solution in pieces",
+        "closed form of a sine",
         reference=lambda: (_exact(times_s), 1e-12),
         independent=lambda: (_closed_form(times_s), 1e-12),
         error=lambda found, reference: float(np.abs(found - reference).max() / reference.max()),

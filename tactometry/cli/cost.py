@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: tactometry cost skin-propagator --out cost")
 @click.argument("ladder", metavar="LADDER|all")
 @click.option("--out", type=click.Path(path_type=Path), help="Write a CSV of all points and a figure per ladder.")
+@click.option("--page", type=click.Path(path_type=Path), help="Write a page (Markdown) with tables and figures.")
 @click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each rung.")
 @json_option
-def command(*, ladder: str, out: Path | None, rounds: int, as_json: bool) -> None:
+def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as_json: bool) -> None:
     """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
 
     Errors are the same in every run; times are those of this machine, now.
@@ -36,16 +37,28 @@ def command(*, ladder: str, out: Path | None, rounds: int, as_json: bool) -> Non
     climbs = [climb(problem, rounds) for problem in progress(problems, len(problems), "ladders")]
     if out is not None:
         _write(climbs, out)
+    if page is not None:
+        _write_page(climbs, page)
     say("\n\n".join([*map(table, climbs), machine()]), _record(climbs), as_json=as_json)
 
 
 def _write(climbs: "list[Climb]", out: Path) -> None:
     from tactometry.experiments.ladders.figures import error_against_price
+    from tactometry.experiments.ladders.peers import peers_of
     from tactometry.experiments.ladders.report import write_csv
 
     write_csv(climbs, out / "cost.csv")
     for found in climbs:
-        error_against_price(found).savefig(out / f"{found.problem.name}.png", dpi=150)
+        figure = error_against_price(found, peers_of(found))
+        figure.savefig(out / f"{found.problem.name}.png", dpi=150)
+
+
+def _write_page(climbs: "list[Climb]", path: Path) -> None:
+    from datetime import UTC, datetime
+
+    from tactometry.experiments.ladders.page import write_page
+
+    write_page(climbs, path, datetime.now(UTC).date())
 
 
 def _record(climbs: "list[Climb]") -> dict[str, object]:

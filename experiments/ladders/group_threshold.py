@@ -1,0 +1,60 @@
+"""What participants buy: the error of a group's threshold against how many are measured."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold import fit_many
+from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.psychometric import PsychometricFunction
+
+MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0
+LEVELS_DB, N_TRIALS = np.linspace(2.0, 38.0, 10), 16
+FUNCTION = PsychometricFunction("gumbel", MEAN_DB, 10.0, 0.5, 0.02)
+N_PARTICIPANTS, N_GROUPS = (4, 16, 64, 256), 30
+Real = NDArray[np.float64]
+
+
+def problem() -> Problem:
+    """Participants whose thresholds differ by 5 dB, each with 16 trials at each of ten levels."""
+    return Problem(
+        "group-threshold",
+        f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
+        "the mean that was simulated",
+        "a fit to answers without scatter",
+        reference=lambda: (np.array([MEAN_DB]), 0.0),
+        independent=lambda: (_without_scatter_db(), 0.02),
+        error=_part_of_the_amplitude,
+        rungs=tuple(Rung(f"{n} participants", partial(_means_db, n), float(n)) for n in N_PARTICIPANTS),
+        price="participants, 160 trials each",
+    )
+
+
+def _part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
+    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
+
+
+def _means_db(n_participants: int) -> Real:
+    """(n_groups,): mean fitted thresholds."""
+    rng = np.random.default_rng(0)
+    true_db = MEAN_DB + BETWEEN_SD_DB * rng.standard_normal((N_GROUPS, n_participants))
+    return np.asarray(_fitted_db(rng.binomial(N_TRIALS, _chances(true_db)), N_TRIALS).mean(axis=1))
+
+
+def _without_scatter_db() -> Real:
+    """One participant of the mean threshold, whose answers come as often as they should."""
+    many = 10_000
+    return np.asarray(_fitted_db(np.round(many * _chances(np.full((1, 1), MEAN_DB))), many)[0])
+
+
+def _chances(true_db: Real) -> Real:
+    return np.asarray(FUNCTION.probability(LEVELS_DB - true_db[..., None] + MEAN_DB))
+
+
+def _fitted_db(n_correct: NDArray[Any], n_trials: int) -> Real:
+    counts = n_correct.reshape(-1, len(LEVELS_DB))
+    found = fit_many(LEVELS_DB, counts, n_trials, shape="gumbel", guess_rate=0.5, lapse_rate=0.02, method="map")
+    told = [MEAN_DB if each.threshold is None else each.threshold for each in found]
+    return np.array(told).reshape(n_correct.shape[:-1])

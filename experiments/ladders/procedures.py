@@ -1,0 +1,134 @@
+"""What trials buy: the error of a threshold against the time of a participant, by procedure."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold import fit_many
+from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
+from tactometry.psychometric import PsychometricFunction
+
+LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
+WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02
+N_TRIALS, N_RUNS, TRIAL_S = (24, 96, 384), 30, 4.0
+LEVELS_DB = tuple(np.arange(LOW_DB, HIGH_DB + 1, 2).tolist())
+CONSTANT_DB = (8.0, 12.0, 16.0, 20.0, 24.0, 28.0)
+FUNCTION = PsychometricFunction("gumbel", MIDDLE_DB, WIDTH_DB, GUESS_RATE, LAPSE_RATE)
+Real = NDArray[np.float64]
+Run = tuple[Any, list[tuple[float, bool]]]
+"""A finished procedure, and the levels with their answers."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A procedure of so many trials, what runs of it say in the end, and the chance that its threshold stands for."""
+
+    make: Callable[[int, np.random.Generator], Procedure]
+    thresholds_db: Callable[[Sequence[Run]], Sequence[float | None]]
+    target: float
+
+
+def problem() -> Problem:
+    """Two-alternative tasks with participants whose thresholds differ by 3 dB about 20 dB."""
+    return Problem(
+        "procedures",
+        f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
+        "the threshold that was simulated",
+        "target levels by the root of the function, written out",
+        reference=lambda: (np.zeros(1), 0.0),
+        independent=lambda: (_targets_db() - [FUNCTION.level(method.target) for method in METHODS.values()], 1e-9),
+        error=_part_of_the_amplitude,
+        rungs=tuple(
+            Rung(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
+            for name, method in METHODS.items()
+            for n in N_TRIALS
+        ),
+        price="time of a participant (min), 4 s a trial",
+    )
+
+
+def _part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
+    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
+
+
+def _errors_db(method: Method, n_trials: int) -> Real:
+    """(n_runs,): the same participants for all procedures; a run that tells no threshold counts as the middle."""
+    rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
+    true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
+    runs = [_run(method.make(n_trials, rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
+    found_db = [MIDDLE_DB if found is None else found for found in method.thresholds_db(runs)]
+    return np.asarray(np.subtract(found_db, true_db) - (FUNCTION.level(method.target) - MIDDLE_DB))
+
+
+def _run(procedure: Procedure, threshold_db: float, rng: np.random.Generator) -> Run:
+    answered = []
+    while not procedure.finished:
+        answered.append((procedure.level, bool(rng.random() < _chance(procedure.level - threshold_db))))
+        procedure = procedure.after(answered[-1][1])
+    return procedure, answered
+
+
+def _chance(above_db: float) -> float:
+    """Gumbel's function written out: half way at 0, from 0.05 to 0.95 over the width."""
+    spread = math.log(-math.log(0.05)) - math.log(-math.log(0.95))
+    unscaled = -math.expm1(-math.log(2) * math.exp(spread * above_db / WIDTH_DB))
+    return GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) * unscaled
+
+
+def _targets_db() -> Real:
+    from scipy.optimize import brentq
+
+    found = [brentq(lambda x, p=method.target: _chance(x) - p, -20, 20, xtol=1e-12) for method in METHODS.values()]
+    return MIDDLE_DB + np.array(found)
+
+
+def _staircase(n_trials: int, rng: np.random.Generator) -> Staircase:
+    del rng
+    return Staircase(MIDDLE_DB, (4.0, 2.0, 1.0), LOW_DB, HIGH_DB, n_reversals=n_trials, n_trials=n_trials)
+
+
+def _quest(n_trials: int, rng: np.random.Generator) -> Quest:
+    del rng
+    blind = LAPSE_RATE / (1 - GUESS_RATE)
+    return Quest(MIDDLE_DB, 10.0, LOW_DB, HIGH_DB, 0.5, blind_share=blind, n_trials=n_trials)
+
+
+def _quest_plus(n_trials: int, rng: np.random.Generator) -> QuestPlus:
+    del rng
+    thresholds_db = tuple(np.arange(MIDDLE_DB - 4 * SD_DB, MIDDLE_DB + 4 * SD_DB + 0.5, 0.5).tolist())
+    grid = ParameterGrid(thresholds_db, (7.0, 10.0, 14.0), lapse_rates=(LAPSE_RATE,))
+    return QuestPlus(LEVELS_DB, grid, n_trials, aim="threshold")
+
+
+def _constant(n_trials: int, rng: np.random.Generator) -> ConstantStimuli:
+    return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB)).shuffled(rng)
+
+
+def _fitted(runs: Sequence[Run]) -> list[float | None]:
+    answers = np.array([answered for _, answered in runs], dtype=np.float64)
+    rates: Any = {"guess_rate": GUESS_RATE, "lapse_rate": LAPSE_RATE}
+    found = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", method="map", **rates)
+    return [each.threshold for each in found]
+
+
+def _by_reversals(runs: Sequence[Run]) -> list[float | None]:
+    return [procedure.threshold() for procedure, _ in runs]
+
+
+def _by_posterior(runs: Sequence[Run]) -> list[float | None]:
+    return [procedure.threshold for procedure, _ in runs]
+
+
+HALF = GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) / 2
+METHODS = {
+    "constant stimuli": Method(_constant, _fitted, HALF),
+    "staircase": Method(_staircase, _by_reversals, math.sqrt(0.5)),
+    "QUEST": Method(_quest, _by_posterior, 0.82),
+    "QUEST+": Method(_quest_plus, _by_posterior, HALF),
+}

@@ -1,0 +1,89 @@
+"""The interval of one threshold by each method of the fit, against the integral of the posterior."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from tactometry.analysis.threshold import ThresholdFit, fit, fit_many
+from tactometry.experiments.ladders.problem import Problem, Rung
+
+LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
+N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
+N_SETS, RANGE, GAP = 16, 6.0, 1.0
+SHAPE: Any = {"shape": "normal", "guess_rate": 0.5}
+N_FINEST, N_COARSER = (281, 241, 24), (201, 161, 16)
+Real = NDArray[np.float64]
+
+
+def problem() -> Problem:
+    """Two-alternative answers at seven levels; the time of the shared grid is that of one of 16 sets."""
+    return Problem(
+        "threshold-fit",
+        "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
+        "the posterior written out, integrated finely",
+        "the same with fewer nodes",
+        reference=lambda: (posterior(*N_FINEST), 1e-5),
+        independent=lambda: (posterior(*N_COARSER), 1e-4),
+        error=lambda found, reference: float(np.abs(found - reference).max() / (reference[2] - reference[1])),
+        rungs=(
+            Rung("Laplace (map)", partial(_fitted, "map")),
+            Rung("shared grid", _shared),
+            Rung("own grid", partial(_fitted, "posterior")),
+        ),
+    )
+
+
+def _fitted(method: str) -> Real:
+    return _told(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE))
+
+
+def _shared() -> Real:
+    """Of many sets on the same levels."""
+    moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
+    return _told(fit_many(LEVELS, moved, N_TRIALS, **SHAPE)[0])
+
+
+def _told(found: ThresholdFit) -> Real:
+    return np.array([found.threshold, found.interval_low, found.interval_high], dtype=np.float64)
+
+
+def posterior(n_thresholds: int, n_widths: int, n_lapses: int) -> Real:
+    """Mean and interval by equidistant and Gauss's nodes, the likelihood and psignifit's priors written out."""
+    node, weight = np.polynomial.legendre.leggauss(n_lapses)
+    thresholds = (np.arange(n_thresholds) + 0.5) / n_thresholds * 2 * RANGE - RANGE
+    widths = GAP + (np.arange(n_widths) + 0.5) / n_widths * (3 * RANGE - GAP)
+    lapses = (node + 1) / 4
+    spread = 2 * ndtri(0.95)
+    rise = ndtr((LEVELS[:, None, None] - thresholds[:, None]) / widths * spread)
+    density = np.zeros((n_thresholds, n_widths, n_lapses))
+    for share, k in zip(rise, N_CORRECT, strict=True):
+        chance = 0.5 + (0.5 - lapses) * share[..., None]
+        density += k * np.log(chance) + (N_TRIALS - k) * np.log1p(-chance)
+    mass = np.exp(density - density.max()) @ (weight * (1 - lapses) ** 9)
+    along = mass @ _width_prior(widths) * _threshold_prior(thresholds)
+    return _summary(thresholds, along / along.sum())
+
+
+def _summary(at: Real, mass: Real) -> Real:
+    from scipy.interpolate import CubicSpline
+
+    fine = np.linspace(at[0], at[-1], 100 * len(at))
+    below = CubicSpline(at, mass).antiderivative()(fine)
+    low, high = np.interp([0.025, 0.975], below / below[-1], fine)
+    return np.array([mass @ at, low, high])
+
+
+def _threshold_prior(threshold: Real) -> Real:
+    """Flat on the levels, falling as a cosine over half a range beside."""
+    outside = np.clip(np.abs(threshold) / RANGE - 0.5, 0, 0.5)
+    return np.asarray((1 + np.cos(2 * np.pi * outside)) / 2)
+
+
+def _width_prior(width: Real) -> Real:
+    """Flat from two gaps to the range, falling as a cosine to 0 at one gap and three ranges."""
+    narrow = np.clip((2 * GAP - width) / GAP, 0, 1)
+    wide = np.clip((width - RANGE) / (2 * RANGE), 0, 1)
+    return np.asarray((1 + np.cos(np.pi * np.maximum(narrow, wide))) / 2)
