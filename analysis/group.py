@@ -1,5 +1,6 @@
 """Participants together: mean thresholds per condition, and how often was felt what."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,8 @@ from tactometry.analysis.table import Trials
 
 MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""
+MOST_COLUMNS = 8
+"""Conditions across a table of text."""
 BOUNDED = ("threshold", "pse")
 """Values that have a bound where the status says so; a difference has none."""
 
@@ -93,13 +96,17 @@ def _plain(value: object) -> str:
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as
-    text."""
+    """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as text. Where
+    that would be too wide, one factor, of numbers if there is one, runs across and the others down."""
     if len(factors) < 2:
         return group[[*factors, "text"]].rename(columns={"text": "mean"})
     down = max(factors, key=lambda name: group[name].nunique())
     across = [name for name in factors if name != down]
-    table = group.pivot(index=down, columns=across, values="text")
+    if math.prod(group[name].nunique() for name in across) > MOST_COLUMNS:
+        numeric = [name for name in factors if pd.api.types.is_numeric_dtype(group[name])]
+        across = [max(numeric or [down], key=lambda name: group[name].nunique())]
+    others = [name for name in factors if name not in across]
+    table = group.pivot(index=others, columns=across, values="text")
     table.columns = [_column_name(across, key) for key in table.columns]
     return table.reset_index()
 

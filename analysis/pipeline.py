@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.analysis import cells, group, words
+from tactometry.analysis.amplitude_loss import loss_table, losses
 from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
 from tactometry.analysis.outcomes import Outcome, outcome
@@ -56,6 +57,7 @@ class Analysis:
             "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
             "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
             "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
+            "loss": words.plain_rows(self.tables.get("loss", pd.DataFrame())),
             "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
             "excluded": words.plain_rows(self.tables.get("excluded", pd.DataFrame())),
             "report": None if self.report is None else str(self.report),
@@ -130,11 +132,11 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     plan = plan or Plan()
     plan.check(everything.factors)
     trials, excluded = applied(everything, plan.exclusion)
-    found, forms = cells.cells(trials), ratings(trials)
-    if not found and not forms:
+    found, forms, lost = cells.cells(trials), ratings(trials), losses(trials)
+    if not found and not forms and lost.empty:
         raise InvalidFile(
             f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task nor to a known "
-            "questionnaire, expected some to analyse"
+            "questionnaire, and no measured level, expected some to analyse"
         )
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
@@ -155,7 +157,8 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         forms=forms,
         plan=plan,
         tables=_tables(table, outcomes, found, trials, quality)
-        | _other_tables(forms, forces, trials.factors, excluded),
+        | _other_tables(forms, forces, trials.factors, excluded)
+        | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
         methods=words.methods(table, n_choices, forms, plan),
     )

@@ -88,7 +88,8 @@ def render(found: Analysis) -> str:
         svgs=svgs,
         outcomes=[(o, _grid(o.cross), _anova_grid(o.anova), o.all_sentences(found.unit)) for o in found.outcomes],
         forms=[(form, _summary_grid(form), form.sentences()) for form in found.forms],
-        force=_grid(_force_cross(found)) if "force" in tables else None,
+        loss=_grid(_cross(found, "loss")) if "loss" in tables else None,
+        force=_grid(_cross(found, "force")) if "force" in tables else None,
         excluded=_grid(tables["excluded"]) if "excluded" in tables else None,
         quality=_grid(tables["quality"]),
         thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
@@ -108,10 +109,10 @@ def _title(found: Analysis) -> str:
     return ", ".join(study for study in studies if study) or found.trials.path.stem
 
 
-def _force_cross(found: Analysis) -> pd.DataFrame:
+def _cross(found: Analysis, name: str) -> pd.DataFrame:
     from tactometry.analysis.group import cross_table
 
-    return cross_table(found.tables["force"], found.trials.factors)
+    return cross_table(found.tables[name], found.trials.factors)
 
 
 def _summary_grid(form: Ratings) -> Grid:

@@ -7,7 +7,7 @@ from enum import StrEnum
 import pandas as pd
 
 from tactometry.analysis.cells import Estimate
-from tactometry.analysis.figures import attrakdiff, group, participants
+from tactometry.analysis.figures import attrakdiff, group, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
 from tactometry.analysis.outcomes import FORCE, Outcome
 from tactometry.analysis.patterns import THESIS
@@ -29,6 +29,7 @@ class Place(StrEnum):
 
     OUTCOME = "outcome"
     FORM = "form"
+    LOSS = "loss"
     FORCE = "force"
     RATES = "rates"
     PARTICIPANTS = "participants"
@@ -58,6 +59,8 @@ def figures_of(found: Analysis) -> list[Figure]:
     drawn = [_outcome_figure(found, outcome, several=several) for outcome in found.outcomes]
     for form in found.forms:
         drawn += _form_figures(form)
+    if "loss" in found.tables:
+        drawn.append(_loss_figure(found))
     if "force" in found.tables:
         drawn.append(_force_figure(found))
     for task in sorted({outcome.task for outcome in found.outcomes}):
@@ -80,6 +83,13 @@ def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figu
     text = f"{name}: means over participants with 95 % t-intervals; faint dots are participants, open triangles bounds."
     stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
     return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
+
+
+def _loss_figure(found: Analysis) -> Figure:
+    own = found.tables["loss"]
+    over = "participants" if own["n"].max() > 1 else "readings"
+    text = f"Loss of amplitude: means with 95 % t-intervals over {over}."
+    return Figure("loss", loss.loss_figure(own, found.trials.factors), text, "loss", Place.LOSS)
 
 
 def _force_figure(found: Analysis) -> Figure:

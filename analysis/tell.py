@@ -31,6 +31,9 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
     for form in found.forms:
         compared = next(iter(form.sentences().values())) if form.crossed is not None else []
         yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared
+    if "loss" in found.tables:
+        cross = cross_table(found.tables["loss"], found.trials.factors)
+        yield text_table(cross, "loss of amplitude (mean, 95 % interval)"), ()
     if "force" in found.tables:
         yield text_table(cross_table(found.tables["force"], found.trials.factors), "applied force (mean ± SD)"), ()
 

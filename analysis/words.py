@@ -6,6 +6,7 @@ from importlib.metadata import version
 import numpy as np
 import pandas as pd
 
+from tactometry.analysis.amplitude_loss import TASK as MEASURED_TASK
 from tactometry.analysis.cells import FITTED_TASKS
 from tactometry.analysis.labels import condition_name
 from tactometry.analysis.plan import Plan
@@ -104,7 +105,7 @@ def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> lis
 
 def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
-    known = rows["task"].isin(FITTED_TASKS)
+    known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK))
     if "procedure" in rows.columns:
         known |= (rows["task"] == "rating") & rows["procedure"].isin(shipped())
     other = rows[~known]

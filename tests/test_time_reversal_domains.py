@@ -193,7 +193,7 @@ OUTSIDE = {
     "mean power nan": (lambda: average_power_w(math.nan, 1.0, 1.0), "power_w"),
     "deflection nan": (lambda: deflection_m(A4_SCREEN, math.nan, (0.1, 0.1), 0.1, 0.1), "force_n"),
     "deflection off the plate": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), 0.1, 9.0), "x_m, y_m"),
-    "deflection at nan": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), math.nan, 0.1), "x_m, y_m"),
+    "deflection at nan": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), math.nan, 0.1), "x_m: found nan"),
     "stress nan": (lambda: bending_stress_pa(A4_SCREEN, math.nan, 0.01), "force_n"),
     "one bit tau": (lambda: one_bit_amplitude_ratio(1.0, -1.0), "tau_s"),
     "one bit T": (lambda: one_bit_amplitude_ratio([1.0, -1.0], 1.0), r"reversal_s\[1\]"),

@@ -90,7 +90,7 @@ def test_a_finger_at_the_focus_reads_what_it_feels():
 
 
 def test_bad_readings_are_refused():
-    with pytest.raises(InvalidParameter, match=r"Contactor.kind: found 'hand'"):
+    with pytest.raises(InvalidParameter, match=r"FocusReading.contactor: found 'hand'"):
         FocusReading(SMALL, contactor="hand")
     with pytest.raises(InvalidParameter, match=r"expected a point of the plate"):
         FocusReading(SMALL, x_m=-0.1)

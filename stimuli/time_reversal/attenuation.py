@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative, positive
+from tactometry.stimuli.time_reversal.checks import not_negative, positive, spectral
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 @dataclass(frozen=True)
 class Attenuation:
     """tau(f) = tau (f / f_ref)^-exponent.
@@ -48,15 +50,22 @@ class Attenuation:
 
     def rate_per_s(self, frequency_hz: ArrayLike) -> FloatArray:
         """1 / tau at frequencies (the decay rate of the amplitude)."""
+        spectral("frequency_hz", frequency_hz)
         relative = np.asarray(frequency_hz, float) / self.reference_hz
         return np.asarray(relative**self.exponent / self.tau_s)
 
 
+@checked
 def tau_from_damping_ratio_s(damping_ratio: float, frequency_hz: float) -> float:
     """tau = 1 / (zeta omega)."""
+    positive("damping_ratio", damping_ratio)
+    positive("frequency_hz", frequency_hz)
     return 1 / (damping_ratio * 2 * math.pi * frequency_hz)
 
 
+@checked
 def tau_from_loss_factor_s(loss_factor: float, frequency_hz: float) -> float:
     """tau = 2 / (eta omega)."""
+    positive("loss_factor", loss_factor)
+    positive("frequency_hz", frequency_hz)
     return 2 / (loss_factor * 2 * math.pi * frequency_hz)

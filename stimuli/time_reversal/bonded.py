@@ -19,6 +19,7 @@ from tactometry.stimuli.time_reversal.modes import laplacians
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.transducer import Disc, Patch
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -29,6 +30,7 @@ CERAMIC_MODULUS_PA: Final = 59e9
 CERAMIC_POISSON_RATIO: Final = 0.3
 
 
+@checked
 @dataclass(frozen=True)
 class Stiffener:
     """A patch that resists the curvature at a point with `rigidity_n_m3` (rigidity times area, at least 0)."""
@@ -47,6 +49,7 @@ class Stiffener:
         return np.full(s.shape, self.rigidity_n_m3, complex)
 
 
+@checked
 @dataclass(frozen=True)
 class Ceramic:
     """A patch's material and thickness; PZ27, 0.3 mm (unverified defaults)."""
@@ -72,6 +75,7 @@ class Ceramic:
         return self.youngs_modulus_pa / (1 - self.poisson_ratio**2) * (outer**3 - inner**3) / 3
 
 
+@checked
 def bonded_loads(
     plate: Plate,
     patches: Sequence[Patch | Disc],

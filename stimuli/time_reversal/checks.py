@@ -2,15 +2,21 @@
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 
+SMALLEST: Final = 1e-30
+"""No quantity above 0 of a screen in SI units is smaller; its reciprocals and powers stay finite."""
+
+_ABOVE_0: Final = f"a finite number above 0, at least {SMALLEST}"
+
 
 def positive(name: str, value: float) -> None:
-    """Refuse `value` unless it is finite and above 0.
+    """Refuse `value` unless it is finite and above 0, and not smaller than `SMALLEST`.
 
     >>> positive("Plate.length_m", -1.0)
     Traceback (most recent call last):
@@ -18,6 +24,8 @@ def positive(name: str, value: float) -> None:
     """
     if not (math.isfinite(value) and value > 0):
         raise InvalidParameter(f"{name}: found {value}, expected a finite number above 0")
+    if value < SMALLEST:
+        raise InvalidParameter(f"{name}: found {value}, expected a number of at least {SMALLEST}")
 
 
 def not_negative(name: str, value: float) -> None:
@@ -45,7 +53,7 @@ def finite(name: str, values: ArrayLike) -> None:
 
 def all_positive(name: str, values: ArrayLike) -> None:
     """Refuse a number or an array unless each is finite and above 0."""
-    _each(name, values, np.isfinite(values) & (np.asarray(values) > 0), "a finite number above 0")
+    _each(name, values, np.isfinite(values) & (np.asarray(values) >= SMALLEST), _ABOVE_0)
 
 
 def all_at_least_0(name: str, values: ArrayLike) -> None:
@@ -55,7 +63,37 @@ def all_at_least_0(name: str, values: ArrayLike) -> None:
 
 def all_above_0(name: str, values: ArrayLike) -> None:
     """Refuse a number or an array unless each is above 0; infinity is taken."""
-    _each(name, values, np.asarray(values) > 0, "a number above 0")
+    _each(name, values, np.asarray(values) >= SMALLEST, f"a number above 0, at least {SMALLEST}")
+
+
+def spectral(name: str, values: ArrayLike) -> None:
+    """Refuse a number or an array unless each is finite and at least 0, as frequencies and wavenumbers are."""
+    _each(name, values, np.isfinite(values) & (np.asarray(values) >= 0), "a finite number, at least 0")
+
+
+def at_least(name: str, value: int, least: int) -> None:
+    """Refuse a whole number below `least`."""
+    if value < least:
+        raise InvalidParameter(f"{name}: found {value}, expected at least {least}")
+
+
+def at_most(name: str, value: float, most: float) -> None:
+    """Refuse a number above `most`, and NaN."""
+    if not value <= most:
+        raise InvalidParameter(f"{name}: found {value:.6g}, expected at most {most:.6g}")
+
+
+def shaped(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
+    """Refuse an array of another shape; None stands for any length.
+
+    >>> shaped("field_m", [1.0, 2.0], (3,))
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: field_m: found shape (2,), expected (3)
+    """
+    found = np.shape(values)
+    if len(found) != len(shape) or any(n not in (m, None) for m, n in zip(found, shape, strict=True)):
+        words = ", ".join("any" if n is None else str(n) for n in shape)
+        raise InvalidParameter(f"{name}: found shape {found}, expected ({words})")
 
 
 def ascending(name: str, values: ArrayLike) -> None:

@@ -17,6 +17,7 @@ from tactometry.stimuli.time_reversal.checks import (
     all_above_0,
     all_at_least_0,
     all_positive,
+    at_most,
     finite,
     not_negative,
     positive,
@@ -24,6 +25,7 @@ from tactometry.stimuli.time_reversal.checks import (
 )
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -33,10 +35,16 @@ CHAOTIC_KURTOSIS: Final = 2.0
 RECTANGLE_KURTOSIS: Final = 1.25
 """The same for products of sines."""
 
+SILENT_TAUS: Final = 40.0
+"""What is left after so many tau is less than rounding."""
+
+MAX_OVERLAPS: Final = 1000
+
 ALPHA: Final = math.sqrt(math.pi / 2)
 """Factor of the resolution law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean): half a wavelength."""
 
 
+@checked
 def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive; T at least 0 or infinite, tau finite and above 0.
 
@@ -48,6 +56,7 @@ def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     return np.asarray(-np.expm1(-np.asarray(reversal_s, float) / tau_s))
 
 
+@checked
 def analogue_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
     all_at_least_0("reversal_s", reversal_s)
@@ -55,6 +64,7 @@ def analogue_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
 
 
+@checked
 @dataclass(frozen=True)
 class Reverberation:
     """What the contrast of a focus depends on.
@@ -92,6 +102,7 @@ class Reverberation:
         return self.modal_density_s / (2 * self.tau_s) / math.tanh(self.reversal_s / self.tau_s)
 
 
+@checked
 def contrast_whole(room: Reverberation) -> float:
     """Amplitude over the rms of the whole plate at the focus instant: sqrt(Q N / (Q + kappa + G)).
 
@@ -102,6 +113,7 @@ def contrast_whole(room: Reverberation) -> float:
     return math.sqrt(q * room.n_modes / (q + spread))
 
 
+@checked
 def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -> float:
     """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
     r), at most 1. Both arguments are above 0.
@@ -112,6 +124,7 @@ def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -
     return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
 
 
+@checked
 def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> float:
     """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
     not_negative("start_s", start_s)
@@ -122,11 +135,13 @@ def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> flo
     return math.sqrt(q * room.n_modes / (((kappa + 1) * (q + kappa) / 2 + room.absorption) * share))
 
 
+@checked
 def contrast_limit(room: Reverberation) -> float:
     """sqrt(N): what no number of transducers and no reversal time exceeds."""
     return math.sqrt(room.n_modes)
 
 
+@checked
 def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
     """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
     tau)).
@@ -136,6 +151,7 @@ def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 
 
+@checked
 def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: float) -> float:
     """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
 
@@ -148,14 +164,19 @@ def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: fl
     """
     for name, value in (("reversal_s", reversal_s), ("repetition_s", repetition_s), ("tau_s", tau_s)):
         positive(name, value)
-    s = (np.arange(2000) + 0.5) / 2000 * reversal_s
-    reach = math.ceil(reversal_s / repetition_s)
+    from scipy.special import logsumexp
+
+    heard_s = min(reversal_s, SILENT_TAUS * tau_s)
+    at_most("min(reversal_s, 40 tau_s) / repetition_s", heard_s / repetition_s, MAX_OVERLAPS)
+    s = (np.arange(2000) + 0.5) / 2000 * heard_s
+    reach = math.ceil(heard_s / repetition_s)
     j = np.arange(-reach, reach + 1)[:, None] * repetition_s
-    present = (s + j >= 0) & (s + j <= reversal_s)
-    share = 1 / np.sqrt(np.sum(np.where(present, np.exp(-2 * j / tau_s), 0.0), axis=0))
+    present = (s + j >= 0) & (s + j <= heard_s)
+    share = np.exp(-0.5 * logsumexp(np.where(present, -2 * j / tau_s, -np.inf), axis=0))
     return float(np.average(share, weights=np.exp(-s / tau_s)))
 
 
+@checked
 def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
     """u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
 
@@ -169,6 +190,7 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
     return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
 
 
+@checked
 def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
     """Full width of `focus_profile` where it first falls to `level` (0.5: -6 dB; 0.7071: -3 dB), between 0 and 1.
 
@@ -183,6 +205,7 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
     return 2 * float(brentq(lambda r: float(focus_profile(plate, band, r)) - level, 0.0, 3.0 / k_mean, xtol=1e-15))
 
 
+@checked
 def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
     """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), within 3 % of `resolution_m`."""
     all_positive("f_mean_hz", f_mean_hz)
@@ -190,6 +213,7 @@ def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) 
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
 
 
+@checked
 def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) -> float:
     """A(d) / A(0) when every frequency moves by 1 + d: the band's mean of 1 / (1 + (d w tau / 2)^2).
 

@@ -13,15 +13,17 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import positive, shaped
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class ClosedReversal:
     """A plate and a reversal time, ready for any sources and foci.
@@ -56,13 +58,18 @@ class ClosedReversal:
         focus : (n_modes,) array
             Shapes at the focus.
         """
+        n_modes = len(self.overlap)
+        shaped("sources", sources, (n_modes, None))
+        shaped("focus", focus, (n_modes,))
         heard = sources * focus[:, None]
         summed = np.einsum("nq,nq->n", self.overlap @ heard, sources)
         return np.asarray(summed / self.modes.plate.mass_kg**2)
 
 
+@checked
 def overlap(oscillators: Oscillators, reversal_s: float) -> FloatArray:
     """(n, n): integrals of g_n g_m from 0 to T; `expm1` keeps nearly equal modes without loss exact."""
+    positive("reversal_s", reversal_s)
     pole = -oscillators.decay_per_s + 1j * oscillators.split_rad_per_s
     difference = _grown(pole[:, None] + np.conj(pole), reversal_s)
     total = _grown(pole[:, None] + pole, reversal_s)

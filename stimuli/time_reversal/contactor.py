@@ -13,6 +13,7 @@ from tactometry.stimuli.time_reversal.checks import choice, not_negative, positi
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.load import Load
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FINGER_DIAMETER_M: Final = 10e-3
 """Diameter of a fingertip's contact at 2 N."""
@@ -24,6 +25,7 @@ RIGID_MASS_KG: Final = 2e-3
 KINDS: Final = ("finger", "soft", "rigid")
 
 
+@checked
 @dataclass(frozen=True)
 class Contactor:
     """What presses on the plate.
@@ -64,12 +66,16 @@ class Contactor:
         return Load(x, y, resistance, RIGID_MASS_KG * growth / N_POINTS, stiffness)
 
 
+@checked
 def hertz_stiffness_n_per_m(force_n: float, radius_m: float, modulus_pa: float = RIGID_MODULUS_PA) -> float:
     """Slope of Hertz's law of a sphere, (6 E^2 R F)^(1/3).
 
     >>> round(hertz_stiffness_n_per_m(1.0, 1e-3, 1e9))
     181712
     """
+    not_negative("force_n", force_n)
+    for name, value in (("radius_m", radius_m), ("modulus_pa", modulus_pa)):
+        positive(name, value)
     return float((6 * modulus_pa**2 * radius_m * force_n) ** (1 / 3))
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import positive, share
 from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -28,6 +30,7 @@ LOWEST_LOG_FLOOR: Final = -69.0
 CONFIDENCE: Final = 0.95
 
 
+@checked
 @dataclass(frozen=True)
 class Estimate:
     """A value with the ends of its 95 % interval."""
@@ -37,13 +40,16 @@ class Estimate:
     high: float
 
 
+@checked
 def schroeder_db(response: FloatArray) -> FloatArray:
     """Energy still to come at each sample, in dB of the whole; minus infinity after the last."""
+    _check_sounds(response)
     to_come = np.cumsum(np.square(response)[..., ::-1], axis=-1)[..., ::-1]
     with np.errstate(divide="ignore"):
         return np.asarray(10 * np.log10(to_come / to_come[..., :1]))
 
 
+@checked
 @dataclass(frozen=True)
 class Decay:
     """Energy over a record as A (exp(-2 n_taus t) + floor), t from 0 to 1; `fall_db` from the loudest to the end."""
@@ -53,7 +59,8 @@ class Decay:
     fall_db: float
 
 
-def tau_s(response: FloatArray, rate_hz: float) -> float:
+@checked
+def tau_s(response: Vector, rate_hz: float) -> float:
     """Time constant of the amplitude of one response.
 
     Parameters
@@ -71,10 +78,12 @@ def tau_s(response: FloatArray, rate_hz: float) -> float:
     >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
     4.0
     """
+    positive("rate_hz", rate_hz)
     energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
     return length_s / _identified(energy[0]).n_taus
 
 
+@checked
 def tau_estimate(responses: Responses) -> Estimate:
     """tau from the energy of all pairs of point and channel, with its interval.
 
@@ -97,8 +106,11 @@ def tau_estimate(responses: Responses) -> Estimate:
     return Estimate(tau, tau * math.exp(-half), tau * math.exp(half))
 
 
-def decay_of(energy: FloatArray, kept: NDArray[np.intp] | None = None) -> Decay:
+@checked
+def decay_of(energy: Vector, kept: NDArray[np.intp] | None = None) -> Decay:
     """Fit of the log energy (`N_BLOCKS`,) of equal blocks, from the loudest on; `kept` of them if given."""
+    if len(energy) != N_BLOCKS or energy.min() < 0 or not energy.any():
+        raise InvalidParameter(f"energy: found {len(energy)} blocks, expected {N_BLOCKS} of at least 0, not all zero")
     first = _first(energy)
     kept = np.arange(first, N_BLOCKS) if kept is None else kept
     time = (kept + 0.5) / N_BLOCKS
@@ -140,6 +152,11 @@ def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
     return np.asarray(np.square(cut).mean(axis=2)), size * N_BLOCKS / rate_hz
 
 
+def _check_sounds(response: FloatArray) -> None:
+    if not np.any(response):
+        raise InvalidParameter("response: found zero everywhere, expected an impulse response")
+
+
 def _first(energy: FloatArray) -> int:
     return max(1, int(np.argmax(energy)))
 
@@ -166,10 +183,12 @@ def _variance(channels: FloatArray) -> float:
     return sum((len(d) - 1) * float(np.var(np.log([x.n_taus for x in d]))) for d in (fewer, shorter) if d)
 
 
-def mean_estimate(values: FloatArray, confidence: float = CONFIDENCE) -> Estimate:
+@checked
+def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> Estimate:
     """The mean with its interval from Student's t; infinite with fewer than two values."""
     from scipy.stats import t
 
+    share("confidence", confidence)
     mean = float(np.mean(values))
     if len(values) < 2:
         return Estimate(mean, -np.inf, np.inf)

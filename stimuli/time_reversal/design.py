@@ -27,6 +27,7 @@ from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
 from tactometry.stimuli.time_reversal.statics import bending_stress_pa
 from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -38,6 +39,7 @@ FINGER_FORCE_N: Final = 2.0
 FINGER_DIAMETER_M: Final = 10e-3
 
 
+@checked
 @dataclass(frozen=True)
 class Transducers:
     """Square patches of side `side_m` (m) with a moment (N per V), driven with one bit at `voltage_v`."""
@@ -52,6 +54,7 @@ class Transducers:
             positive(f"Transducers.{name}", getattr(self, name))
 
 
+@checked
 @dataclass(frozen=True)
 class Target:
     """What is wanted; None is no wish.
@@ -79,6 +82,7 @@ class Target:
                 positive(f"Target.{name}", value)
 
 
+@checked
 @dataclass(frozen=True)
 class Design:
     """A screen in numbers, enough for the closed forms."""
@@ -91,6 +95,9 @@ class Design:
     repetition_s: float | None = None
 
     def __post_init__(self) -> None:
+        for name in ("tau_s", "reversal_s", "repetition_s"):
+            if (value := getattr(self, name)) is not None:
+                positive(f"Design.{name}", value)
         held = n_held(self.plate, self.transducers.side_m)
         if self.transducers.n > held:
             raise InvalidParameter(
@@ -125,6 +132,7 @@ class Design:
         return one_bit_amplitude_m(self)
 
 
+@checked
 @dataclass(frozen=True)
 class Guide:
     """The answer: a design, its repetition time (None: single foci) and the wishes that it cannot meet, with why."""
@@ -135,6 +143,7 @@ class Guide:
     notes: tuple[str, ...]
 
 
+@checked
 def one_bit_amplitude_m(design: Design) -> float:
     """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
 
@@ -148,6 +157,7 @@ def one_bit_amplitude_m(design: Design) -> float:
     return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma
 
 
+@checked
 def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, target: Target) -> Guide:
     """Choose T, T_r, Q, band and thickness for a target, changing as little as possible of what is given.
 
@@ -179,12 +189,14 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, 
     return Guide(strong, repetition_s, unreachable, (*notes, *_about_time(strong, repetition_s), *_about_stress(plate)))
 
 
-def amplitude_over_reversal(design: Design, reversal_s: FloatArray) -> FloatArray:
+@checked
+def amplitude_over_reversal(design: Design, reversal_s: Vector) -> FloatArray:
     """Amplitude (m) for reversal times."""
     return np.array([replace(design, reversal_s=float(t)).amplitude_m for t in reversal_s])
 
 
-def contrast_over(design: Design, n_channels: FloatArray, reversal_s: FloatArray) -> FloatArray:
+@checked
+def contrast_over(design: Design, n_channels: Vector, reversal_s: Vector) -> FloatArray:
     """(n_channels, n_times): contrast for numbers of transducers and reversal times."""
     room = design.reverberation
     return np.array(
@@ -195,6 +207,7 @@ def contrast_over(design: Design, n_channels: FloatArray, reversal_s: FloatArray
     ) / math.sqrt(design.noise_ratio)
 
 
+@checked
 def n_held(plate: Plate, side_m: float) -> int:
     """Square patches of side `side_m` in one row along the edges; 0 if a patch is larger than the plate.
 
@@ -202,10 +215,12 @@ def n_held(plate: Plate, side_m: float) -> int:
     >>> n_held(A4_SCREEN, 35e-3)
     24
     """
+    positive("side_m", side_m)
     room_m = (plate.length_m - side_m, plate.width_m - side_m)
     return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m + 1e-9) for room in room_m))
 
 
+@checked
 def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
     """Thickness that gives a resolution in a band with small patches: widths go with its square root."""
     return plate.thickness_m * (wanted_resolution_m / resolution_m(plate, band)) ** 2
@@ -242,8 +257,11 @@ def _moved_up(design: Design, wanted_m: float) -> Design | None:
     return scaled(float(brentq(lambda x: scaled(x).resolution_m - wanted_m, 1.0, most, xtol=1e-12)))
 
 
+@checked
 def wavelength_to_patch(plate: Plate, frequency_hz: float, side_m: float) -> float:
     """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
+    positive("frequency_hz", frequency_hz)
+    positive("side_m", side_m)
     return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
 
 

@@ -5,19 +5,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import all_positive, positive, spectral
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 
 
+@checked
 def wavenumber_rad_per_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
+    spectral("frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
 
 
+@checked
 def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff wavelength 2 pi / k.
 
@@ -25,19 +29,24 @@ def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
     20.9
     """
+    all_positive("frequency_hz", frequency_hz)
     return 2 * np.pi / wavenumber_rad_per_m(plate, frequency_hz)
 
 
+@checked
 def phase_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff: omega / k."""
+    spectral("frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
 
 
+@checked
 def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff: d omega / d k = 2 omega / k."""
     return 2 * phase_velocity_m_per_s(plate, frequency_hz)
 
 
+@checked
 def mindlin_angular_frequency_rad_per_s(
     plate: Plate, wavenumber_rad_per_m: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
@@ -48,6 +57,7 @@ def mindlin_angular_frequency_rad_per_s(
     equals.
     """
     positive("shear_factor", shear_factor)
+    spectral("wavenumber_rad_per_m", wavenumber_rad_per_m)
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear = shear_stiffness_n_per_m(plate, shear_factor)
@@ -57,11 +67,13 @@ def mindlin_angular_frequency_rad_per_s(
     return np.asarray(np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c))))
 
 
+@checked
 def mindlin_wavenumber_rad_per_m(
     plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
     positive("shear_factor", shear_factor)
+    spectral("frequency_hz", frequency_hz)
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear = shear_stiffness_n_per_m(plate, shear_factor)
@@ -72,6 +84,7 @@ def mindlin_wavenumber_rad_per_m(
     return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
 
 
+@checked
 def shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
     shear_modulus_pa = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio))
     return shear_factor * shear_modulus_pa * plate.thickness_m

@@ -4,11 +4,13 @@ from dataclasses import replace
 from typing import Final
 
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import checked
 
 FREQUENCY_SHIFT_PER_K: Final = -5e-5
 """Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""
 
 
+@checked
 def warmed(screen: Screen, kelvin: float, shift_per_k: float = FREQUENCY_SHIFT_PER_K) -> Screen:
     """The screen some kelvin warmer: Young's modulus by the square of the shift of the frequencies.
 

@@ -9,6 +9,7 @@ from tactometry.stimuli.time_reversal.checks import not_negative, positive
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.quantiser import transitions_per_s
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -17,6 +18,7 @@ PZ27_RELATIVE_PERMITTIVITY = 1800.0
 """eps33T / eps0 of PZ27; unverified default."""
 
 
+@checked
 def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
     """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
     modes.
@@ -25,12 +27,14 @@ def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: 
     return 0.5 * screen.plate.mass_kg * float(np.sum((screen.oscillators(f_max_hz).omega_rad_per_s * q) ** 2))
 
 
+@checked
 def kinetic_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
     """Kinetic energy of the plate at a sample of a drive: half the sum of M q_n'^2."""
     v = modal_amplitudes(screen, signal, sample, f_max_hz, "velocity")
     return 0.5 * screen.plate.mass_kg * float(v @ v)
 
 
+@checked
 def capacitance_f(
     area_m2: float, thickness_m: float, relative_permittivity: float = PZ27_RELATIVE_PERMITTIVITY
 ) -> float:
@@ -44,6 +48,7 @@ def capacitance_f(
     return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
 
 
+@checked
 def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     """Mean electrical power during a switched drive.
 
@@ -57,6 +62,7 @@ def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     return float(lost_j * signal.rate_hz / (signal.samples.shape[1] - 1))
 
 
+@checked
 def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     """Q C 2 V^2 r_t from the counted transitions of a +-V drive; equals `switched_power_w` for one-bit
     signals.
@@ -66,6 +72,7 @@ def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     return channel_capacitance_f * 2 * signal.peak**2 * rate
 
 
+@checked
 def average_power_w(power_w: float, duration_s: float, repetition_hz: float) -> float:
     """Mean over a train of foci: the power during a drive times its duty (at most 1)."""
     for name, value in (("power_w", power_w), ("duration_s", duration_s), ("repetition_hz", repetition_hz)):

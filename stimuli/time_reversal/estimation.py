@@ -7,10 +7,12 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import all_positive
 from tactometry.stimuli.time_reversal.decay import Estimate, mean_estimate
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m: ArrayLike) -> Estimate:
     """D / rho_s (m^4/s^2) from wavenumbers at frequencies: omega^2 / k^4 of each, averaged in logarithm.
 
@@ -22,6 +24,7 @@ def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m
     return _geometric(np.log((2 * np.pi * f) ** 2 / k**4))
 
 
+@checked
 def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
     """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
 
@@ -49,6 +52,7 @@ def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
     return _geometric(2 * np.log(guess.wave_constant_m2_per_s * measured / _nearest(measured, model)))
 
 
+@checked
 def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> Estimate:
     """The factor of R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean) from measured resolutions, averaged in logarithm.
 
@@ -58,6 +62,7 @@ def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate:
     return _geometric(np.log(width * np.sqrt(f) / np.sqrt(plate.wave_constant_m2_per_s)))
 
 
+@checked
 def youngs_modulus_pa(rigidity_ratio: Estimate, plate: Plate) -> Estimate:
     """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of
     `plate`.

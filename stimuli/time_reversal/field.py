@@ -1,21 +1,25 @@
 """The plate at the focus instant and around it: modal amplitudes, then fields by matrix products."""
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice
+from tactometry.stimuli.time_reversal.checks import at_least, at_most, choice
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
-Grid = tuple[FloatArray, FloatArray]
+MAX_GRID: Final = 100_000
+Grid = tuple[Vector, Vector]
 
 
+@checked
 def modal_amplitudes(
     screen: Screen, signal: Signal, sample: int, f_max_hz: float, quantity: str = "displacement"
 ) -> FloatArray:
@@ -32,8 +36,7 @@ def modal_amplitudes(
         raise InvalidParameter(
             f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
         )
-    if sample < 0:
-        raise InvalidParameter(f"sample: found {sample}, expected at least 0")
+    at_least("sample", sample, 0)
     first = max(sample + 1 - signal.samples.shape[1], 0)
     past = signal.samples[:, : sample + 1][:, ::-1]
     oscillators = screen.oscillators(f_max_hz)
@@ -44,16 +47,22 @@ def modal_amplitudes(
     return total / (screen.plate.mass_kg * signal.rate_hz)
 
 
+@checked
 def grid(screen: Screen, n_x: int, n_y: int) -> Grid:
     """Equally spaced coordinates from edge to edge."""
+    for name, n in (("n_x", n_x), ("n_y", n_y)):
+        at_least(name, n, 1)
+        at_most(name, n, MAX_GRID)
     return np.linspace(0, screen.plate.length_m, n_x), np.linspace(0, screen.plate.width_m, n_y)
 
 
+@checked
 def field(screen: Screen, signal: Signal, sample: int, at_m: Grid, f_max_hz: float) -> FloatArray:
     """(n_x, n_y): displacement of the plate (m) at one sample of a drive, on the grid `at_m` = (x_m, y_m)."""
     return screen.modes(f_max_hz).field(modal_amplitudes(screen, signal, sample, f_max_hz), *at_m)
 
 
+@checked
 def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float) -> Iterator[FloatArray]:
     """The fields at ascending samples, one at a time, from one exact run through the drive."""
     draw = screen.modes(f_max_hz).frame(*at_m)
@@ -61,6 +70,7 @@ def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_
         yield draw(np.ascontiguousarray(amplitudes))
 
 
+@checked
 def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
     """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
     from tactometry.stimuli.time_reversal.propagator import run_impulses

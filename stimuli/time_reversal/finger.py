@@ -11,16 +11,22 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
 from tactometry.stimuli.time_reversal.closed_forms import one_bit_amplitude_ratio
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.load import Attached, Load, loaded_responses
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
-from tactometry.stimuli.time_reversal.responses import Point, Responses
+from tactometry.stimuli.time_reversal.responses import Point, Responses, samples_in
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.typed import checked
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 REFERENCE_FORCE_N: Final = 2.0
 RESISTANCE_N_S_PER_M: Final = 10.0
@@ -28,9 +34,12 @@ FORCE_EXPONENT: Final = 0.5
 PULP_MASS_KG: Final = 1e-4
 
 
+@checked
 @dataclass(frozen=True)
 class Finger:
     """A fingertip that presses with `force_n`: R = R_2N (F / 2 N)^p, optional mass and stiffness by the same law.
+
+    It can stand wherever a load can.
 
     Parameters
     ----------
@@ -52,7 +61,8 @@ class Finger:
     exponent: float = FORCE_EXPONENT
 
     def __post_init__(self) -> None:
-        not_negative("Finger.force_n", self.force_n)
+        for name in ("force_n", "resistance_n_s_per_m", "mass_kg", "stiffness_n_per_m"):
+            not_negative(f"Finger.{name}", getattr(self, name))
         within("Finger.exponent", self.exponent, 0.0, 2.0)
 
     def load(self) -> Load:
@@ -70,7 +80,16 @@ class Finger:
             self.stiffness_n_per_m * growth,
         )
 
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): the shapes at the contact."""
+        return self.load().weights(screen, f_max_hz)
 
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """Force per displacement (N/m) at complex frequencies s (rad/s)."""
+        return self.load().dynamic_stiffness(s)
+
+
+@checked
 @dataclass(frozen=True)
 class Emission:
     """How a focus is made: band, T, sampling and voltage, each above 0, and quantiser."""
@@ -84,13 +103,22 @@ class Emission:
     def __post_init__(self) -> None:
         for name in ("reversal_s", "rate_hz", "voltage_v"):
             positive(f"Emission.{name}", getattr(self, name))
+        if samples_in("Emission.reversal_s", self.reversal_s, self.rate_hz) == 0:
+            raise InvalidParameter(
+                f"Emission.reversal_s: found {self.reversal_s}, expected at least half a sample of 1 / {self.rate_hz} s"
+            )
+        if 2 * self.band.f_max_hz > self.rate_hz:
+            raise InvalidParameter(
+                f"Emission.band: found {self.band.f_max_hz} Hz, above the Nyquist frequency {self.rate_hz / 2}; "
+                "raise rate_hz or lower the band"
+            )
 
     @property
     def f_max_hz(self) -> float:
         """Modes up to a tenth above the band, within the Nyquist frequency."""
         return min(1.1 * self.band.f_max_hz, self.rate_hz / 2)
 
-    def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Load] = ()) -> Responses:
+    def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Attached] = ()) -> Responses:
         """Responses of the screen over T, within the band."""
         found = loaded_responses(
             screen, points, loads, rate_hz=self.rate_hz, duration_s=self.reversal_s, f_max_hz=self.f_max_hz
@@ -98,8 +126,9 @@ class Emission:
         return band_limited(found, self.band)
 
 
+@checked
 def amplitude_loss(
-    screen: Screen, focus: Point, loads: Sequence[Load], emission: Emission, *, relearn: bool = False
+    screen: Screen, focus: Point, loads: Sequence[Attached], emission: Emission, *, relearn: bool = False
 ) -> float:
     """Share of the focus amplitude that loads take, 1 - A' / A at the focus instant.
 
@@ -116,11 +145,13 @@ def amplitude_loss(
     return 1 - focus_amplitude(signal, loaded) / focus_amplitude(plain, free)
 
 
+@checked
 def amplitude_ratio_at_focus(plate: Plate, impedance_n_s_per_m: complex) -> float:
     """Closed form of the local part at the focus: |1 / (1 + Z / Z_p)|."""
     return 1 / abs(1 + impedance_n_s_per_m / plate.point_impedance_n_s_per_m)
 
 
+@checked
 def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
     """tau_f = 2 M / R_eff, R_eff = Re Z / |1 + Z / Z_p|^2: how fast one contact alone empties the plate.
 
@@ -132,6 +163,7 @@ def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
     return 2 * plate.mass_kg / effective if effective > 0 else math.inf
 
 
+@checked
 def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s: float, reversal_s: float) -> float:
     """Closed form of absorption alone, 1 bit, learnt without the finger.
 
@@ -146,6 +178,7 @@ def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s:
     return float(loaded_tau_s / tau_s * ratio)
 
 
+@checked
 def contact_is_lost(
     amplitude_m: float, frequency_hz: float, force_n: float, pulp_mass_kg: float = PULP_MASS_KG
 ) -> bool:
@@ -157,6 +190,7 @@ def contact_is_lost(
     return ejection_force_n(amplitude_m, frequency_hz, pulp_mass_kg) > force_n
 
 
+@checked
 def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: float = PULP_MASS_KG) -> float:
     """m w^2 A: the force that a focus of this amplitude can lift."""
     positive("pulp_mass_kg", pulp_mass_kg)

@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, positive
+from tactometry.stimuli.time_reversal.checks import at_least, choice, positive
 from tactometry.stimuli.time_reversal.pattern import (
     PATTERNS,
     Envelope,
@@ -17,9 +17,11 @@ from tactometry.stimuli.time_reversal.pattern import (
     Sinc,
 )
 from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
+from tactometry.stimuli.time_reversal.responses import samples_in
 from tactometry.stimuli.time_reversal.setup import Setup
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.typed import checked
 
 Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
 EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
@@ -38,6 +40,7 @@ ENVELOPES: Final[dict[str, Envelope]] = {
 }
 
 
+@checked
 @dataclass(frozen=True)
 class FocusTrain:
     """One focus (P0, the default) or a train of foci; the level is the unloaded amplitude of the largest one.
@@ -158,6 +161,7 @@ def _check_times(train: FocusTrain) -> None:
     for name in ("repetition_hz", "train_s", "reversal_s"):
         if getattr(train, name) is not None:
             positive(f"FocusTrain.{name}", getattr(train, name))
+    at_least("FocusTrain.reversal_s, samples", samples_in("reversal_s", train.emission_s, train.setup.rate_hz), 1)
     if train.emission_s > train.setup.learnt_s:
         raise InvalidParameter(
             f"FocusTrain.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "

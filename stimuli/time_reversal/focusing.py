@@ -15,10 +15,12 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.checks import finite, positive
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 def reversed_waveform(
     foci: Responses,
     *,
@@ -65,6 +67,7 @@ def reversed_waveform(
     return np.asarray(learnt[:, ::-1])
 
 
+@checked
 def drive(
     foci: Responses,
     voltage_v: float,
@@ -96,6 +99,7 @@ def drive(
     return Signal(voltage_v * (quantiser or OneBit()).quantise(waveform, foci.rate_hz), foci.rate_hz, "V")
 
 
+@checked
 def emitted(signal: Signal, responses: Responses) -> FloatArray:
     """(n_points, n_samples + n_response_samples - 1): the time signal at every point, by fast convolution."""
     from scipy.fft import next_fast_len
@@ -109,6 +113,7 @@ def emitted(signal: Signal, responses: Responses) -> FloatArray:
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n])
 
 
+@checked
 def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
     """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of
     products.
@@ -122,6 +127,7 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
     return np.asarray(np.einsum("qn,pqn->p", signal.samples[:, ::-1], responses.samples[:, :, :n]))
 
 
+@checked
 def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
     """One point at the focus instant."""
     return float(focus_amplitudes(signal, responses.at_point(point))[0])

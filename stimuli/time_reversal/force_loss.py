@@ -9,8 +9,10 @@ from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses import Point
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import checked
 
 
+@checked
 @dataclass(frozen=True)
 class LossRow:
     """One condition: `loss` is 1 - A' / A of a drive that was learnt without the contact."""
@@ -22,6 +24,7 @@ class LossRow:
     loss: float
 
 
+@checked
 def force_loss(
     screen: Screen,
     focus: Point,

@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 
+@checked
 @dataclass(frozen=True)
 class Glass:
     """Young's modulus (Pa), Poisson's ratio, density (kg/m^3) and where they come from."""

@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import some, within
 from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses
 from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +28,7 @@ NOISE_SHARE: Final = 1e-4
 """Power of measurement noise relative to the responses; keeps C invertible."""
 
 
+@checked
 def interpolated(
     calibrated: Responses, points: Sequence[Point], at: Point, plate: Plate, noise_share: float = NOISE_SHARE
 ) -> Responses:
@@ -47,14 +50,17 @@ def interpolated(
     return replace(calibrated, samples=np.fft.irfft(spectrum, n_fft)[None, :, : calibrated.n_samples])
 
 
+@checked
 def estimator(
     points: Sequence[Point], at: Point, plate: Plate, frequency_hz: ArrayLike, noise_share: float = NOISE_SHARE
 ) -> tuple[FloatArray, FloatArray]:
     """Weights (n_frequencies, n_points), and the share of the power at the new point that they find."""
     from scipy.special import j0
 
+    within("noise_share", noise_share, 1e-12, 1e6)
+    some("points", points)
     place = np.asarray(points, float).reshape(-1, 2)
-    k = wavenumber_rad_per_m(plate, frequency_hz)
+    k = wavenumber_rad_per_m(plate, np.atleast_1d(frequency_hz))
     apart = np.hypot(*(place[:, None, :] - place[None, :, :]).transpose(2, 0, 1))
     away = np.hypot(*(place - np.asarray(at, float)).T)
     among = j0(k[:, None, None] * apart) + noise_share * np.eye(len(place))
@@ -63,6 +69,7 @@ def estimator(
     return weights, np.clip(np.einsum("fp,fp->f", weights, toward), 0.0, 1.0)
 
 
+@checked
 def expected_amplitude_ratio(
     points: Sequence[Point], at: Point, plate: Plate, band: Band, noise_share: float = NOISE_SHARE
 ) -> float:
@@ -74,6 +81,8 @@ def expected_amplitude_ratio(
     return float(share.mean())
 
 
+@checked
 def one_bit_amplitude_ratio_expected(share: float) -> float:
     """sqrt(share): a sign learnt from a waveform of correlation r finds the share r of the amplitude."""
+    within("share", share, 0.0, 1.0)
     return math.sqrt(share)

@@ -14,10 +14,12 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import finite, positive
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 def inverse_filter_waveform(
     points: Responses,
     wanted: Sequence[float],

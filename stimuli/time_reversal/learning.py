@@ -20,6 +20,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import finite, positive, within
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -29,6 +30,7 @@ FADE_PART: Final = 0.05
 """Part of a sweep over which it rises, and falls (unverified default)."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Excitation:
     """What is played on one channel: values from -1 to 1, and the band (Hz) that they fill.
@@ -46,6 +48,7 @@ class Excitation:
     name: str
 
 
+@checked
 def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
     """An exponential sweep with raised-cosine ends.
 
@@ -66,6 +69,7 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
     return Excitation(samples, rate_hz, f_min_hz, f_max_hz, "sweep")
 
 
+@checked
 def sequence(order: int, *, rate_hz: float) -> Excitation:
     """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
 
@@ -83,8 +87,9 @@ def sequence(order: int, *, rate_hz: float) -> Excitation:
     )
 
 
+@checked
 def deconvolved(
-    played: FloatArray, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
+    played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
 ) -> FloatArray:
     """The response that turns `played` into `recorded`.
 
@@ -131,7 +136,8 @@ def deconvolved(
     return np.asarray(np.fft.irfft(np.fft.rfft(recorded, n_fft) * inverse, n_fft)[..., :n_samples])
 
 
-def delay_s(played: FloatArray, recorded: FloatArray, rate_hz: float) -> float:
+@checked
+def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
     """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
 
     Examples
@@ -142,6 +148,7 @@ def delay_s(played: FloatArray, recorded: FloatArray, rate_hz: float) -> float:
     """
     from scipy.signal import correlate, correlation_lags
 
+    positive("rate_hz", rate_hz)
     matched = np.abs(correlate(recorded, played, method="fft"))
     lags = correlation_lags(len(recorded), len(played))
     peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))
@@ -151,6 +158,7 @@ def delay_s(played: FloatArray, recorded: FloatArray, rate_hz: float) -> float:
     return float(round((lags[peak] + shift) / rate_hz, 12))
 
 
+@checked
 def learnt(
     played: FloatArray,
     recorded: FloatArray,
@@ -190,6 +198,7 @@ def learnt(
     return Responses(np.array(samples)[None], rate_hz, quantity)
 
 
+@checked
 def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> Responses:
     """The displacement of responses in velocity or acceleration: divided by (i omega)^k within a band, 0 beside it.
 
@@ -217,12 +226,14 @@ def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> R
     return Responses(samples, responses.rate_hz, "displacement")
 
 
+@checked
 def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:
     """Keep responses as NPZ that `measured.read` reads, with where they come from as JSON in ``provenance``."""
     said = json.dumps(dict(provenance))
     np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=said)
 
 
+@checked
 def read_provenance(path: Path) -> dict[str, str | float | int]:
     """Where learnt responses come from; empty for a file that does not say."""
     with np.load(path, allow_pickle=False) as file:

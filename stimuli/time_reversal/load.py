@@ -9,16 +9,17 @@ nowhere an overflow.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative
+from tactometry.stimuli.time_reversal.checks import at_least, not_negative, positive, shaped
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, values_at
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -32,6 +33,7 @@ CHUNK: Final = 256
 COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
 
 
+@runtime_checkable
 class Attached(Protocol):
     """Something on the plate that answers one motion of it with one generalised force."""
 
@@ -42,6 +44,7 @@ class Attached(Protocol):
         """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
 
 
+@checked
 @dataclass(frozen=True)
 class Load:
     """A mass, a damper and a spring to ground at a point of the plate.
@@ -78,6 +81,7 @@ class Load:
         return self.mass_kg * s**2 + self.resistance_n_s_per_m * s + self.stiffness_n_per_m
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Receptances:
     """Displacement per force between sets of modal weights, on a grid of complex frequencies.
@@ -90,11 +94,13 @@ class Receptances:
     @classmethod
     def of(cls, oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> "Receptances":
         """`compliance` (n_modes, n_frequencies)."""
+        positive("mass_kg", mass_kg)
         omega2 = oscillators.omega_rad_per_s[:, None] ** 2
         return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
         """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
+        self._check(to=to, of=of)
         return self._pairs(to[:, :, None] * of[:, None, :])
 
     def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
@@ -115,6 +121,7 @@ class Receptances:
         InvalidParameter
             If pinned contacts coincide.
         """
+        self._check(to=to, of=of, at=at)
         if of.shape[1] < to.shape[1]:
             return self.correction(of, to, at, stiffness).swapaxes(0, 1)
         out = np.empty((to.shape[1], of.shape[1], len(stiffness)), complex)
@@ -127,18 +134,24 @@ class Receptances:
 
     def among(self, at: FloatArray) -> ComplexArray:
         """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
+        self._check(at=at)
         i, j = np.triu_indices(at.shape[1])
         found = self._pairs(at[:, i] * at[:, j])
         among = np.empty((found.shape[1], at.shape[1], at.shape[1]), complex)
         among[:, i, j] = among[:, j, i] = found.T
         return among
 
+    def _check(self, **weights: FloatArray) -> None:
+        for name, each in weights.items():
+            shaped(name, each, (len(self.compliance), None))
+
     def _pairs(self, weights: FloatArray) -> ComplexArray:
         """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
-        found = _times(weights.reshape(len(weights), -1).T, self.compliance)
-        return found.reshape(*weights.shape[1:], -1)
+        found = _times(weights.reshape(len(weights), math.prod(weights.shape[1:])).T, self.compliance)
+        return found.reshape(*weights.shape[1:], self.compliance.shape[1])
 
 
+@checked
 def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexArray) -> ComplexArray:
     """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
 
@@ -156,6 +169,10 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexAr
     InvalidParameter
         If pinned contacts coincide.
     """
+    shaped("to_contacts", to_contacts, (None, None, None))
+    n_contacts, n_frequencies = to_contacts.shape[1:]
+    shaped("among", among, (n_frequencies, n_contacts, n_contacts))
+    shaped("stiffness", stiffness, (n_frequencies, n_contacts))
     a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
     np.einsum("fkk->fk", system)[...] += b
@@ -166,6 +183,7 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexAr
     return np.ascontiguousarray(turned.transpose(2, 1, 0))
 
 
+@checked
 def loaded_receptance(
     receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray
 ) -> ComplexArray:
@@ -173,6 +191,7 @@ def loaded_receptance(
     return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)
 
 
+@checked
 def loaded_responses(
     screen: Screen,
     points: Sequence[Point],
@@ -212,12 +231,15 @@ def loaded_responses(
     return replace(free, samples=free.samples - correction)
 
 
+@checked
 def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, int]:
     """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
     transform.
     """
     from scipy.fft import next_fast_len
 
+    at_least("n_samples", n_samples, 1)
+    positive("rate_hz", rate_hz)
     n_fft = int(next_fast_len(2 * n_samples, real=True))
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)

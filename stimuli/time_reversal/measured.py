@@ -23,9 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.stimuli.time_reversal.checks import choice, positive, some
+from tactometry.stimuli.time_reversal.checks import choice, finite, positive, shaped, some, within
 from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -41,6 +42,7 @@ FLUCTUATION: Final = 20.0
 """Factor by which the power of a tenth of one pair may exceed the decay that the pairs share; unverified default."""
 
 
+@checked
 def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
     """Responses from files, one point after the other.
 
@@ -70,13 +72,16 @@ def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "dis
     return replace(parts[0], samples=np.concatenate([part.samples for part in parts]))
 
 
+@checked
 def write_npz(responses: Responses, path: Path) -> None:
     """Keep responses in a file that `read` reads."""
     np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity)
 
 
+@checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     """A piece of the responses."""
+    finite("start_s, duration_s", [start_s, duration_s])
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
     if first < 0 or n < 1 or first + n > responses.n_samples:
         raise InvalidParameter(
@@ -85,6 +90,7 @@ def trimmed(responses: Responses, start_s: float, duration_s: float) -> Response
     return replace(responses, samples=responses.samples[:, :, first : first + n])
 
 
+@checked
 def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
     """Every channel moved earlier by its delay, by a phase ramp: exact to fractions of a sample.
 
@@ -102,6 +108,7 @@ def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
     return replace(responses, samples=moved[:, :, : responses.n_samples])
 
 
+@checked
 @dataclass(frozen=True)
 class Findings:
     """What is wrong with measured responses, by (point, channel); all empty for sound ones.
@@ -118,12 +125,14 @@ class Findings:
         return not (self.clipped or self.silent or self.noisy)
 
 
+@checked
 def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
     """Look for clipping, silent channels and a high noise floor.
 
     The floor is the mean power of the last tenth, compared with that of the loudest tenth. The end of a short record is
     allowed to be as loud as the decay that the pairs share leaves it.
     """
+    within("snr_db", snr_db, -300.0, 300.0)
     h = responses.samples
     silent = ~h.any(axis=2)
     tenth = max(h.shape[2] // 10, 1)
@@ -145,8 +154,10 @@ def _left_of_decay(pairs: FloatArray) -> float:
     return FLUCTUATION * math.exp(-1.8 * decay.n_taus) if decay.fall_db >= LEAST_FALL_DB else 0.0
 
 
-def reciprocity_error(there: FloatArray, back: FloatArray) -> float:
+@checked
+def reciprocity_error(there: Vector, back: Vector) -> float:
     """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
+    shaped("back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
     if size == 0:
         raise InvalidParameter("there, back: found zero everywhere, expected responses")

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import ascending, finite, not_negative, positive, share, within
+from tactometry.stimuli.time_reversal.checks import ascending, at_least, finite, not_negative, positive, share, within
+from tactometry.stimuli.time_reversal.typed import Matrix, Vector, checked
 
 FloatArray = NDArray[np.float64]
-Grid = tuple[FloatArray, FloatArray]
+Grid = tuple[Vector, Vector]
 
 HALF: float = 0.5
 """-6 dB of amplitude."""
@@ -21,13 +22,15 @@ MINUS_3_DB: float = math.sqrt(0.5)
 """Half of the power."""
 
 
+@checked
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
     """|A| over the rms of the field on the whole plate at the focus instant."""
     return _ratio(amplitude_m, field_m)
 
 
+@checked
 def contrast_far_of(
-    amplitude_m: float, field_m: FloatArray, grid_m: Grid, focus_m: tuple[float, float], radius_m: float
+    amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: float
 ) -> float:
     """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
     not_negative("radius_m", radius_m)
@@ -35,9 +38,8 @@ def contrast_far_of(
     return _ratio(amplitude_m, field_m[away])
 
 
-def contrast_temporal_of(
-    signal_m: FloatArray, focus_sample: int, rate_hz: float, start_s: float, stop_s: float
-) -> float:
+@checked
+def contrast_temporal_of(signal_m: Vector, focus_sample: int, rate_hz: float, start_s: float, stop_s: float) -> float:
     """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
     positive("rate_hz", rate_hz)
     finite("start_s, stop_s", [start_s, stop_s])
@@ -51,7 +53,8 @@ def contrast_temporal_of(
     return _ratio(float(signal_m[focus_sample]), signal_m[first:last])
 
 
-def width_m(at_m: FloatArray, profile: FloatArray, level: float = HALF) -> float:
+@checked
+def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """Full width of a focus along a line, between the crossings of `level` nearest to the peak.
 
     `HALF` gives the width at -6 dB, `MINUS_3_DB` at -3 dB; crossings are found by linear interpolation.
@@ -74,7 +77,8 @@ def width_m(at_m: FloatArray, profile: FloatArray, level: float = HALF) -> float
     return right - left
 
 
-def area_m2(field_m: FloatArray, grid_m: Grid, level: float = HALF) -> float:
+@checked
+def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
     """Area around the peak that stays above `level` times the peak, counting cells connected to the peak."""
     from scipy.ndimage import label
 
@@ -92,21 +96,25 @@ def area_m2(field_m: FloatArray, grid_m: Grid, level: float = HALF) -> float:
     return float(np.count_nonzero(islands == islands[peak]) * cell)
 
 
+@checked
 def envelope(signal: FloatArray) -> FloatArray:
     """Magnitude of the analytic signal along the last axis."""
     from scipy.signal import hilbert
 
+    at_least("signal", np.size(signal), 1)
     return np.asarray(np.abs(hilbert(signal, axis=-1)))
 
 
-def temporal_width_s(signal_m: FloatArray, rate_hz: float, level: float = HALF) -> float:
+@checked
+def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> float:
     """Full width in time of the envelope around its peak, at `level` times the peak."""
     positive("rate_hz", rate_hz)
     finite("signal_m", signal_m)
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
-def uniformity(amplitudes_m: FloatArray) -> float:
+@checked
+def uniformity(amplitudes_m: Vector) -> float:
     """1 - standard deviation / mean over focus positions; 1 is an even screen."""
     amplitudes = np.abs(np.asarray(amplitudes_m, float))
     finite("amplitudes_m", amplitudes)
@@ -115,6 +123,7 @@ def uniformity(amplitudes_m: FloatArray) -> float:
     return 1 - float(np.std(amplitudes, ddof=1) / np.mean(amplitudes))
 
 
+@checked
 def deformation_energy_estimate_j(
     area_density_kg_per_m2: float, frequency_hz: float, amplitude_m: float, resolution_m: float
 ) -> float:

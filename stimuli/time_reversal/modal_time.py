@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import choice
+from tactometry.stimuli.time_reversal.checks import choice, positive
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -193,7 +193,6 @@ _CREEPING: Final[dict[str, Callable[[Oscillators, FloatArray], FloatArray]]] = {
 
 def check_sampling(rate_hz: float, n_samples: int) -> None:
     """Refuse a rate that is not above 0 or a negative length."""
-    if not (np.isfinite(rate_hz) and rate_hz > 0):
-        raise InvalidParameter(f"rate_hz: found {rate_hz}, expected a finite rate above 0")
+    positive("rate_hz", rate_hz)
     if n_samples < 0:
         raise InvalidParameter(f"n_samples: found {n_samples}, expected at least 0")

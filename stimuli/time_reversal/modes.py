@@ -6,26 +6,31 @@ Every shape has mean square 1 over the plate, so that every modal mass is the ma
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.axis import Axis, SineAxis
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import at_most, finite, positive, shaped
 from tactometry.stimuli.time_reversal.dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.ritz import Block
 
 FloatArray = NDArray[np.float64]
+MAX_MODES: Final = 1_000_000
+
 OnAxis = Callable[[Axis], FloatArray]
 
 
+@runtime_checkable
 class Modes(Protocol):
     """Natural frequencies and shapes, sorted by frequency."""
 
@@ -43,24 +48,29 @@ class Modes(Protocol):
         of y.
         """
 
-    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
         """(..., n_x, n_y): (..., n_modes) amplitudes times shapes on a grid, by matrix products."""
 
-    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
         """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
 
 
+@checked
 def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Shapes at points; (n_modes, n_points)."""
+    _check_points(x_m, y_m)
     return modes.products(lambda axis: axis.value(x_m), lambda axis: axis.value(y_m))
 
 
+@checked
 def laplacians(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Laplacians of the shapes at points; (n_modes, n_points)."""
+    _check_points(x_m, y_m)
     along_x = modes.products(lambda axis: axis.curvature(x_m), lambda axis: axis.value(y_m))
     return along_x + modes.products(lambda axis: axis.value(x_m), lambda axis: axis.curvature(y_m))
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class SeparableModes:
     """Simply supported edges: phi_mn = 2 sin(m pi x / a) sin(n pi y / b), exact.
@@ -88,22 +98,24 @@ class SeparableModes:
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
         return on_x(self.on_x)[self.m - 1] * on_y(self.on_y)[self.n - 1]
 
-    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
         """Two small products, X^T A Y: 1/20 of the operations of a sum over modes, and in cache."""
         return self.frame(x_m, y_m)(amplitude)
 
-    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
         """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
         x_functions = np.ascontiguousarray(self.on_x.value(x_m).T)
         y_functions = self.on_y.value(y_m)
         place = (self.m - 1) * len(y_functions) + self.n - 1
 
         def draw(amplitude: FloatArray) -> FloatArray:
+            shaped("amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
             return _drawn(amplitude, place, x_functions, y_functions)
 
         return draw
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class RitzModes:
     """Any edges: the blocks of `ritz.solve`, of which `order` picks and sorts the modes."""
@@ -121,15 +133,16 @@ class RitzModes:
         parts = [b.vectors @ (on_x(b.on_x.axis)[b.i] * on_y(b.on_y.axis)[b.j]) for b in self.blocks]
         return np.concatenate(parts)[self.order]
 
-    def field(self, amplitude: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
         return self.frame(x_m, y_m)(amplitude)
 
-    def frame(self, x_m: FloatArray, y_m: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
         """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
         grids = [(block.on_x.axis.value(x_m).T, block.on_y.axis.value(y_m)) for block in self.blocks]
         ends = np.cumsum([len(block.vectors) for block in self.blocks])
 
         def draw(amplitude: FloatArray) -> FloatArray:
+            shaped("amplitude", amplitude, (*amplitude.shape[:-1], len(self.order)))
             unsorted = np.zeros((*amplitude.shape[:-1], ends[-1]))
             unsorted[..., self.order] = amplitude
             parts = np.split(unsorted, ends[:-1], axis=-1)
@@ -139,6 +152,7 @@ class RitzModes:
         return draw
 
 
+@checked
 def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
     """The modes of a plate from 0 Hz to `f_max_hz`.
 
@@ -169,6 +183,13 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
     return SeparableModes(plate, omega, thin.m, thin.n)
 
 
+def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
+    finite("x_m", x_m)
+    finite("y_m", y_m)
+    if np.size(x_m) != np.size(y_m):
+        raise InvalidParameter(f"x_m, y_m: found {np.size(x_m)} and {np.size(y_m)} numbers, expected as many")
+
+
 def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
     """The frequency of the thin plate whose waves are as long as those of the thick one at `f_max_hz`."""
     k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
@@ -177,6 +198,8 @@ def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
 
 def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
     k2_max = 2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s
+    at_most("number of modes below f_max_hz", plate.area_m2 * k2_max / (4 * math.pi), MAX_MODES)
+    at_most("modes along an edge below f_max_hz", plate.perimeter_m * math.sqrt(k2_max) / math.pi, MAX_MODES)
     sides = (plate.length_m, plate.width_m)
     along_x, along_y = (np.arange(1, int(side * math.sqrt(k2_max) / math.pi) + 2) for side in sides)
     k2 = (math.pi * along_x[:, None] / sides[0]) ** 2 + (math.pi * along_y[None, :] / sides[1]) ** 2

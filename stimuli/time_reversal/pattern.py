@@ -8,26 +8,29 @@ exponential and sinc, 50 ms are documented choices (unverified defaults).
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, not_negative, positive, within
+from tactometry.stimuli.time_reversal.checks import at_most, choice, not_negative, positive, within
 from tactometry.stimuli.time_reversal.focusing import reversed_waveform
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
-from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.responses import MAX_SAMPLES, Responses
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 LOW_HZ: Final = 200.0
 HIGH_HZ: Final = 500.0
 DURATION_S: Final = 50e-3
+MAX_FOCI: Final = 1_000_000
 MODULATIONS: Final = ("voltage", "burst")
 
 
+@runtime_checkable
 class Envelope(Protocol):
     """Weights over a pattern."""
 
@@ -35,6 +38,7 @@ class Envelope(Protocol):
         """Weights at positions from 0 (start) to 1 (end) of the pattern."""
 
 
+@checked
 @dataclass(frozen=True)
 class Rectangular:
     """1 throughout."""
@@ -43,6 +47,7 @@ class Rectangular:
         return np.ones_like(position)
 
 
+@checked
 @dataclass(frozen=True)
 class RaisedCosine:
     """(1 - cos 2 pi x) / 2."""
@@ -51,6 +56,7 @@ class RaisedCosine:
         return np.asarray((1 - np.cos(2 * math.pi * position)) / 2)
 
 
+@checked
 @dataclass(frozen=True)
 class Exponential:
     """exp(-x / decay): `decay` as a share of the duration, above 0."""
@@ -64,6 +70,7 @@ class Exponential:
         return np.asarray(np.exp(-position / self.decay))
 
 
+@checked
 @dataclass(frozen=True)
 class Sinc:
     """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the
@@ -78,6 +85,7 @@ class Sinc:
         return np.asarray(values if self.signed else np.abs(values))
 
 
+@checked
 @dataclass(frozen=True)
 class Table:
     """Weights at equal steps from start to end, linear between."""
@@ -92,6 +100,7 @@ class Table:
         return np.interp(position, np.linspace(0, 1, len(self.values)), self.values)
 
 
+@checked
 @dataclass(frozen=True)
 class Pattern:
     """Foci at a repetition frequency under an envelope.
@@ -116,6 +125,7 @@ class Pattern:
     def __post_init__(self) -> None:
         positive("Pattern.repetition_hz", self.repetition_hz)
         positive("Pattern.duration_s", self.duration_s)
+        at_most("Pattern.repetition_hz times duration_s", self.repetition_hz * self.duration_s, MAX_FOCI)
 
     @property
     def n_foci(self) -> int:
@@ -149,6 +159,7 @@ PATTERNS: Final[Mapping[str, Pattern]] = {
 }
 
 
+@checked
 def pattern_drive(
     foci: Responses,
     pattern: Pattern,
@@ -198,11 +209,14 @@ def pattern_drive(
     return Signal(voltage_v * total, foci.rate_hz, "V")
 
 
+@checked
 def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[np.int64]:
     """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
+    positive("rate_hz", rate_hz)
     return _starts(pattern, rate_hz) + n_reversal - 1
 
 
+@checked
 def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     """Emission that reaches `weight` times the amplitude of the whole T: -tau ln(1 - w (1 - exp(-T / tau))).
 
@@ -219,6 +233,7 @@ def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
 
 
 def _starts(pattern: Pattern, rate_hz: float) -> NDArray[np.int64]:
+    at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
+from tactometry.stimuli.time_reversal.typed import checked
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.modes import Modes
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 
+@checked
 @dataclass(frozen=True)
 class Plate:
     """An isotropic Kirchhoff-Love plate that covers 0..length in x and 0..width in y.

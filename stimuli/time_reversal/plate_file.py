@@ -8,11 +8,13 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.quantity import as_si
 from tactometry.stimuli.time_reversal.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 from tactometry.strict import build
 
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
 
+@checked
 def read_plate(path: Path) -> Plate:
     """The plate of a file such as::
 

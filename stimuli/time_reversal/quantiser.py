@@ -4,13 +4,14 @@ The order is fixed: filter the responses, reverse them, then quantise.
 """
 
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.stimuli.time_reversal.typed import Matrix, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -20,34 +21,38 @@ theorem).
 """
 
 
+@runtime_checkable
 class Quantiser(Protocol):
     """A rule from a waveform to the emitted values."""
 
-    def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         """(n_channels, n_samples) to values in [-1, 1] of the same shape."""
 
 
+@checked
 @dataclass(frozen=True)
 class Analogue:
     """The waveform itself, scaled to a peak of 1: by one gain for all channels, or `per_channel`."""
 
     per_channel: bool = False
 
-    def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         del rate_hz
         return normalised(waveform, per_channel=self.per_channel)
 
 
+@checked
 @dataclass(frozen=True)
 class OneBit:
     """The sign, with +1 for 0: the largest focus that a peak voltage allows."""
 
-    def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         del rate_hz
         finite("waveform", waveform)
         return np.where(waveform >= 0, 1.0, -1.0)
 
 
+@checked
 @dataclass(frozen=True)
 class SigmaDelta:
     """One bit per sample whose quantisation noise is pushed to high frequencies.
@@ -75,7 +80,7 @@ class SigmaDelta:
             raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
         positive("SigmaDelta.scale", self.scale)
 
-    def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         from tactometry.stimuli.time_reversal.sigma_delta import modulate
 
         del rate_hz
@@ -89,6 +94,7 @@ class SigmaDelta:
         return stream.bits.astype(float)
 
 
+@checked
 @dataclass(frozen=True)
 class PulseWidth:
     """Pulse-width modulation with natural sampling: the sign of the waveform minus a triangular carrier."""
@@ -100,7 +106,7 @@ class PulseWidth:
         positive("PulseWidth.carrier_hz", self.carrier_hz)
         within("PulseWidth.scale", self.scale, 0.0, 1.0)
 
-    def quantise(self, waveform: FloatArray, rate_hz: float) -> FloatArray:
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         if 4 * self.carrier_hz > rate_hz:
             raise InvalidParameter(
                 f"PulseWidth.carrier_hz: found {self.carrier_hz}, expected at most "
@@ -111,14 +117,17 @@ class PulseWidth:
         return np.where(self.scale * normalised(waveform) >= carrier, 1.0, -1.0)
 
 
-def normalised(waveform: FloatArray, *, per_channel: bool = False) -> FloatArray:
+@checked
+def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
     """The waveform with a peak of 1; zeros stay zeros."""
     finite("waveform", waveform)
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
 
 
-def transitions_per_s(values: FloatArray, rate_hz: float) -> FloatArray:
+@checked
+def transitions_per_s(values: Matrix, rate_hz: float) -> FloatArray:
     """(n_channels,): how often each channel changes its sign in a second."""
+    positive("rate_hz", rate_hz)
     changes = np.count_nonzero(np.diff(np.signbit(values).astype(np.int8), axis=-1), axis=-1)
     return np.asarray(changes * rate_hz / max(values.shape[-1] - 1, 1), float)

@@ -16,6 +16,7 @@ from tactometry.stimuli.time_reversal.load import Load, Receptances, carried, co
 from tactometry.stimuli.time_reversal.responses import impulse_responses, values_at
 from tactometry.stimuli.time_reversal.sensation import Keyed
 from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -26,6 +27,7 @@ READING_M: Final = 1e-9
 """One nanometre, the unit of a reading."""
 
 
+@checked
 @dataclass(frozen=True)
 class FocusReading:
     """The largest displacement at the focus, in dB re 1 nm, with a contactor on the plate: `sensation_db` for a rig.
@@ -74,6 +76,7 @@ class FocusReading:
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
 
 
+@checked
 def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[Load]) -> FloatArray:
     """(n_samples,): the focus point while the drive lasts, loads on the plate: U_f - T U_c, T = H_fc Z (1 + H_cc Z)^-1.
 

@@ -8,17 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import choice, finite
+from tactometry.stimuli.time_reversal.checks import at_least, choice, finite
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES, check_sampling
 from tactometry.stimuli.time_reversal.modes import values
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
 
 CHUNK: Final = 16_384
+MAX_SAMPLES: Final = 1_000_000_000
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Responses:
     """What each point does per unit sample on each channel.
@@ -75,6 +78,7 @@ class Responses:
         return replace(self, samples=self.samples[:, list(channels)])
 
 
+@checked
 def impulse_responses(
     screen: Screen,
     points: Sequence[Point],
@@ -133,16 +137,23 @@ def impulse_responses(
     return Responses(out.reshape(*weights.shape[:2], n_samples), rate_hz, quantity)
 
 
+@checked
 def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
     """Whole samples of a duration, at least 0."""
     check_sampling(rate_hz, 0)
     if not (np.isfinite(duration_s) and duration_s >= 0):
         raise InvalidParameter(f"{name}: found {duration_s}, expected a finite time, at least 0")
+    if duration_s * rate_hz > MAX_SAMPLES:
+        raise InvalidParameter(
+            f"{name}: found {duration_s} s at {rate_hz} Hz, expected at most {MAX_SAMPLES:.0e} samples"
+        )
     return round(duration_s * rate_hz)
 
 
+@checked
 def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
     """Start and stop of pieces of at most `size` samples."""
+    at_least("size", size, 1)
     for start in range(0, n_samples, size):
         yield start, min(start + size, n_samples)
 
@@ -169,6 +180,7 @@ def _static_residual(
     return np.asarray(at_points.T @ screen.modal_forces(static_to_hz))
 
 
+@checked
 def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
     """(n_modes, n_points): the shapes at points of the plate.
 

@@ -15,10 +15,12 @@ from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.transducer import Source, border, modal_forces
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 @dataclass(frozen=True)
 class Screen:
     """Plate, sources and attenuation.

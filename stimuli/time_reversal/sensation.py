@@ -1,6 +1,5 @@
 """What a finger at rest feels of drives of a screen: from the samples of all channels to a sensation level."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
@@ -18,6 +17,7 @@ from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.load import Load, Receptances, contour
 from tactometry.stimuli.time_reversal.responses import values_at
 from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +34,7 @@ TOUCH_HZ: Final = 1000.0
 GRID_S: Final = 1e-4
 
 
+@checked
 @dataclass(frozen=True)
 class TimeReversalSensation:
     """Sensation level of the foci under a finger, by the one that is furthest above threshold, neighbours included.
@@ -134,7 +135,8 @@ class TimeReversalSensation:
             )
 
 
-def loaded_displacement(free_m: FloatArray, setup: Setup, load: Load) -> FloatArray:
+@checked
+def loaded_displacement(free_m: Vector, setup: Setup, load: Load) -> FloatArray:
     """(n_samples,): the displacement at a contact from that of the free plate there: U' = U / (1 + Z H).
 
     Exact for one linear contact; solved on the contour of `load.contour`, as in `load.loaded_responses`.
@@ -147,7 +149,8 @@ def loaded_displacement(free_m: FloatArray, setup: Setup, load: Load) -> FloatAr
     return np.asarray(np.fft.irfft(spectrum, n_fft)[: len(free_m)] * growth)
 
 
-def events(displacement_m: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]:
+@checked
+def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArray]:
     """Times (s) and magnitudes (m) of the foci in a displacement: peaks of at least half the largest one, 1 ms apart.
 
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
@@ -155,19 +158,23 @@ def events(displacement_m: FloatArray, rate_hz: float) -> tuple[FloatArray, Floa
     """
     from scipy.signal import find_peaks
 
+    positive("rate_hz", rate_hz)
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
     index: NDArray[np.int64] = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
 
 
-def felt_amplitude_m(times_s: Sequence[float] | FloatArray, peaks_m: Sequence[float] | FloatArray) -> float:
+@checked
+def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     """Amplitude (m) of the single event that is felt as strongly as these; each is felt before the next one comes.
 
     >>> felt_amplitude_m([0.01], [3e-6])
     3e-06
     """
     times, peaks = np.asarray(times_s, float), np.asarray(peaks_m, float)
+    if len(times) != len(peaks):
+        raise InvalidParameter(f"peaks_m: found {len(peaks)}, expected {len(times)}, one per time")
     instants = np.arange(times.min(), times.max() + GRID_S, GRID_S)
     together = np.abs(_touch(np.subtract.outer(instants, times)) @ peaks).max()
     return float(max(together, peaks.max()))

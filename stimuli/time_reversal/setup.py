@@ -12,11 +12,13 @@ from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen import TAU_S, Screen
 from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V, border
+from tactometry.stimuli.time_reversal.typed import checked
 
 LEARNT_S: Final = 7e-3
 """Length of the responses, twice the default tau; unverified default."""
 
 
+@checked
 @dataclass(frozen=True)
 class Setup:
     """Plate, transducers at its border, losses, sampling and the focus. Every default is unverified: the thesis's

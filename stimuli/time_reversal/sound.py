@@ -10,12 +10,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.stimuli.time_reversal.checks import ascending, positive, spectral
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -30,18 +32,21 @@ EDGE_EFFICIENCY: Final = 0.01
 _POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)
 
 
+@checked
 def a_weighting_db(frequency_hz: ArrayLike) -> FloatArray:
     """A-weighting of IEC 61672, 0 dB at 1 kHz; minus infinity above 20 kHz, which has no weight.
 
     >>> [round(float(a), 1) for a in a_weighting_db([100.0, 1000.0, 10000.0])]
     [-19.1, 0.0, -2.5]
     """
+    spectral("frequency_hz", frequency_hz)
     f = np.atleast_1d(np.asarray(frequency_hz, float))
     with np.errstate(divide="ignore"):
         db = 20 * np.log10(_a_gain(f) / _a_gain(np.array([1000.0])))
     return np.where(f <= AUDIBLE_MAX_HZ, db, -np.inf)
 
 
+@checked
 def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: float = SOUND_SPEED_M_PER_S) -> float:
     """Where bending waves are as fast as sound: c^2 / (2 pi) sqrt(rho_s / D).
 
@@ -49,27 +54,41 @@ def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: float = SOUND_SP
     >>> round(coincidence_frequency_hz(A4_SCREEN) / 1e3, 1)
     10.8
     """
+    positive("sound_speed_m_per_s", sound_speed_m_per_s)
     return sound_speed_m_per_s**2 / (2 * math.pi * plate.wave_constant_m2_per_s)
 
 
+@checked
 def radiation_efficiency(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """sigma = (1 - f_c / f)^(-1/2) above coincidence, limited by the plate's size near it;
     `EDGE_EFFICIENCY` below.
     """
+    spectral("frequency_hz", frequency_hz)
     f = np.asarray(frequency_hz, float)
     f_c = coincidence_frequency_hz(plate)
-    ratio = np.divide(f_c, f, out=np.full_like(f, np.inf), where=f > 0)
+    ratio = np.divide(f_c, f, out=np.ones_like(f), where=f >= f_c)
     cap = math.sqrt(math.pi * plate.perimeter_m * f_c / (8 * SOUND_SPEED_M_PER_S))
     above = 1 / np.sqrt(np.maximum(1 - ratio, 1 / cap**2))
     return np.where(f >= f_c, above, EDGE_EFFICIENCY)
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class NoiseSpectrum:
     """Mean-square pressure per hertz (Pa^2/Hz) over frequency, at a distance over a hemisphere."""
 
-    frequency_hz: FloatArray
-    pressure_pa2_per_hz: FloatArray
+    frequency_hz: Vector
+    pressure_pa2_per_hz: Vector
+
+    def __post_init__(self) -> None:
+        ascending("NoiseSpectrum.frequency_hz", self.frequency_hz)
+        spectral("NoiseSpectrum.frequency_hz", self.frequency_hz)
+        spectral("NoiseSpectrum.pressure_pa2_per_hz", self.pressure_pa2_per_hz)
+        if len(self.frequency_hz) != len(self.pressure_pa2_per_hz):
+            raise InvalidParameter(
+                f"NoiseSpectrum.pressure_pa2_per_hz: found {len(self.pressure_pa2_per_hz)} values, expected "
+                f"{len(self.frequency_hz)}, one per frequency"
+            )
 
     @property
     def level_db_re_20upa(self) -> FloatArray:
@@ -84,6 +103,7 @@ class NoiseSpectrum:
         return 10 * math.log10(total / REFERENCE_PRESSURE_PA**2) if total > 0 else -math.inf
 
 
+@checked
 def noise(
     screen: Screen,
     signal: Signal,
@@ -112,6 +132,7 @@ def noise(
     return NoiseSpectrum(frequency_hz, intensity * AIR_DENSITY_KG_PER_M3 * SOUND_SPEED_M_PER_S)
 
 
+@checked
 def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies up to Nyquist, and the one-sided energy spectrum of the plate's mean-square velocity.
 

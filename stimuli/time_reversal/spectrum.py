@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import not_negative, positive
 from tactometry.stimuli.time_reversal.responses import Responses
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -18,6 +19,7 @@ AUDIBLE_MAX_HZ: Final = 20e3
 """Where the audible-band filter begins to pass; unverified default."""
 
 
+@runtime_checkable
 class Gain(Protocol):
     """A linear element in the frequency domain."""
 
@@ -25,6 +27,7 @@ class Gain(Protocol):
         """Complex gain at frequencies of at least 0."""
 
 
+@checked
 @dataclass(frozen=True)
 class Band:
     """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.
@@ -68,6 +71,7 @@ class Band:
         return np.asarray(rise * _step(self.f_max_hz - frequency_hz, self.flank_hz), complex)
 
 
+@checked
 @dataclass(frozen=True)
 class Butterworth:
     """Amplifier that rolls off: 1 / prod(s - poles), order n, -3 dB at the cut-off."""
@@ -86,6 +90,7 @@ class Butterworth:
         return np.asarray(np.prod(-poles / (s[..., None] - poles), axis=-1))
 
 
+@checked
 @dataclass(frozen=True)
 class Measured:
     """An amplifier's measured gain, linear between its frequencies and constant outside.
@@ -113,6 +118,7 @@ class Measured:
         return np.asarray(np.interp(frequency_hz, self.frequency_hz, np.asarray(self.gain, complex)))
 
 
+@checked
 @dataclass(frozen=True)
 class Hold:
     """An output that holds each sample: sinc(f / rate) and half a sample of delay."""
@@ -124,6 +130,7 @@ class Hold:
         return np.asarray(np.sinc(relative) * np.exp(-1j * math.pi * relative))
 
 
+@checked
 def through(responses: Responses, gain: Gain) -> Responses:
     """The responses behind a linear element; the part that would precede time 0 is cut off.
 
@@ -140,6 +147,7 @@ def through(responses: Responses, gain: Gain) -> Responses:
     return replace(responses, samples=np.fft.irfft(spectrum, n_fft)[..., :n])
 
 
+@checked
 def band_limited(responses: Responses, band: Band) -> Responses:
     """The responses within a band.
 
@@ -156,6 +164,7 @@ def band_limited(responses: Responses, band: Band) -> Responses:
     return through(responses, band)
 
 
+@checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
     """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then
     quantise.

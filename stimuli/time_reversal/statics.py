@@ -7,9 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.axis import SineAxis
-from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.stimuli.time_reversal.checks import at_least, finite, positive, within
 from tactometry.stimuli.time_reversal.legendre import families, n_rigid
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -18,6 +19,7 @@ N_TERMS_PATCH: Final = 1_200
 RITZ_DEGREE: Final = 50
 
 
+@checked
 def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Static deflection at points under a point force.
 
@@ -52,6 +54,8 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
     finite("force_n", force_n)
+    for name, points in (("x_m", x_m), ("y_m", y_m)):
+        at_least(f"number of {name}", np.size(points), 1)
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
         if not plate.contains(*place):
@@ -60,6 +64,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     return force_n * solve(plate, at_m, x.astype(float), y.astype(float))
 
 
+@checked
 def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     """Largest bending stress of a simply supported plate, loaded over a square at its centre.
 

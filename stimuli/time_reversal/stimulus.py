@@ -9,16 +9,18 @@ import numpy as np
 
 from tactometry.errors import LimitExceeded
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, positive, within
+from tactometry.stimuli.time_reversal.checks import at_least, choice, positive, within
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.pattern import PATTERNS, Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
+from tactometry.stimuli.time_reversal.typed import checked
 
 LEVEL_UNITS: Final = ("m", "dB re 1 um")
 HIGHEST_LEVEL_DB: Final = 400.0
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class TimeReversalStimulus:
     """Samples for every channel from the amplitude at the focus without a finger.
@@ -62,6 +64,7 @@ class TimeReversalStimulus:
         positive("TimeReversalStimulus.voltage_max_v", self.voltage_max_v)
         if self.reversal_s is not None:
             positive("TimeReversalStimulus.reversal_s", self.reversal_s)
+            at_least("TimeReversalStimulus.reversal_s, samples", self._n_reversal, 1)
 
     def at(self, level: float) -> Signal:
         """The drive (V) whose largest focus has this amplitude.

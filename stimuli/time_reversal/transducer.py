@@ -3,15 +3,16 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive, some
+from tactometry.stimuli.time_reversal.checks import at_least, at_most, positive, some
 from tactometry.stimuli.time_reversal.modes import Modes, laplacians, values
 from tactometry.stimuli.time_reversal.plate import Plate
+from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -19,9 +20,11 @@ MOMENT_N_PER_V: Final = 8.2e-4
 """Bending moment per length and volt of a patch; unverified default, set so that
 the one-bit drive of 0.2-60 kHz at 30 V makes a focus of 10 um on the A4 prototype."""
 
+MAX_TRANSDUCERS: Final = 10_000
 EDGE_TOLERANCE: Final = 1e-9
 
 
+@runtime_checkable
 class Source(Protocol):
     """Something that drives the plate with one channel."""
 
@@ -32,6 +35,7 @@ class Source(Protocol):
         """Refuse a place outside of the plate."""
 
 
+@checked
 @dataclass(frozen=True)
 class PointForce:
     """A normal force at a point; the channel's unit is N."""
@@ -47,6 +51,7 @@ class PointForce:
             raise InvalidParameter(f"{name}: found ({self.x_m}, {self.y_m}) m, expected a point of the plate")
 
 
+@checked
 @dataclass(frozen=True)
 class Patch:
     """A rectangular patch that bends the plate by a moment along its outline; the channel's unit is V.
@@ -89,6 +94,7 @@ class Patch:
         _inside(plate, name, (self.x_m, self.y_m), (self.length_m / 2, self.width_m / 2))
 
 
+@checked
 @dataclass(frozen=True)
 class Disc:
     """A circular patch, as `Patch`; integrated with Gauss's rule along the radius and equal angles.
@@ -136,6 +142,7 @@ class Disc:
         return x.ravel(), y.ravel(), area.ravel()
 
 
+@checked
 def modal_forces(modes: Modes, sources: Sequence[Source]) -> FloatArray:
     """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
 
@@ -150,6 +157,7 @@ def modal_forces(modes: Modes, sources: Sequence[Source]) -> FloatArray:
     return np.stack([source.modal_force(modes) for source in sources], axis=1)
 
 
+@checked
 def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: float = 12e-3) -> list[Patch]:
     """Square patches at equal steps along a rectangle `inset_m` inside the edges (unverified default layout).
 
@@ -157,8 +165,8 @@ def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: flo
     >>> len(border(A4_SCREEN, 32))
     32
     """
-    if n_transducers < 1:
-        raise InvalidParameter(f"n_transducers: found {n_transducers}, expected at least 1")
+    at_least("n_transducers", n_transducers, 1)
+    at_most("n_transducers", n_transducers, MAX_TRANSDUCERS)
     a, b = plate.length_m - 2 * inset_m, plate.width_m - 2 * inset_m
     if min(a, b) <= 0 or side_m > 2 * inset_m:
         raise InvalidParameter(f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate")

@@ -10,28 +10,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.checks import at_least
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.merit import HALF, width_m
 from tactometry.stimuli.time_reversal.responses import Point, Responses
 from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.typed import Matrix, checked
 
 FloatArray = NDArray[np.float64]
 
 
+@checked
 def contributions_m(responses: Responses, voltage_v: float) -> FloatArray:
     """(n_points, n_channels): what each transducer adds to a one-bit focus at each point; its amplitude alone."""
     return np.asarray(voltage_v * np.abs(responses.samples).sum(axis=2))
 
 
-def amplitude_over_count_m(contributions: FloatArray, rng: np.random.Generator, n_draws: int = 50) -> FloatArray:
+@checked
+def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_draws: int = 50) -> FloatArray:
     """(n_draws, n_points, n_channels): focus amplitude of 1..Q transducers, added in random orders."""
+    at_least("n_draws", n_draws, 1)
     orders = (rng.permutation(contributions.shape[1]) for _ in range(n_draws))
     return np.stack([np.cumsum(contributions[:, order], axis=1) for order in orders])
 
 
-def amplitude_by_subset_m(contributions: FloatArray, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
+@checked
+def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
     """Focus amplitudes (n_points,) of named subsets of transducers.
 
     Raises
@@ -47,6 +53,7 @@ def amplitude_by_subset_m(contributions: FloatArray, subsets: Mapping[str, Seque
     return {name: contributions[:, list(channels)].sum(axis=1) for name, channels in subsets.items()}
 
 
+@checked
 def resolution_per_focus_m(
     screen: Screen, foci: Sequence[Point], emission: Emission, level: float = HALF
 ) -> FloatArray:
