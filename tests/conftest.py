@@ -12,7 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases import pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
+
+__all__ = ["pytest_addoption", "pytest_sessionfinish"]
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases import hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import xlogy
@@ -273,7 +274,8 @@ def test_a_million_trials_per_level_leave_the_width_of_the_standard_error() -> N
     exact, profile = (fit(levels, k, 10**6, shape="normal", guess_rate=0.5, method=m) for m in ("posterior", "profile"))
     for found in (exact, profile):
         assert found.threshold == pytest.approx(0.0, abs=1e-4)
-        assert found.interval_high - found.interval_low == pytest.approx(2 * 0.003378, rel=0.005)
+        reach = found.interval_high - found.interval_low
+        hard_case("a million trials a level", reach, 2 * 0.003378, 0.005, against="the standard error")
 
 
 def test_one_trial_at_each_of_many_levels() -> None:
@@ -306,7 +308,8 @@ def test_scaling_and_shifting_the_levels_scales_and_shifts_the_threshold(method,
 def test_a_huge_offset_with_a_small_spread() -> None:
     levels = 2.0**30 + np.arange(7) * 2.0**-10
     one, other = fitted(RISING, np.arange(7) * 2.0**-10), fitted(RISING, levels)
-    assert other.threshold - 2.0**30 == pytest.approx(one.threshold, abs=1e-6)
+    moved = other.threshold - 2.0**30
+    hard_case("levels of 2^30 with steps of 2^-10", moved, one.threshold, 1e-6, against="levels from 0", floor=1)
 
 
 @given(order=st.permutations(range(7)), split=st.integers(1, 9))

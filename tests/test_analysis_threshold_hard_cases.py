@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.responses import by_point, expected_information
 from tactometry.analysis.threshold import METHODS, Status, fit
@@ -50,11 +51,14 @@ def test_likelihood_and_derivatives_are_those_of_50_digits(shape, rates, answers
             def value(x, g, l, *, shape=shape):  # noqa: E741
                 return exact(shape, x, g, l, *answers)
 
-            assert found.value[i, 0] == pytest.approx(float(value(*arguments)), rel=1e-12, abs=1e-13)
+            log_chance = float(value(*arguments))
+            hard_case(
+                "log-likelihood in the tails", found.value[i, 0], log_chance, 1e-12, against="50 digits", floor=0.1
+            )
             slope = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0]))
-            assert found.z[i, 0] == pytest.approx(slope, rel=1e-9, abs=1e-12)
+            hard_case("its slope", found.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
             bend = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0], 2))
-            assert found.zz[i, 0] == pytest.approx(bend, rel=1e-8, abs=1e-11)
+            hard_case("its curvature", found.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
             if min(rates) > 0:
                 by_lapse = float(mpmath.diff(lambda x, a=arguments: value(*a[:2], x), arguments[2]))
                 by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))
@@ -102,6 +106,7 @@ def test_asymptotes_that_all_but_meet_leave_nothing_to_tell(method) -> None:
     )
     assert found.status in (Status.FLAT, Status.ABOVE, Status.BELOW)
     assert found.threshold is None
+    exact_case("asymptotes that all but meet", against="a status, no number")
 
 
 @pytest.mark.parametrize(
@@ -111,7 +116,8 @@ def test_levels_of_any_size_give_the_same_curve(levels) -> None:
     one = fit([0.0, 1.0, 2.0, 3.0], [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
     other = fit(levels, [1, 6, 14, 20], 20, shape="normal", guess_rate=0.0)
     spacing = levels[1] - levels[0]
-    assert (other.threshold - levels[0]) / spacing == pytest.approx(one.threshold, rel=1e-6)
+    scaled = (other.threshold - levels[0]) / spacing
+    hard_case("levels 1e-12 to 1e9 apart", scaled, one.threshold, 1e-6, against="levels 1 apart")
     assert other.width / spacing == pytest.approx(one.width, rel=1e-6)
 
 

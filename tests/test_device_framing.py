@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hard_cases import exact_case, hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ def test_every_whole_frame_is_found_however_it_is_torn_and_whatever_lies_between
     framing, found = parsed([stream[a:b] for a, b in pairwise(edges)])
     assert found == [frame for _, frame in sent]
     assert framing.n_skipped + len(framing.rest) == len(stream) - frame_bytes(2) * len(found)
+    exact_case("frames torn anywhere, noise between", against="every whole frame")
 
 
 @given(st.lists(frames, min_size=3, max_size=8), st.data())
@@ -46,6 +48,7 @@ def test_a_frame_that_lost_a_byte_is_lost_alone(sent, data):
     bytes_of[torn] = bytes_of[torn][:where] + bytes_of[torn][where + 1 :]
     _, found = parsed([b"".join(bytes_of), bytes(frame_bytes(2))])
     assert found == [frame for n, frame in enumerate(sent) if n != torn]
+    exact_case("a frame that lost a byte", against="all others")
 
 
 @given(st.binary(max_size=3000))
@@ -111,7 +114,7 @@ def test_a_drifting_clock_is_followed(drift):
     clocks = ClockMap()
     for n in range(20_000):
         clocks = clocks.after(n * 1e-3, n * 1e-3 * (1 + drift) + 7.0)
-    assert clocks.drift == pytest.approx(drift, abs=1e-8)
+    hard_case("a clock that drifts by 1e-4", clocks.drift, drift, 1e-8, against="the drift", floor=1)
     assert clocks.ours_s(20.0) == pytest.approx(20.0 * (1 + drift) + 7.0, abs=abs(drift) * BIN_S * N_BINS + 1e-9)
 
 

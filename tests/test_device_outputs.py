@@ -12,6 +12,7 @@ from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -102,6 +103,7 @@ def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, ga
     (emitted,) = driver.emitted
     assert emitted.peak <= voltage_peak_v * (1 + 1e-9)
     assert emitted.peak <= gain.load_volts_per_unit * (1 + 1e-9)
+    exact_case("any signal behind any gain", against="every limit")
     steps_v = np.abs(np.diff(np.pad(emitted.samples, ((0, 0), (1, 1))), axis=1))
     assert np.all(1e-9 * RATE_HZ * steps_v <= (current_peak_a + emitted.peak / 1e7) * (1 + 1e-9))
 
@@ -227,6 +229,7 @@ def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
     stream = encode(signal)
     assert len(stream) == HEADER_BYTES + word_bytes(values.shape[0]) * values.shape[1]
     assert decode(stream).digest() == signal.digest()
+    exact_case("a packed one-bit stream", against="every bit")
 
 
 @given(bits, st.data())
@@ -238,6 +241,7 @@ def test_no_damage_goes_unseen(values, data):
         decode(bytes(stream))
     with pytest.raises(InvalidParameter, match="packed stream: found"):
         decode(encode(Signal(30.0 * values, 1e6, "V"))[: data.draw(st.integers(0, len(stream) - 1))])
+    exact_case("any bit of a packed stream turned", against="refusal")
 
 
 def test_the_bytes_are_those_of_the_documented_form():

@@ -10,6 +10,7 @@ from pathlib import Path
 import catalogue
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tutorial_session import EXPERIMENT, TOML, journal_of, live
@@ -65,6 +66,7 @@ def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_
         file.truncate(cut % (journal.stat().st_size + 1))
     live(torn, resume=True)
     assert files(torn) == files(whole)
+    exact_case("a journal cut at any byte", against="the same bytes after going on")
 
 
 def test_what_was_cut_off_is_kept_and_said(lived):
@@ -93,6 +95,7 @@ def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_
     with pytest.raises(InvalidFile, match=rf"line {n + 1}: the line is damaged"):
         live(root, resume=True)
     assert files(root) == before
+    exact_case("any bit of a journal turned", against="its line is named, nothing changes")
 
 
 def test_a_second_process_is_refused(lived):
@@ -134,6 +137,7 @@ def test_a_full_disk_stops_clearly_and_loses_nothing(whole, tmp_path, n_bytes):
     assert status == 3
     live(full, resume=True)
     assert files(full) == files(whole)
+    exact_case("a disk that is full", against="the same bytes after going on")
 
 
 def _live_on_small_disk(root, n_bytes):

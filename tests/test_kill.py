@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 
 SCRIPT = str(Path(__file__).with_name("killed_session.py"))
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
@@ -123,6 +124,7 @@ def test_simulate_survives_being_killed(start, tmp_path, number):
     )
     for folder in range(last + 1):
         assert files(tmp_path / str(folder)) == files(tmp_path / "whole0")
+    exact_case("a simulation killed at any moment", against="the same bytes after going on")
 
 
 class Participant:

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from hard_cases import exact_case, hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
@@ -100,7 +101,8 @@ def test_expected_entropy_is_that_of_the_posteriors_it_stands_for(aim, answers):
     chance = rule.after(1, delivered=rule.levels[n]), rule.after(0, delivered=rule.levels[n])
     yes = float(np.exp(rule.grid.log_chance(rule.levels[n], 1)) @ rule.posterior.ravel())
     expected = yes * entropy(chance[0], aim) + (1 - yes) * entropy(chance[1], aim)
-    assert rule.expected_loss()[n] == pytest.approx(expected, abs=1e-12)
+    found = rule.expected_loss()[n]
+    hard_case("expected entropy of any answers (nat)", found, expected, 1e-12, against="the posteriors", floor=1)
 
 
 def entropy(rule, aim):
@@ -114,7 +116,7 @@ def test_the_order_of_answers_does_not_change_the_posterior(answers):
     forth, back = small(n_trials=100), small(n_trials=100)
     for (answer, level), (other, its_level) in zip(answers, reversed(answers), strict=True):
         forth, back = forth.after(answer, delivered=level), back.after(other, delivered=its_level)
-    np.testing.assert_allclose(forth.posterior, back.posterior, atol=1e-12)
+    hard_case("answers in another order", forth.posterior, back.posterior, 1e-12, against="this order", floor=1)
 
 
 def test_a_delivered_level_off_the_grid_counts():
@@ -128,6 +130,7 @@ def test_a_hundred_equal_answers_end_as_censored(answer, ended):
     assert rule.ended == ended
     assert rule.threshold is None
     assert np.isfinite(rule.posterior).all()
+    exact_case("100 equal answers to QUEST+", against="censored, no number")
 
 
 def test_ten_thousand_answers_stay_finite():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, Quest
@@ -49,6 +50,7 @@ def test_ten_thousand_answers_stay_finite():
         rule = rule.after(n % 2, delivered=40.0 * (1 - n % 2))
     assert np.isfinite(rule.posterior).all()
     assert 0 <= rule.level <= 40
+    exact_case("10 000 answers to QUEST", against="all finite")
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hard_cases import hard_case
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import cos as mp_cos
@@ -53,15 +54,18 @@ def test_impulse_response_is_exact(case):
         expected = exact(omega, decay, mpf(sample) / mpf(RATE_HZ))
         swing = max(omega, decay, 1.0 / (1000 / RATE_HZ))
         size = math.exp(-min(decay, omega**2 / (2 * decay) if decay else 0) * sample / RATE_HZ * 0.5)
-        assert found[0][sample] == pytest.approx(expected[0], rel=1e-11, abs=2e-13 * size / swing + 1e-300)
-        assert found[1][sample] == pytest.approx(expected[1], rel=1e-11, abs=2e-12 * size + 1e-300)
+        hard_case(
+            "impulse response of a mode: Nyquist, no loss, tau of 1 us and 1 ns, critical, slow, rigid",
+            found[0][sample], expected[0], 1e-11, against="60 digits", floor=0.02 * size / swing + 1e-289,
+        )  # fmt: skip
+        hard_case("its velocity", found[1][sample], expected[1], 1e-11, against="60 digits", floor=0.2 * size + 1e-289)
 
 
 def test_acceleration_obeys_the_equation_of_motion():
     modes = Oscillators(np.array([0.0, 1e3, 1e5, 1e4]), np.array([300.0, 5e3, 300.0, 1e4]))
     u, v, a = (modes.impulse(RATE_HZ, 0, 500, q) for q in ("displacement", "velocity", "acceleration"))
     rest = a + 2 * modes.decay_per_s[:, None] * v + modes.omega_rad_per_s[:, None] ** 2 * u
-    assert np.abs(rest).max() < 1e-10 * np.abs(a).max()
+    hard_case("acceleration of a mode", np.abs(rest).max() / np.abs(a).max(), 0, 1e-10, against="motion", floor=1)
 
 
 def test_one_million_samples_without_drift():
@@ -73,7 +77,9 @@ def test_one_million_samples_without_drift():
         for sample in (0, 499, 999):
             for i in range(3):
                 expected = exact(omega[i], 0.0, mpf(start + sample) / mpf(RATE_HZ))[0] * omega[i]
-                assert abs(found[i, sample] - expected) < 1e-12
+                hard_case(
+                    "a million samples without loss", found[i, sample], expected, 1e-12, against="60 digits", floor=1
+                )
 
 
 @given(st.floats(1.0, 1e6), st.integers(0, 10**7), st.floats(1e3, 2e6))
@@ -81,8 +87,8 @@ def test_unit_phasor_is_exact_at_any_phase(omega, sample, rate):
     mp.dps = 50
     phase = mpf(omega) * sample / mpf(rate)
     found = unit_phasor(np.array([omega]), np.array([float(sample)]), rate)[0]
-    assert abs(found.real - float(mp_cos(phase))) < 1e-15
-    assert abs(found.imag - float(sin(phase))) < 1e-15
+    exact = [float(mp_cos(phase)), float(sin(phase))]
+    hard_case("phase of up to 1e10 turns", [found.real, found.imag], exact, 1e-15, against="50 digits", floor=1)
 
 
 def test_pieces_are_the_whole():

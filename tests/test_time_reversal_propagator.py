@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hard_cases import hard_case
 from mpmath import expm as mp_expm
 from mpmath import matrix, mp, mpf
 
@@ -44,7 +45,10 @@ def test_one_step_is_exact(case):
     expected = exact_step(omega, decay)
     speed = max(omega, 1 / STEP_S)
     unit = np.array([[1, 1 / speed, STEP_S**2, STEP_S**2], [speed, 1, STEP_S, STEP_S]])
-    assert np.abs((found - expected) / unit).max() < 1e-12
+    hard_case(
+        "one step of a mode: omega h of 1e-9, pi and 30, critical, overdamped, rigid",
+        (found - expected) / unit, 0, 1e-12, against="60 digits", floor=1,
+    )  # fmt: skip
 
 
 def test_tau_of_a_nanosecond_follows_the_force_quasi_statically():
@@ -79,7 +83,7 @@ def test_a_run_is_its_steps_with_the_weights_of_both_ends():
 def test_a_constant_force_ends_at_the_static_deflection():
     modes = Oscillators(np.array([1e4, 3e4]), np.array([2e3, 2e3]))
     q = run_linear(modes, np.ones((2, 5000)), 1e5)
-    assert q[:, -1] == pytest.approx(1 / modes.omega_rad_per_s**2, rel=1e-10)
+    hard_case("constant force", q[:, -1], 1 / modes.omega_rad_per_s**2, 1e-10, against="static deflection")
 
 
 def test_a_sine_on_resonance_without_loss_grows_as_the_closed_form():

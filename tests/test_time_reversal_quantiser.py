@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hard_cases import exact_case, hard_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -93,20 +94,22 @@ def test_second_order_diverges_on_a_dc_of_1_01_and_says_so():
     stream = modulate(np.full((1, 100_000), 1.01), 2)
     assert stream.overloaded
     assert stream.peak_state > 1e6
+    exact_case("sigma-delta on a constant of 1.01", against="overload said")
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(1e-9, 0.7))
 def test_second_order_stays_sound_up_to_0_7(seed, peak):
     u = np.random.default_rng(seed).uniform(-peak, peak, (2, 2000))
     assert not modulate(u, 2).overloaded
+    exact_case("sigma-delta up to 0.7", against="bounded state")
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_sigma_delta_of_1e_9_is_finite_and_has_no_mean(order):
     stream = modulate(1e-9 * np.sin(0.01 * np.arange(20000))[None], order)
     assert set(np.unique(stream.bits)) == {-1.0, 1.0}
-    assert abs(stream.bits.mean()) < 1e-3
     assert not stream.overloaded
+    hard_case("sigma-delta of 1e-9", stream.bits.mean(), 0, 1e-3, against="no mean", floor=1)
 
 
 def test_rice_transition_rates():

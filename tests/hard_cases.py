@@ -1,0 +1,124 @@
+"""Hard cases say what they are: their reference, their bound and the error they saw make docs/stability.md.
+
+A test calls `hard_case` or `exact_case`; names, references and bounds are literals, so that they can be read without a
+run. `make stability` writes the page from a run of the tests that hold hard cases.
+"""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+TESTS = Path(__file__).resolve().parent
+PAGE = TESTS.parent / "docs" / "stability.md"
+ROOMS = {
+    "test_time_reversal": "Time reversal",
+    "test_electrovibration": "Electrovibration",
+    "test_scene": "Scenes",
+    "test_analysis": "Fits and statistics",
+    "test_psychometric": "Psychometric functions",
+    "test_proc": "Procedures",
+    "test_quest": "Procedures",
+    "test_device": "Devices",
+    "test_force_gate": "Devices",
+    "test": "Sessions and data",
+}
+HEAD = """# Hard cases
+
+Every hard case of the tests with its reference, the worst error that the run which wrote this page has seen, and the
+bound that every run asserts. An error is relative to the size of what is expected, unless the case says otherwise;
+0 is equality. The page is written from the tests' own data by `make stability`; a test fails when it names a case that
+is gone or lacks one, or when an error has grown a hundredfold.
+"""
+DRIFT, ROUNDING = 100.0, 1e-14
+SEEN: dict[str, float] = {}
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    against: str
+    bound: float
+    file: str
+    test: str
+
+    @property
+    def room(self) -> str:
+        return next(room for prefix, room in ROOMS.items() if self.file.startswith(prefix))
+
+    def row(self, error: str) -> str:
+        bound = f"{self.bound:.0e}" if self.bound else "0"
+        return f"| {self.name} | {self.against} | {error} | {bound} | `{self.file}::{self.test}` |"
+
+
+def hard_case(case, found, expected, bound, *, against, floor=0.0):
+    """Assert |found - expected| <= bound (|expected| + floor) everywhere, and note the largest such error."""
+    del against
+    found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
+    away, size = np.abs(found - expected), np.abs(expected) + floor
+    error = float(np.max(np.divide(away, size, out=np.where(away == 0, 0.0, np.inf), where=size > 0), initial=0.0))
+    assert error <= bound, f"{case}: found an error of {error:.3g}, the bound is {bound:g}"
+    stated = rows().get(case)
+    assert stated is None or error <= max(DRIFT * float(stated), ROUNDING), (
+        f"{case}: found an error of {error:.3g} where docs/stability.md says {stated}; run make stability"
+    )
+    SEEN[case] = max(SEEN.get(case, 0.0), error)
+
+
+def exact_case(case, *, against):
+    """Note that what came before in this test held exactly."""
+    del against
+    SEEN[case] = 0.0
+
+
+def cases() -> list[Case]:
+    """All hard cases in the tests' sources, by room and file."""
+    found = [case for path in sorted(TESTS.glob("test_*.py")) for case in _cases_of(path)]
+    order = list(dict.fromkeys(ROOMS.values()))
+    return sorted(found, key=lambda case: order.index(case.room))
+
+
+def _cases_of(path: Path) -> Iterator[Case]:
+    source = path.read_text(encoding="utf-8")
+    if "_case(" not in source:
+        return
+    for function in ast.walk(ast.parse(source)):
+        if isinstance(function, ast.FunctionDef) and function.name.startswith("test_"):
+            for call in ast.walk(function):
+                if isinstance(call, ast.Call) and getattr(call.func, "id", "") in ("hard_case", "exact_case"):
+                    words = {word.arg: word.value for word in call.keywords}
+                    bound = ast.literal_eval(call.args[3]) if len(call.args) > 3 else 0.0
+                    name, against = ast.literal_eval(call.args[0]), ast.literal_eval(words["against"])
+                    yield Case(name, against, float(bound), path.stem, function.name)
+
+
+@cache
+def rows() -> dict[str, str]:
+    """The error that the page states for each case."""
+    lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.endswith("` |")]
+    return {cell[0]: cell[2] for cell in cells}
+
+
+def page(seen: dict[str, float]) -> str:
+    """The page from the errors of a run in which every case was seen."""
+    missing = [case.name for case in cases() if case.name not in seen]
+    assert not missing, f"the run did not see {missing}"
+    lines = [HEAD]
+    for room, part in groupby(cases(), key=lambda case: case.room):
+        lines += [f"## {room}", "", "| case | reference | worst error seen | bound | test |", "|---|---|---|---|---|"]
+        lines += [*(case.row(f"{seen[case.name]:.1e}" if seen[case.name] else "0") for case in part), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def pytest_addoption(parser):
+    parser.addoption("--stability", action="store_true", help="write docs/stability.md from the hard cases of this run")
+
+
+def pytest_sessionfinish(session, exitstatus):
+    if session.config.getoption("--stability") and exitstatus == 0:
+        PAGE.write_text(page(SEEN), encoding="utf-8")
