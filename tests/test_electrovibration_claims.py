@@ -215,15 +215,15 @@ def test_a_lag_that_is_not_refused_is_exact(corner_hz: float) -> None:
     np.testing.assert_allclose(found_n, expected_n, rtol=0, atol=1e-9 * expected_n.max())
 
 
-@pytest.mark.parametrize("corner_hz", [1.1e10, 1e21, 1e300])
+@pytest.mark.parametrize("corner_hz", [1.1e10, 1e15])
 def test_a_lag_too_short_to_be_resolved_is_refused(corner_hz: float) -> None:
     with pytest.raises(InvalidParameter, match=r"lagged_friction_n.lag: found a corner of .* expected a product of at"):
         lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=np.linspace(0, 0.1, 101))
 
 
-@pytest.mark.parametrize("speed_m_per_s", [1e200, 1e305])
-def test_a_speed_beyond_all_is_refused(speed_m_per_s: float) -> None:
-    with pytest.raises(InvalidParameter, match="lagged_friction_n.lag: found a corner of"):
+@pytest.mark.parametrize(("speed_m_per_s", "sentence"), [(1e8, "lag: found a corner of"), (1e200, "found 1e\\+200")])
+def test_a_speed_beyond_all_is_refused(speed_m_per_s: float, sentence: str) -> None:
+    with pytest.raises(InvalidParameter, match=sentence):
         lagged_n(FrictionLag(), CoulombFriction(), 0.5, speed_m_per_s=speed_m_per_s)
 
 

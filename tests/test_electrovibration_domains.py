@@ -54,7 +54,7 @@ def force_n(voltage_v, **changes):
         ),
         (
             lambda: electrostatic_force_n_at(np.nan, PIECES, skin=P0, area_m2=AREA_M2, law="interface"),
-            "Solution.t_s[]: found nan, expected a finite number",
+            "electrostatic_force_n_at.t_s[]: found nan, expected a finite number",
         ),
         (
             lambda: force_n(5.0),
@@ -67,8 +67,7 @@ def force_n(voltage_v, **changes):
         (lambda: force_n([0.0, np.inf]), "electrostatic_force_n.voltage_v[1]: found inf, expected a finite number"),
         (
             lambda: force_n([1e200]),
-            "voltage_v: found a voltage whose force is beyond the range of a double (4.38e+199 V across the layer), "
-            "expected a lower one",
+            "electrostatic_force_n.voltage_v[0]: found 1e+200, expected a number of at most 1e+12",
         ),
         (
             lambda: force_n([1.0], area_m2=-1e-4),
@@ -108,16 +107,19 @@ def force_n(voltage_v, **changes):
         ),
         (lambda: step_voltage_v(-1.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
         (lambda: sine_voltage_v(-1.0, 60.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
-        (lambda: square_edge_v(0.0, 1.0, P0), "closed_form.frequency_hz: found 0.0, expected numbers above 0"),
+        (lambda: square_edge_v(0.0, 1.0, P0), "closed_form.frequency_hz: found 0.0, expected numbers from 1e-12 on"),
         (
-            lambda: CoulombFriction(load_exponent=-2.0).coefficient_at(1e-300),
-            "CoulombFriction.load_exponent: found -2.0 for a normal force of 1e-300 N, expected a coefficient within "
+            lambda: CoulombFriction(load_exponent=-20.0).coefficient_at(1e-30),
+            "CoulombFriction.load_exponent: found -20.0 for a normal force of 1e-30 N, expected a coefficient within "
             "the range of a double",
         ),
-        (lambda: FrictionLag().gain(np.nan, 0.05), "FrictionLag.frequency_hz[]: found nan, expected a finite number"),
+        (
+            lambda: FrictionLag().gain(np.nan, 0.05),
+            "FrictionLag.gain.frequency_hz[]: found nan, expected a finite number",
+        ),
         (
             lambda: Noise.drawn(100.0, np.nan, 0.1, rng=np.random.default_rng(0)),
-            "Noise.high_per_m: found nan, expected a finite number above 0",
+            "Noise.drawn.high_per_m: found nan, expected a finite number",
         ),
         (
             lambda: Noise.drawn(100.0, 500.0, 0.0, rng=np.random.default_rng(0)),

@@ -34,14 +34,14 @@ def stuck(n_events_max):
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: SINE.pieces(4000.0), "stimulus.level: found 4000.0 dB re 1 V, expected at most 2000 dB"),
-        (lambda: peak_voltage_v(1e200, "V"), "stimulus.level: found 1e\\+200 V, expected at most 1e\\+100 V"),
+        (lambda: SINE.pieces(4000.0), "stimulus.level: found 4000.0 dB re 1 V, expected at most 240 dB"),
+        (lambda: peak_voltage_v(1e20, "V"), "stimulus.level: found 1e\\+20 V, expected at most 1e\\+12 V"),
         (lambda: Skin(corneum_resistivity_ohm_m=1e-300), "found 1e-300, expected 0 \\(a conductor\\) or a number from"),
         (lambda: Skin(corneum_resistivity_ohm_m="a"), "found 'a', expected 0"),
-        (lambda: Skin(insulator_thickness_m=1e-200), "found a layer of 1e-200 m, expected at least 1e-100 m"),
+        (lambda: Skin(insulator_thickness_m=1e-200), "found 1e-200, expected a number from 1e-20 to 1e\\+09"),
         (lambda: CoulombFriction().modulation_n([np.nan], 1.0), "electrostatic_n.*found nan, expected a finite number"),
-        (lambda: stuck(-1), "n_events_max: found -1, expected a whole number from 1"),
-        (lambda: stuck(1.5), "n_events_max: found 1.5, expected a whole number from 1"),
+        (lambda: stuck(-1), "n_events_max: found -1, expected a whole number"),
+        (lambda: stuck(1.5), "n_events_max: found 1.5, expected a whole number"),
         (lambda: figures.input_against_position({}), "textures: found none, expected at least one"),
         (
             lambda: electrostatic_force_n(["a"], rate_hz=1e3, skin=Skin(), area_m2=1e-4, law="sc_layer"),
@@ -55,6 +55,6 @@ def test_what_cannot_be_is_refused_in_one_sentence(call, sentence):
 
 
 def test_the_highest_level_has_a_finite_motion():
-    motion = sliding(T_S, SINE.pieces(2000.0), FORM, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
+    motion = sliding(T_S, SINE.pieces(240.0), FORM, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
     assert np.isfinite(motion.lateral_n).all()
-    assert motion.lateral_n.max() > 1e180
+    assert motion.lateral_n.max() > 1e15

@@ -13,7 +13,7 @@ from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, No
 from tactometry.stimuli.electrovibration.velvet import Velvet
 
 RATE_HZ = 1000.0
-LINE_S = st.floats(0, 4e-3)
+LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))
 
 
 @given(rise_s=LINE_S, high_s=LINE_S, fall_s=LINE_S, low_s=LINE_S, low_ratio=st.sampled_from([0.0, -1.0]))
@@ -154,7 +154,7 @@ def test_a_noise_texture_has_the_rms_it_was_asked_for(n_rms: float) -> None:
     assert share.mean() == pytest.approx(0.5, rel=1e-9)
 
 
-@pytest.mark.parametrize("exponent", [400.0, -400.0, 1e300, -1e300])
+@pytest.mark.parametrize("exponent", [400.0, -400.0, 1e30, -1e30])
 def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> None:
     noise = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5), exponent=exponent)
     power = np.abs(np.fft.rfft(noise.height(np.arange(1000) * 1e-4)))

@@ -7,10 +7,10 @@ import pytest
 from hard_cases import hard_case
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import Layer, Pieces, Skin, Solution, Stack, Step
+from tactometry.stimuli.electrovibration import Layer, Skin, Solution, Stack, Step
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v, shares
 from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
 from tactometry.stimuli.electrovibration.pieces import straight
@@ -116,22 +116,6 @@ def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: f
             if t_s > start
         )
         return float(total)
-
-
-def test_a_sine_against_solve_ivp() -> None:
-    skin = Skin(body_resistance_ohm=1e4)
-    tone = Pieces(np.zeros(1), 0.02, np.zeros(1), np.zeros(1), np.array([240.0]), np.array([[-100j]]))
-    c_i, c_s = skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2)
-    r_s, r_b = skin.corneum_resistance_ohm(AREA_M2), skin.body_resistance_ohm
-
-    def slope(t: float, v: np.ndarray) -> list[float]:
-        current_a = (100 * np.sin(2 * np.pi * 240 * t) - v[0] - v[1]) / r_b
-        return [current_a / c_i, (current_a - v[1] / r_s) / c_s]
-
-    t_s = np.linspace(0, 0.02, 201)
-    solved = solve_ivp(slope, (0, 0.02), [0, 0], t_eval=t_s, method="Radau", rtol=1e-12, atol=1e-12)
-    found_v = Solution(tone, skin.relaxations(AREA_M2)).at(t_s)
-    np.testing.assert_allclose(found_v, solved.y[1], rtol=0, atol=2e-8)
 
 
 def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep() -> None:
@@ -256,7 +240,8 @@ def test_step_pieces_reach_the_closed_form() -> None:
         (lambda: Layer(-1e-6), "Layer.thickness_m: found -1e-06, expected a finite number, at least 0"),
         (
             lambda: Layer(1e-6, resistivity_ohm_m=-1.0),
-            "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-200 on (inf: lossless)",
+            "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-30 to 1e+30 (inf: "
+            "lossless)",
         ),
         (
             lambda: Stack((Layer(0.0),)),

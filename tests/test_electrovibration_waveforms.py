@@ -17,7 +17,7 @@ STIMULI = [
 
 
 @pytest.mark.parametrize("stimulus", STIMULI)
-@given(level=st.floats(-200, 300))
+@given(level=st.floats(-200, 240))
 def test_no_sample_passes_the_peak_of_the_level(stimulus: Sine | AmplitudeModulated, level: float) -> None:
     signal = stimulus.at(level)
     assert signal.peak <= 10 ** (level / 20)
@@ -132,7 +132,7 @@ def test_a_bad_value_is_one_clear_sentence(kind: type, changes: dict, message: s
     ("unit", "level", "message"),
     [
         ("dB re 1 V", np.inf, "stimulus.level: found inf, expected a finite number"),
-        ("dB re 1 V", 1e5, "stimulus.level: found 100000.0 dB re 1 V, expected at most 2000 dB"),
+        ("dB re 1 V", 1e5, "stimulus.level: found 100000.0 dB re 1 V, expected at most 240 dB"),
         ("V", -1.0, "stimulus.level: found -1.0, expected a finite number, at least 0"),
     ],
 )

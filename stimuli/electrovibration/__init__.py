@@ -11,7 +11,7 @@ from tactometry.stimuli.electrovibration.contact_area import (
     power_law_of_prints,
 )
 from tactometry.stimuli.electrovibration.corners import Corners
-from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer
+from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v
 from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
 from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding, sliding_many
 from tactometry.stimuli.electrovibration.force import (
@@ -25,6 +25,7 @@ from tactometry.stimuli.electrovibration.force import (
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag, lagged_friction_n
 from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
 from tactometry.stimuli.electrovibration.offset import WithOffset
+from tactometry.stimuli.electrovibration.periodic_force import periodic_force_n
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
 from tactometry.stimuli.electrovibration.played_texture import (
     PlayedTexture,
@@ -105,6 +106,8 @@ __all__ = [
     "lateral_modulation_n",
     "level_db_re_1v",
     "peak_voltage_v",
+    "periodic_force_n",
+    "periodic_voltages_v",
     "power_law_of_prints",
     "sliding",
     "sliding_many",

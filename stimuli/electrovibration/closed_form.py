@@ -10,16 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
 from tactometry.stimuli.electrovibration.relaxation import phi1
 from tactometry.stimuli.electrovibration.skin import Skin
 
 
+@checked
 def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
     return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_elapsed(t_s, skin)))
 
 
+@checked
 def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
     """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``.
 
@@ -29,11 +32,13 @@ def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
     return force_per_square_volt_n(skin, area_m2) * _peak_v(voltage_v, skin) ** 2 * skin.tau_s / 2
 
 
+@checked
 def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
     return _peak_v(voltage_v, skin) * phi1(_elapsed(rise_s, skin))
 
 
+@checked
 def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
     _check_one_relaxation(skin)
@@ -42,6 +47,7 @@ def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: 
     return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_elapsed(t_s, skin))))
 
 
+@checked
 def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
 
@@ -52,18 +58,21 @@ def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, are
     return force_per_square_volt_n(skin, area_m2) * (voltage_v * skin.gain(frequency_hz)) ** 2 / 2
 
 
+@checked
 def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
     half_periods = _elapsed(_period_s(frequency_hz) / 2, skin)
     return 2 * _peak_v(voltage_v, skin) / (1 + np.exp(-half_periods))
 
 
+@checked
 def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
     periods = _elapsed(_period_s(frequency_hz), skin)
     return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
 
 
+@checked
 def square_harmonic_force_n(
     n_harmonic: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin, area_m2: float
 ) -> NDArray[np.float64]:
@@ -78,6 +87,7 @@ def square_harmonic_force_n(
             "is square_mean_force_n)"
         )
     edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
+    require.positive("square_harmonic_force_n", frequency_hz=frequency_hz)
     decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
     rate_per_s: NDArray[np.float64] = np.abs(2 * decay_per_s + 4j * np.pi * n * frequency_hz)
     charged = -np.expm1(-decay_per_s / frequency_hz)
@@ -85,10 +95,7 @@ def square_harmonic_force_n(
 
 
 def _period_s(frequency_hz: ArrayLike) -> NDArray[np.float64]:
-    f_hz = require.finite_array("closed_form.frequency_hz", frequency_hz)
-    if (f_hz <= 0).any():
-        raise InvalidParameter(f"closed_form.frequency_hz: found {f_hz.min()}, expected numbers above 0")
-    return 1 / f_hz
+    return 1 / require.positive_array("closed_form.frequency_hz", frequency_hz)
 
 
 def _peak_v(voltage_v: float, skin: Skin) -> float:

@@ -3,15 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 
+@runtime_checkable
 class ContactArea(Protocol):
     """An area law."""
 
@@ -34,6 +36,7 @@ class PowerLawArea:
         require.positive("PowerLawArea", area_at_1n_m2=self.area_at_1n_m2)
         require.non_negative("PowerLawArea", exponent=self.exponent)
 
+    @checked
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
         force = _forces(force_n)
         return np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
@@ -58,7 +61,8 @@ class TableArea:
     areas_m2: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if len(self.forces_n) != len(self.areas_m2) or not self.forces_n:
+        check_fields(self)
+        if len(self.forces_n) != len(self.areas_m2) or len(self.forces_n) == 0:
             raise InvalidParameter(
                 f"TableArea: found {len(self.forces_n)} forces and {len(self.areas_m2)} areas, "
                 "expected as many of each, at least one"
@@ -68,6 +72,7 @@ class TableArea:
         if (np.diff(self.forces_n) <= 0).any():
             raise InvalidParameter(f"TableArea.forces_n: found {self.forces_n}, expected ascending forces")
 
+    @checked
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
         """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
         force = _forces(force_n)
@@ -108,6 +113,7 @@ UNVERIFIED_PRINTS = (
 """Unverified default: plausible axes at the four forces of the inked prints; measure your participants'."""
 
 
+@checked
 def area_of_prints(prints: Sequence[Print]) -> TableArea:
     """Straight lines through the ellipses of measured prints, in any order of force.
 
@@ -118,6 +124,7 @@ def area_of_prints(prints: Sequence[Print]) -> TableArea:
     return TableArea(tuple(one.force_n for one in ordered), tuple(one.area_m2 for one in ordered))
 
 
+@checked
 def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
     """The power law that fits the logarithms of area and force best.
 
@@ -134,6 +141,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
     return PowerLawArea(float(np.exp(constant)), float(exponent))
 
 
+@checked
 def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> NDArray[np.float64]:
     """Area of an ellipse from its full axes: ``pi/4`` times their product.
 

@@ -5,7 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.timing import MOST_SAMPLES
 
 Real = NDArray[np.float64]
 NODES = range(-5, 7)
@@ -22,6 +26,16 @@ class Corners:
     phases: tuple[float, ...]
     values: tuple[float, ...]
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+        ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
+        if not ends or len(self.phases) != len(self.values) or (np.diff(self.phases) < 0).any():
+            raise InvalidParameter(
+                f"Corners.phases: found {self.phases!s:.60} with {len(self.values)} values, expected a tuple that "
+                "ascends from 0 to 1, and as many values"
+            )
+
+    @checked
     def at(self, phase: ArrayLike) -> Real:
         """Values at phases in periods, of any size; from the right at a jump."""
         p = np.mod(np.asarray(phase, dtype=np.float64), 1.0)
@@ -31,19 +45,30 @@ class Corners:
         width = np.where(x[left + 1] > x[left], x[left + 1] - x[left], 1.0)
         return np.asarray(y[left] + (y[left + 1] - y[left]) * (p - x[left]) / width)
 
+    @checked
     def pieces(self, frequency_hz: float, duration_s: float) -> Pieces:
         """The periodic voltage (1 V) over a duration, exactly."""
+        require.positive("Corners.pieces", frequency_hz=frequency_hz, duration_s=duration_s)
+        if duration_s * frequency_hz > MOST_SAMPLES:
+            raise InvalidParameter(
+                f"Corners.pieces.duration_s: found {duration_s} s, expected at most {MOST_SAMPLES} periods"
+            )
         n_periods = int(np.ceil(duration_s * frequency_hz * (1 - 1e-12)))
         periods = np.repeat(np.arange(n_periods), len(self.phases))
         t_s = (periods + np.tile(self.phases, n_periods)) / frequency_hz
         return _until(straight(t_s, np.tile(self.values, n_periods)), duration_s)
 
+    @checked
     def harmonics(self, n: ArrayLike) -> NDArray[np.complex128]:
         """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
 
         Integrated by parts on each line: jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
         """
         n = np.asarray(n, dtype=np.float64)
+        if (n == 0).any() or (n != np.round(n)).any():
+            raise InvalidParameter(
+                f"Corners.harmonics.n: found {n.tolist()!s:.60}, expected whole numbers other than 0"
+            )
         x, y = np.asarray(self.phases, dtype=np.float64), np.asarray(self.values, dtype=np.float64)
         s = 2j * np.pi * n[..., None]
         rise, run = np.diff(y), np.diff(x)
@@ -66,6 +91,7 @@ class Corners:
         probe = (middles[1:] + middles[:-1]) / 2
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
+    @checked
     def band_limited(self, phase: Real, n_highest: int) -> Real:
         """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
 
@@ -73,6 +99,7 @@ class Corners:
         where it does. One FFT samples the series 16 times finer than its highest harmonic; a polynomial through the
         12 nearest values is exact to 1e-12 there, so the cost is that of the FFT and of 12 values per sample.
         """
+        require.whole("Corners.band_limited", lowest=0, n_highest=n_highest)
         coefficients = self.harmonics(np.arange(1, n_highest + 1)) if n_highest else np.zeros(0, complex)
         table = np.fft.irfft(np.r_[self.mean, coefficients], n=_table_size(n_highest), norm="forward")
         series = _between(table, np.mod(phase, 1.0))

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
 
 
@@ -32,8 +33,9 @@ class DispersiveLayer:
 
     def __post_init__(self) -> None:
         require.positive("DispersiveLayer", thickness_m=self.thickness_m)
+        check_fields(self)
         for name in ("frequencies_hz", "permittivities", "resistivities_ohm_m"):
-            column = require.finite_array(f"DispersiveLayer.{name}", getattr(self, name))
+            column = np.asarray(getattr(self, name), dtype=np.float64)
             if column.shape != (len(self.frequencies_hz),) or not column.size or (column <= 0).any():
                 raise InvalidParameter(
                     f"DispersiveLayer.{name}: found {column.tolist()}, expected {len(self.frequencies_hz)} "
@@ -44,6 +46,7 @@ class DispersiveLayer:
                 f"DispersiveLayer.frequencies_hz: found {self.frequencies_hz}, expected ascending numbers"
             )
 
+    @checked
     def properties(self, frequency_hz: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
         row)."""
@@ -68,6 +71,7 @@ DEEPER_TISSUE = DispersiveLayer(
 """Unverified default: orders of magnitude of a wet tissue."""
 
 
+@checked
 def shares(
     frequency_hz: ArrayLike,
     layers: Sequence[Layer | DispersiveLayer],
@@ -110,6 +114,7 @@ def _ratios(
     return np.asarray(impedances / (np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)))
 
 
+@checked
 def periodic_voltages_v(
     voltage_v: ArrayLike,
     rate_hz: float,
@@ -139,14 +144,16 @@ def periodic_voltages_v(
 
 
 def _admittance(layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-    permittivity, resistivity = _properties(layer, f_hz)
+    permittivity, resistivity = properties_of(layer, f_hz)
     capacitive = 2j * np.pi * f_hz * VACUUM_PERMITTIVITY_F_PER_M * permittivity
     return np.asarray((1 / resistivity + capacitive) / layer.thickness_m, dtype=np.complex128)
 
 
-def _properties(
+@checked
+def properties_of(
     layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Relative permittivity and resistivity (ohm m) of a layer, constant or from its table."""
     if isinstance(layer, DispersiveLayer):
         return layer.properties(f_hz)
     return np.full_like(f_hz, layer.permittivity), np.full_like(f_hz, layer.resistivity_ohm_m)

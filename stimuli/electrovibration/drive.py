@@ -4,11 +4,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.skin import INSULATOR, Skin
 from tactometry.stimuli.electrovibration.solution import Solution
 
 
+@checked
 def charge_c(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Charge (C) on the electrode under the finger at the samples (..., n_samples) of a voltage, from rest.
 
@@ -23,17 +25,20 @@ def charge_c(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float
     return _insulator_capacitance_f(skin, area_m2) * insulator_v
 
 
+@checked
 def current_a(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean current (A) over the sample before each sample: exact, and finite where the voltage jumps."""
     charge = charge_c(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2)
     return np.diff(charge, prepend=0.0, axis=-1) * rate_hz
 
 
+@checked
 def charge_c_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Charge (C) at any time, exactly, for a voltage in pieces."""
     return _insulator_capacitance_f(skin, area_m2) * _insulator(pieces, skin, area_m2).at(t_s)
 
 
+@checked
 def current_a_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Current (A) at any time inside of the pieces, exactly; a jump without body resistance is an
     impulse beside."""

@@ -42,8 +42,10 @@ def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex12
     InvalidParameter
         If there is no stimulus, or one has other starts, frequencies or an other end than the first.
     """
-    if not stimuli:
-        raise InvalidParameter("stimuli: found none, expected at least one")
+    if not isinstance(stimuli, Sequence) or not stimuli:
+        raise InvalidParameter(f"stimuli: found {stimuli!r:.60}, expected a sequence of at least one voltage in pieces")
+    for place, pieces in enumerate(stimuli):
+        require.instance("stimuli", Pieces, **{f"[{place}]": pieces})
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)
     for place, pieces in enumerate(stimuli):
         if Timing(pieces, key.t_s, has_slope=True) != key:

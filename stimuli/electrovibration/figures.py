@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n_at, force_form
@@ -28,6 +30,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
 
 
+@checked
 def input_against_position(
     textures: Mapping[str, Texture | Velvet],
     *,
@@ -40,6 +43,10 @@ def input_against_position(
 
     The envelope is ``V0 sqrt(share)``. The default carrier is lower than a real one so that it can be seen.
     """
+    require.positive(
+        "input_against_position", length_m=length_m, speed_m_per_s=speed_m_per_s, carrier_hz=carrier_hz,
+        voltage_v=voltage_v,
+    )  # fmt: skip
     if not textures:
         raise InvalidParameter("input_against_position.textures: found none, expected at least one")
     x_m = np.linspace(0, length_m, 8001)
@@ -58,10 +65,13 @@ def input_against_position(
     return figure
 
 
+@checked
 def force_against_area(
     *, voltage_v: float = 100.0, skin: Skin | None = None, laws: Sequence[Law] = LAWS, largest_m2: float = 3e-4
 ) -> "Figure":
     """Electrostatic force just after a step against contact area, a line per law, on logarithmic axes."""
+    require.positive("force_against_area", voltage_v=voltage_v, largest_m2=largest_m2)
+    _check_some("force_against_area.laws", laws)
     areas_m2 = np.geomspace(largest_m2 / 100, largest_m2, 60)
     figure, (ax,) = _panels(1, 1, (6.0, 4.0))
     for law, colour, dash in zip(laws, COLOURS, DASHES, strict=False):
@@ -74,6 +84,7 @@ def force_against_area(
     return figure
 
 
+@checked
 def skin_properties(layers: Mapping[str, DispersiveLayer] | None = None) -> "Figure":
     """Resistivity and relative permittivity against frequency, a line per layer (defaults: unverified tables)."""
     defaults = {"stratum corneum (unverified)": STRATUM_CORNEUM, "deeper tissue (unverified)": DEEPER_TISSUE}
@@ -91,6 +102,7 @@ def skin_properties(layers: Mapping[str, DispersiveLayer] | None = None) -> "Fig
     return figure
 
 
+@checked
 def force_for_inputs(
     areas_m2: Sequence[float] = (0.5e-4, 1.0e-4, 1.5e-4),
     *,
@@ -100,6 +112,7 @@ def force_for_inputs(
     inputs: Mapping[str, Pieces] | None = None,
 ) -> "Figure":
     """Voltage (above) and force (below) over time for a step, a trapezoid and a sine, a line per contact area."""
+    _check_some("force_for_inputs.areas_m2", areas_m2)
     shown = inputs or {
         "step": Step(onset_s=1e-3, duration_s=6e-3).pieces(level),
         "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, duration_s=16e-3).pieces(level),
@@ -119,6 +132,7 @@ def force_for_inputs(
     return figure
 
 
+@checked
 def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
     """Applied force per condition: each participant's mean as a point, their mean and 95 % t-interval beside.
 
@@ -140,10 +154,12 @@ def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
     return figure
 
 
+@checked
 def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     """The contact ellipse at each force, and its area against force with the power law that fits it best."""
     from matplotlib.patches import Ellipse
 
+    _check_some("contact_ellipse.prints", prints)
     figure, (left, right) = _panels(1, 2, (8.0, 3.8))
     ordered = sorted(prints, key=lambda one: one.force_n)
     for one, colour, dash in zip(ordered, COLOURS, DASHES, strict=False):
@@ -163,6 +179,11 @@ def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     if prints is UNVERIFIED_PRINTS:
         left.set_title("prints: unverified defaults", loc="left", fontsize=9)
     return figure
+
+
+def _check_some(where: str, items: Sequence[object]) -> None:
+    if not items:
+        raise InvalidParameter(f"{where}: found none, expected at least one")
 
 
 def _panels(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.driven import Timing, plan_of, stacked
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction
@@ -39,6 +40,7 @@ class Finger:
         require.non_negative("Finger", damping_n_s_per_m=self.damping_n_s_per_m)
 
     @classmethod
+    @checked
     def at_speed(cls, speed_m_per_s: float) -> "Finger":
         """The moving mass and stiffness that are published per sliding speed, 20 to 100 mm/s.
 
@@ -108,7 +110,11 @@ def sliding(
     """
     from tactometry.stimuli.electrovibration.compiled import slide
 
-    t = np.asarray(t_s, dtype=np.float64)
+    t = require.numbers("sliding.t_s", t_s)
+    require.kinds(
+        "sliding", pieces=(pieces, Pieces), form=(form, ForceForm), finger=(finger, Finger),
+        friction=(friction, CoulombFriction),
+    )  # fmt: skip
     mu = friction.coefficient_at(force_n)
     plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
     heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
@@ -135,7 +141,8 @@ def sliding_many(
     """
     from tactometry.stimuli.electrovibration.compiled import slide_many
 
-    t = np.asarray(t_s, dtype=np.float64)
+    t = require.numbers("sliding_many.t_s", t_s)
+    require.kinds("sliding_many", form=(form, ForceForm), finger=(finger, Finger), friction=(friction, CoulombFriction))
     mu, heights = friction.coefficient_at(force_n), stacked(stimuli)
     timing = Timing(stimuli[0], t, has_slope=bool(heights[1].any()))
     plan = plan_of(timing, form.relaxations, finger.system)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
@@ -27,6 +28,11 @@ class ForceForm:
     relaxations: Relaxations
     newton_per_v2: float
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+        require.non_negative("ForceForm", newton_per_v2=self.newton_per_v2)
+
+    @checked
     def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
         """Force (N) of layer voltages u, of their shape."""
         with errstate(over="ignore"):
@@ -39,6 +45,7 @@ class ForceForm:
         return even_n if polarity is None else polarity.weighted(even_n, layer_v)
 
 
+@checked
 def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
     """A law on a skin and a contact area (m^2, at least 0).
 
@@ -62,6 +69,7 @@ def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
     return _FORMS[str(law)](skin, area_m2)
 
 
+@checked
 def electrostatic_force_n(
     voltage_v: ArrayLike,
     *,
@@ -108,6 +116,7 @@ def electrostatic_force_n(
     return form.force_n(form.relaxations.sampled(v, rate_hz), polarity)
 
 
+@checked
 def electrostatic_force_n_at(
     t_s: ArrayLike,
     pieces: Pieces,

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.driven import check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem
@@ -52,6 +53,7 @@ class CoulombFriction:
                 "expected a coefficient within the range of a double"
             ) from None
 
+    @checked
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
         """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
         return self.coefficient_at(force_n) * require.finite_array("modulation_n.electrostatic_n", electrostatic_n)
@@ -78,17 +80,20 @@ class FrictionLag:
         )
         require.positive("FrictionLag", floor_hz=self.floor_hz)
 
+    @checked
     def cutoff_hz(self, speed_m_per_s: float) -> float:
         """Corner frequency at a sliding speed (m/s, at least 0)."""
         require.non_negative("FrictionLag", speed_m_per_s=speed_m_per_s)
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
+    @checked
     def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> NDArray[np.float64]:
         """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
         ratio = require.finite_array("FrictionLag.frequency_hz", frequency_hz) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
 
 
+@checked
 def lagged_friction_n(
     t_s: ArrayLike,
     pieces: Pieces,

@@ -5,10 +5,10 @@ from typing import Literal
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.require import DOMAINS
 
 LevelUnit = Literal["dB re 1 V", "V"]
-HIGHEST_V = 1e100
-"""Higher voltages have forces whose squares no number holds."""
+HIGHEST_V = DOMAINS["_v"][1]
 
 
 def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.force import Law, force_form
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
@@ -16,6 +16,7 @@ from tactometry.stimuli.electrovibration.skin import Skin
 from tactometry.stimuli.electrovibration.timing import ramped
 
 
+@runtime_checkable
 class Waveform(Protocol):
     """A stimulus with ramps and frequencies, as the ones of this package."""
 
@@ -65,7 +66,7 @@ class WithOffset:
     ratio: float
 
     def __post_init__(self) -> None:
-        require.finite("WithOffset", ratio=self.ratio)
+        check_fields(self)
 
     @property
     def level_unit(self) -> LevelUnit:
@@ -86,7 +87,8 @@ class WithOffset:
         signal = self.waveform.at(level)
         constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
         peak_v = peak_voltage_v(level, self.level_unit)
-        total_v = (signal.samples + self.ratio * peak_v * constant) / (1 + abs(self.ratio))
+        share = 1 / (1 + abs(self.ratio))
+        total_v = share * signal.samples + self.ratio * share * peak_v * constant
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
@@ -94,9 +96,10 @@ class WithOffset:
         plain = self.waveform.pieces(level)
         constant = Pieces(np.zeros(1), plain.end_s, np.ones(1), np.zeros(1))
         constant = ramped_pieces(constant, self.waveform.ramp_s)
-        height_v = self.ratio * peak_voltage_v(level, self.level_unit)
-        return _sum(plain, constant.scaled(height_v)).scaled(1 / (1 + abs(self.ratio)))
+        share, peak_v = 1 / (1 + abs(self.ratio)), peak_voltage_v(level, self.level_unit)
+        return _sum(plain.scaled(share), constant.scaled(self.ratio * share * peak_v))
 
+    @checked
     def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
         """What becomes of the force of the offset, if the skin changes it in time; None if it does not.
 

@@ -68,6 +68,7 @@ def check_periodic(waveform: Repeated) -> None:
     """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
     owner = type(waveform).__name__
     require.positive(owner, frequency_hz=waveform.frequency_hz)
+    require.truth(owner, band_limited=waveform.band_limited)
     require.one_of(f"{owner}.level_unit", waveform.level_unit, ("dB re 1 V", "V"))
     check_timing(owner, waveform.duration_s, waveform.ramp_s, waveform.rate_hz)
     check_nyquist(owner, "frequency_hz", waveform.frequency_hz, waveform.rate_hz)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.sampled import strongest_hz
 from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
@@ -40,18 +41,21 @@ class PositionSensor:
         require.positive("PositionSensor", rate_hz=self.rate_hz)
         require.non_negative("PositionSensor", resolution_m=self.resolution_m, latency_s=self.latency_s)
 
+    @checked
     def reported_m(self, x_m: Real, rate_hz: float) -> Real:
         """Positions (n_samples,) that are known at the samples of a path at `rate_hz`; the first before any report.
 
         >>> PositionSensor(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
         [0.0, 0.0, 2.0, 2.0, 4.0, 4.0]
         """
+        require.positive("PositionSensor.reported_m", rate_hz=rate_hz)
         t_s = np.arange(x_m.size) / rate_hz - self.latency_s
         report_s = np.floor(t_s * self.rate_hz + 1e-9) / self.rate_hz
         known = np.interp(np.maximum(report_s, 0.0), np.arange(x_m.size) / rate_hz, x_m)
         steps = known if self.resolution_m == 0 else np.round(known / self.resolution_m) * self.resolution_m
         return np.asarray(steps, dtype=np.float64)
 
+    @checked
     def check(self, period_m: float, speed_m_per_s: float) -> None:
         """Refuse a texture whose period is not longer than two reports and two steps of resolution.
 
@@ -122,8 +126,9 @@ class PlayedTexture:
         require.positive("PlayedTexture", rate_hz=self.rate_hz, carrier_hz=self.carrier_hz)
         require.one_of("PlayedTexture.level_unit", self.level_unit, ("dB re 1 V", "V"))
         check_nyquist("PlayedTexture", "carrier_hz", self.carrier_hz, self.rate_hz)
-        path = require.finite_array("PlayedTexture.path_m", self.path_m)
-        if path.ndim != 1 or path.size == 0:
+        check_fields(self)
+        path = np.asarray(self.path_m, dtype=np.float64)
+        if path.size == 0:
             raise InvalidParameter(f"PlayedTexture.path_m: found shape {path.shape}, expected positions (n_samples,)")
         check_timing("PlayedTexture", self.duration_s, self.ramp_s, self.rate_hz)
         require.one_of("PlayedTexture.aliasing", self.aliasing, ("refuse", "allow"))
@@ -213,6 +218,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
     return None
 
 
+@checked
 def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, start_m: float = 0.0) -> tuple[float, ...]:
     """Positions of a finger at constant speed.
 
@@ -224,8 +230,13 @@ def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, sta
     return tuple((start_m + speed_m_per_s * np.arange(round(duration_s * rate_hz)) / rate_hz).tolist())
 
 
+@checked
 def lateral_modulation_n(share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike) -> Real:
     """Slow change of the friction (N) by a texture: ``mu F share`` while the finger moves, 0 at rest."""
     require.non_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
-    moving = np.asarray(speed_m_per_s, dtype=np.float64) != 0
-    return np.where(moving, coefficient * peak_force_n * np.asarray(share, dtype=np.float64), 0.0)
+    speeds, shares = np.asarray(speed_m_per_s, dtype=np.float64), np.asarray(share, dtype=np.float64)
+    if speeds.ndim and shares.ndim and speeds.shape != shares.shape:
+        raise InvalidParameter(
+            f"lateral_modulation_n.share: found shape {shares.shape}, expected that of speed_m_per_s {speeds.shape}"
+        )
+    return np.where(speeds != 0, coefficient * peak_force_n * shares, 0.0)

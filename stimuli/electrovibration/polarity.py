@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 
 Real = NDArray[np.float64]
 
@@ -38,6 +39,7 @@ class Polarity:
     def __post_init__(self) -> None:
         require.non_negative("Polarity", positive_share=self.positive_share)
 
+    @checked
     def weighted(self, force_n: Real, layer_v: Real) -> Real:
         """Forces (N) under layer voltages of the same shape."""
         return np.where(layer_v > 0, self.positive_share * force_n, force_n)

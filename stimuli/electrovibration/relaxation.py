@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 
 BLOCK = 4096
 
@@ -25,6 +27,17 @@ class Relaxations:
     rates_per_s: tuple[float, ...]
     dc_gain: float = 0.0
 
+    def __post_init__(self) -> None:
+        require.finite("Relaxations", dc_gain=self.dc_gain)
+        gains = require.finite_array("Relaxations.gains", self.gains)
+        rates = require.numbers("Relaxations.rates_per_s", self.rates_per_s)
+        if gains.ndim != 1 or gains.shape != rates.shape or not (rates >= 0).all():
+            raise InvalidParameter(
+                f"Relaxations: found the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}, expected as "
+                "many of each, rates of at least 0"
+            )
+
+    @checked
     def response(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
         """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
         f_hz = np.asarray(frequency_hz, dtype=np.float64)
@@ -34,11 +47,13 @@ class Relaxations:
         terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
         return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
 
+    @checked
     def sampled(self, voltage_v: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
         """The output at the samples, of the shape (..., n_samples) of the input, from rest.
 
         The input is linear between its samples and jumps from 0 to its first value at time 0.
         """
+        require.positive("Relaxations.sampled", rate_hz=rate_hz)
         steps_v = np.diff(voltage_v, prepend=0.0, axis=-1)
         terms = (
             gain * high_passed(steps_v, rate / rate_hz) for gain, rate in zip(self.gains, self.rates_per_s, strict=True)

@@ -41,6 +41,7 @@ class Sampled:
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
+        require.positive("Sampled", rate_hz=self.rate_hz)
         values = require.finite_array("Sampled.shape", self.shape)
         if values.ndim != 1 or values.size < 2 or not values.any():
             raise InvalidParameter(

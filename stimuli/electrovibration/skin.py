@@ -2,18 +2,17 @@
 
 from dataclasses import dataclass
 from math import inf, pi
+from types import NoneType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
 
 INSULATOR, GAP, CORNEUM = 0, 1, 2
-THINNEST_M = 1e-100
-"""Below, the square of a thickness leaves the range of numbers."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +62,7 @@ class Skin:
             corneum_permittivity=self.corneum_permittivity,
         )
         require.non_negative("Skin", gap_m=self.gap_m, body_resistance_ohm=self.body_resistance_ohm)
-        thinnest_m = min(self.insulator_thickness_m, self.corneum_thickness_m)
-        if thinnest_m < THINNEST_M:
-            raise InvalidParameter(f"Skin: found a layer of {thinnest_m} m, expected at least {THINNEST_M:g} m")
+        require.instance("Skin", (Layer, NoneType), tissue=self.tissue)
         check_resistivity("Skin.corneum_resistivity_ohm_m", self.corneum_resistivity_ohm_m)
 
     @property
@@ -94,16 +91,20 @@ class Skin:
         """Corner of the high-pass, ``1/(2 pi tau)``."""
         return 1 / (2 * pi * self.tau_s) if self.tau_s > 0 else inf
 
+    @checked
     def insulator_capacitance_f(self, area_m2: float) -> float:
         """Capacitance of insulator and gap in series."""
         return VACUUM_PERMITTIVITY_F_PER_M * area_m2 / self.insulator_equivalent_m
 
+    @checked
     def corneum_capacitance_f(self, area_m2: float) -> float:
         return VACUUM_PERMITTIVITY_F_PER_M * area_m2 / self.corneum_equivalent_m
 
+    @checked
     def corneum_resistance_ohm(self, area_m2: float) -> float:
         return self.corneum_resistivity_ohm_m * self.corneum_thickness_m / area_m2 if area_m2 > 0 else inf
 
+    @checked
     def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.complex128]:
         """Complex ratio of the corneum's voltage to the applied one, same shape as `frequency_hz`.
 
@@ -111,13 +112,14 @@ class Skin:
         """
         return self.relaxations(area_m2).response(frequency_hz)
 
+    @checked
     def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.float64]:
         """``|H|``, the modulus of `response`.
 
         >>> Skin().gain([60.0, 240.0]).round(6).tolist()
         [0.051708, 0.188118]
         """
-        return np.abs(self.response(frequency_hz, area_m2))
+        return np.asarray(np.abs(self.response(frequency_hz, area_m2)))
 
     @property
     def stack(self) -> Stack:
@@ -130,6 +132,7 @@ class Skin:
         deeper = () if self.tissue is None else (self.tissue,)
         return Stack((*layers, *deeper), self.body_resistance_ohm)
 
+    @checked
     def relaxations(self, area_m2: float) -> Relaxations:
         """Corneum voltage over applied voltage: gain k and rate 1/tau, or more poles with body and tissue."""
         return self.stack.relaxations(CORNEUM, area_m2)

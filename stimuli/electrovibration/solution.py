@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.relaxation import Relaxations, phi1, scan
 
@@ -30,6 +31,10 @@ class Solution:
     pieces: Pieces
     relaxations: Relaxations
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @checked
     def at(self, t_s: ArrayLike) -> Real:
         """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
 
@@ -44,6 +49,7 @@ class Solution:
             total += gain * self.state_at(order, t)
         return np.asarray(total, dtype=np.float64)
 
+    @checked
     def slope_at(self, t_s: ArrayLike) -> Real:
         """The time derivative of the output inside of the pieces, of the shape of `t_s`."""
         t = self._times(t_s)
@@ -53,6 +59,7 @@ class Solution:
             total += gain * (slope - rate * self.state_at(order, t))
         return np.asarray(total, dtype=np.float64)
 
+    @checked
     def state_at(self, order: int, t_s: Real) -> Real:
         """Relaxation number `order`, of gain 1, at the times."""
         rate = self._rates[order]
@@ -103,4 +110,4 @@ def voltage_slope(pieces: Pieces, t_s: Real) -> Real:
     """``dv/dt`` inside of the pieces, of the shape of `t_s`."""
     piece = pieces.index(t_s)
     omega = 2j * np.pi * pieces.frequencies_hz
-    return pieces.slopes_v_per_s[piece] + pieces.sinusoids(t_s, omega * pieces.harmonics_v[piece])
+    return np.asarray(pieces.slopes_v_per_s[piece] + pieces.sinusoids(t_s, omega * pieces.harmonics_v[piece]))

@@ -10,21 +10,24 @@ from scipy.optimize import brentq
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.require import DOMAINS
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 SMALLEST, LARGEST = 1e-300, 1e280
 
 
-SMALLEST_OHM_M = 1e-200
-"""Below, the rates of a circuit leave the range of numbers."""
+SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
 
 
 def check_resistivity(where: str, found: object) -> None:
-    """Refuse what is neither 0, nor a number from `SMALLEST_OHM_M` on, infinity included."""
-    if not (isinstance(found, int | float) and (found == 0 or SMALLEST_OHM_M <= found <= inf)):
+    """Refuse what is neither 0, nor infinite, nor a number from `SMALLEST_OHM_M` to `LARGEST_OHM_M`."""
+    number = found if isinstance(found, int | float) and not isinstance(found, bool) else -1
+    if not (number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M):
         raise InvalidParameter(
-            f"{where}: found {found!r}, expected 0 (a conductor) or a number from {SMALLEST_OHM_M:g} on (inf: lossless)"
+            f"{where}: found {found!r}, expected 0 (a conductor) or a number from {SMALLEST_OHM_M:g} "
+            f"to {LARGEST_OHM_M:g} (inf: lossless)"
         )
 
 
@@ -85,12 +88,14 @@ class Stack:
 
     def __post_init__(self) -> None:
         require.non_negative("Stack", resistance_ohm=self.resistance_ohm)
+        check_fields(self)
         if not any(layer.elastance_m2_per_f > 0 for layer in self.layers):
             raise InvalidParameter(
                 "Stack.layers: found none that can hold a voltage, expected a layer of thickness "
                 "and resistivity above 0"
             )
 
+    @checked
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
         require.non_negative("Stack", area_m2=area_m2)
@@ -104,6 +109,7 @@ class Stack:
         whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
         return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
 
+    @checked
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> NDArray[np.complex128]:
         """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
         `frequency_hz`."""

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.driven import DECAYED, Timing, check_times, nodes_of, phases
 from tactometry.stimuli.electrovibration.finger import Finger
 from tactometry.stimuli.electrovibration.force import ForceForm
@@ -44,6 +45,7 @@ class DryFriction:
 
     def __post_init__(self) -> None:
         require.non_negative("DryFriction", static=self.static, kinetic=self.kinetic)
+        check_fields(self)
         if self.static < self.kinetic:
             raise InvalidParameter(
                 f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
@@ -89,6 +91,7 @@ class StickSlip:
     event_directions: Real
 
 
+@checked
 def stick_slip(
     t_s: ArrayLike,
     pieces: Pieces,
@@ -122,8 +125,7 @@ def stick_slip(
 
     t = np.asarray(t_s, dtype=np.float64)
     require.non_negative("stick_slip", force_n=force_n)
-    if not (isinstance(n_events_max, int) and n_events_max >= 1):
-        raise InvalidParameter(f"stick_slip.n_events_max: found {n_events_max!r}, expected a whole number from 1")
+    require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
     wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
     states, events, failure, time_s = power_series.flow(
         pieces.offsets_v,

@@ -6,18 +6,20 @@ square root of it, because the force goes with the square. `played` puts it unde
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 Real = NDArray[np.float64]
 Shape = Literal["square", "sinusoidal", "sawtooth"]
 
 
+@runtime_checkable
 class Texture(Protocol):
     """A map over position."""
 
@@ -49,10 +51,12 @@ class Grating:
         require.one_of("Grating.shape", self.shape, SHAPES)
         require.fraction("Grating", duty=self.duty)
 
+    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         phase = np.mod(require.finite_array("Grating.x_m", x_m) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
+    @checked
     def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
         """Periods per second under a finger: ``v/L``."""
         require.finite("Grating", speed_m_per_s=speed_m_per_s)
@@ -87,6 +91,7 @@ class Region:
                 "edge behind the left one by at least edge_m"
             )
 
+    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         x = require.finite_array("Region.x_m", x_m)
         if self.edge_m == 0:
@@ -118,6 +123,7 @@ class Bump:
         require.one_of("Bump.height_sign", self.height_sign, SIGNS)
         require.one_of("Bump.direction", self.direction, SIGNS)
 
+    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         u = (require.finite_array("Bump.x_m", x_m) - self.centre_m) / self.width_m
         steepest = np.exp(-0.5)
@@ -156,6 +162,7 @@ class Noise:
 
     def __post_init__(self) -> None:
         require.positive("Noise", n_rms=self.n_rms)
+        check_fields(self)
         require.finite("Noise", exponent=self.exponent)
         if len(self.phases_rad) != len(self.lines_per_m) or not self.phases_rad:
             raise InvalidParameter(
@@ -165,6 +172,7 @@ class Noise:
             )
 
     @classmethod
+    @checked
     def drawn(
         cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
     ) -> "Noise":
@@ -182,6 +190,7 @@ class Noise:
         """Spatial frequencies of the texture."""
         return _lines(self.low_per_m, self.high_per_m, self.length_m)
 
+    @checked
     def height(self, x_m: ArrayLike) -> Real:
         """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
         lines = self.lines_per_m
@@ -193,6 +202,7 @@ class Noise:
         parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
         return np.asarray(np.concatenate(parts).reshape(x.shape))
 
+    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         return np.clip(0.5 + self.height(x_m) / (2 * self.n_rms), 0.0, 1.0)
 
@@ -233,10 +243,12 @@ class Image:
                 f"Image.grey: found shape {shape}, expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
                 "colour channels; convert it to grey first"
             )
-        if not isinstance(self.row, int | np.integer) or not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
+        whole = isinstance(self.row, int | np.integer) and not isinstance(self.row, bool)
+        if not whole or not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
             raise InvalidParameter(f"Image.row: found {self.row!r}, expected a row of the image (shape {shape})")
         object.__setattr__(self, "grey", _grey(self.grey))
 
+    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
         at = require.finite_array("Image.x_m", x_m) / self.pixel_m - 0.5

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
+from tactometry.stimuli.electrovibration.checked import checked
 
 Real = NDArray[np.float64]
 
@@ -44,6 +45,7 @@ class Velvet:
         require.fraction("Velvet", with_pile=self.with_pile, against_pile=self.against_pile, tuft_depth=self.tuft_depth)
         require.positive("Velvet", reversal_m=self.reversal_m, tuft_period_m=self.tuft_period_m)
 
+    @checked
     def force_share_along(self, x_m: ArrayLike) -> Real:
         """Shares (n_times,) along a path of positions (n_times,): the pile remembers where the finger came from.
 

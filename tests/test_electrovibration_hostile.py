@@ -1,0 +1,351 @@
+"""Hostile values, one argument at a time, into every public callable: a finite result, or one clear sentence."""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from inspect import getmembers, isclass, isfunction, signature
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tactometry.contact import Contact
+from tactometry.errors import TactometryError
+from tactometry.signal import Signal
+from tactometry.stimuli import electrovibration as ev
+from tactometry.stimuli.electrovibration import closed_form, contact_area, dispersion, figures
+
+NAN, INF = float("nan"), float("inf")
+HOSTILE: tuple[Any, ...] = (
+    None, "text", "", NAN, INF, -INF, -1, 0, 1e-320, -1e-320, 1e-200, 1e200, 1e308, [], [NAN], [1e308, -1e308],
+    [1.0, None], True, 1j, 10**400, -(10**30), {}, object(),
+)  # fmt: skip
+DRAWN = (None, "text", NAN, -1, 0, 1e-320, 1e308, [], [NAN], 1j)
+"""Fewer for figures, which take long."""
+
+SKIN, AREA_M2 = ev.Skin(), 1e-4
+LEAKY = ev.Layer(200e-6, 1000.0, 2e4)
+TABLE = dispersion.DispersiveLayer(200e-6, (10.0, 1000.0), (1e4, 1e2), (1e5, 1e3))
+SINE = ev.Sine(frequency_hz=60.0, duration_s=0.1)
+PIECES = SINE.pieces(40.0)
+FORM = ev.force_form("sc_layer", SKIN, AREA_M2)
+T_S = [0.0, 0.01, 0.05]
+V = [0.0, 1.0, -2.0]
+PRINTS = [ev.Print(1.0, 0.012, 0.01), ev.Print(2.0, 0.014, 0.011)]
+MOVING = {"t_s": T_S, "form": FORM, "finger": ev.Finger(), "friction": ev.CoulombFriction(), "force_n": 0.5}
+PATH_M = ev.straight_path_m(0.05, 0.02, 20e3)
+
+Call = tuple[Callable[..., Any], dict[str, Any]]
+
+CONSTRUCTORS: dict[str, Call] = {
+    "AmplitudeModulated": (ev.AmplitudeModulated, {
+        "frequency_hz": 240.0, "carrier_hz": 2e3, "duration_s": 0.1, "ramp_s": 0.0, "rate_hz": 2e4,
+        "modulation": "full", "level_unit": "V"}),
+    "Bump": (ev.Bump, {"centre_m": 0.0, "width_m": 1e-3, "height_sign": 1, "direction": -1}),
+    "Corners": (ev.Corners, {"phases": (0.0, 0.5, 0.5, 1.0), "values": (1.0, 1.0, -1.0, -1.0)}),
+    "CoulombFriction": (ev.CoulombFriction, {"coefficient": 0.5, "load_exponent": -0.1}),
+    "DispersiveLayer": (ev.DispersiveLayer, {
+        "thickness_m": 1e-4, "frequencies_hz": (1.0, 2.0), "permittivities": (2.0, 1.0),
+        "resistivities_ohm_m": (2.0, 1.0)}),
+    "DryFriction": (ev.DryFriction, {"static": 0.6, "kinetic": 0.5, "gated": True}),
+    "ElectrovibrationSensation": (ev.ElectrovibrationSensation, {
+        "skin": SKIN, "law": "interface", "area": ev.PowerLawArea(), "friction": ev.CoulombFriction(),
+        "lag": ev.FrictionLag(), "reference_force_n": 1e-5, "criterion": "fraction", "polarity": ev.Polarity(0.5)}),
+    "Finger": (ev.Finger, {"mass_kg": 1e-3, "stiffness_n_per_m": 200.0, "damping_n_s_per_m": 0.05}),
+    "ForceForm": (ev.ForceForm, {"relaxations": FORM.relaxations, "newton_per_v2": 1e-5}),
+    "FrictionLag": (ev.FrictionLag, {"slope_hz_per_m_per_s": 1e4, "intercept_hz": 1.0, "floor_hz": 100.0}),
+    "Grating": (ev.Grating, {"period_m": 1e-3, "shape": "square", "duty": 0.5}),
+    "Image": (ev.Image, {"grey": np.array([0.0, 0.5]), "pixel_m": 1e-3, "row": 0}),
+    "Layer": (ev.Layer, {"thickness_m": 1e-6, "permittivity": 2.0, "resistivity_ohm_m": 1e6}),
+    "Noise": (ev.Noise, {
+        "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "phases_rad": (1.0, 2.0, 3.0), "exponent": -1.0,
+        "n_rms": 3.0}),
+    "Pieces": (ev.Pieces, {
+        "starts_s": np.array([0.0, 1.0]), "end_s": 2.0, "offsets_v": np.ones(2), "slopes_v_per_s": np.ones(2),
+        "frequencies_hz": np.array([1.0]), "amplitudes_v": np.ones((2, 1))}),
+    "PlayedTexture": (ev.PlayedTexture, {
+        "texture": ev.Grating(1e-3), "path_m": PATH_M, "rate_hz": 2e4, "carrier_hz": 2e3,
+        "sensor": ev.PositionSensor(), "aliasing": "refuse", "ramp_s": 0.0, "level_unit": "V"}),
+    "Polarity": (ev.Polarity, {"positive_share": 0.5}),
+    "PositionSensor": (ev.PositionSensor, {"rate_hz": 1e3, "resolution_m": 1e-5, "latency_s": 0.01}),
+    "PowerLawArea": (ev.PowerLawArea, {"area_at_1n_m2": 1e-4, "exponent": 0.3}),
+    "Print": (ev.Print, {"force_n": 1.0, "length_m": 0.01, "width_m": 0.01}),
+    "PulseTrain": (ev.PulseTrain, {
+        "frequency_hz": 60.0, "width_s": 1e-3, "duration_s": 0.1, "ramp_s": 0.0, "rate_hz": 2e4,
+        "polarity": "biphasic", "band_limited": False, "level_unit": "V"}),
+    "Region": (ev.Region, {"left_m": 0.0, "right_m": 1.0, "edge_m": 0.1}),
+    "Relaxations": (ev.Relaxations, {"gains": (0.5,), "rates_per_s": (100.0,), "dc_gain": 0.0}),
+    "Sampled": (ev.Sampled, {"shape": (0.0, 1.0, -1.0, 0.0), "rate_hz": 1e3, "ramp_s": 0.0, "level_unit": "V"}),
+    "Sine": (ev.Sine, {
+        "frequency_hz": 60.0, "duration_s": 0.1, "ramp_s": 0.0, "rate_hz": 2e4, "phase_rad": 1.0, "level_unit": "V"}),
+    "Skin": (ev.Skin, {
+        "insulator_thickness_m": 1e-6, "insulator_permittivity": 3.9, "corneum_thickness_m": 2e-4,
+        "corneum_permittivity": 1e3, "corneum_resistivity_ohm_m": 2e4, "gap_m": 1e-6, "body_resistance_ohm": 1e3,
+        "tissue": ev.Layer(5e-3, 1e4, 2.0)}),
+    "Solution": (ev.Solution, {"pieces": PIECES, "relaxations": FORM.relaxations}),
+    "Square": (ev.Square, {
+        "frequency_hz": 60.0, "duration_s": 0.1, "ramp_s": 0.0, "rate_hz": 2e4, "duty": 0.5, "band_limited": False,
+        "level_unit": "V"}),
+    "Stack": (ev.Stack, {"layers": (LEAKY, ev.Layer(1e-6)), "resistance_ohm": 1e3}),
+    "Step": (ev.Step, {
+        "onset_s": 0.01, "rise_s": 0.0, "fall_s": 0.0, "duration_s": 0.1, "rate_hz": 2e4, "level_unit": "V"}),
+    "TableArea": (ev.TableArea, {"forces_n": (1.0, 2.0), "areas_m2": (1e-4, 2e-4)}),
+    "Trapezoid": (ev.Trapezoid, {
+        "rise_s": 1e-3, "high_s": 1e-3, "fall_s": 1e-3, "low_s": 1e-3, "low_ratio": -1.0, "duration_s": 0.1,
+        "ramp_s": 0.0, "rate_hz": 2e4, "band_limited": False, "level_unit": "V"}),
+    "Travel": (ev.Travel, {"speed_m_per_s": 0.05, "acceleration_m_per_s2": 0.1, "stretch_m": 1e-4}),
+    "Triangle": (ev.Triangle, {
+        "frequency_hz": 60.0, "duration_s": 0.1, "ramp_s": 0.0, "rate_hz": 2e4, "band_limited": True,
+        "level_unit": "V"}),
+    "Velvet": (ev.Velvet, {
+        "with_pile": 0.3, "against_pile": 0.9, "reversal_m": 2e-3, "tuft_period_m": 1e-3, "tuft_depth": 0.3}),
+    "WithOffset": (ev.WithOffset, {"waveform": SINE, "ratio": 0.5}),
+}  # fmt: skip
+
+SAMPLED = {"voltage_v": V, "rate_hz": 1e4, "skin": SKIN, "area_m2": AREA_M2}
+AT = {"t_s": T_S, "pieces": PIECES, "skin": SKIN, "area_m2": AREA_M2}
+DISPERSED = {"layers": (LEAKY, TABLE), "resistance_ohm": 1.0, "area_m2": AREA_M2}
+
+FUNCTIONS: dict[str, Call] = {
+    "area_of_prints": (ev.area_of_prints, {"prints": PRINTS}),
+    "power_law_of_prints": (ev.power_law_of_prints, {"prints": PRINTS}),
+    "ellipse_area_m2": (ev.ellipse_area_m2, {"length_m": 0.01, "width_m": [0.01]}),
+    "charge_c": (ev.charge_c, SAMPLED),
+    "current_a": (ev.current_a, SAMPLED),
+    "charge_c_at": (ev.charge_c_at, AT),
+    "current_a_at": (ev.current_a_at, AT),
+    "electrostatic_force_n": (ev.electrostatic_force_n, {
+        **SAMPLED, "law": "sc_layer", "polarity": ev.Polarity(0.5)}),
+    "electrostatic_force_n_at": (ev.electrostatic_force_n_at, {
+        **AT, "law": "sc_layer", "polarity": ev.Polarity(0.5)}),
+    "force_form": (ev.force_form, {"law": "interface", "skin": SKIN, "area_m2": AREA_M2}),
+    "lagged_friction_n": (ev.lagged_friction_n, {
+        "t_s": T_S, "pieces": PIECES, "form": FORM, "lag": ev.FrictionLag(), "friction": ev.CoulombFriction(),
+        "force_n": 0.5, "speed_m_per_s": 0.05}),
+    "lateral_modulation_n": (ev.lateral_modulation_n, {
+        "share": [0.5, 1.0], "peak_force_n": 0.1, "coefficient": 0.5, "speed_m_per_s": [0.0, 0.1]}),
+    "level_db_re_1v": (ev.level_db_re_1v, {"voltage_v": 10.0}),
+    "peak_voltage_v": (ev.peak_voltage_v, {"level": 10.0, "unit": "V"}),
+    "sliding": (ev.sliding, {"pieces": PIECES, **MOVING}),
+    "sliding_many": (ev.sliding_many, {"stimuli": [PIECES, SINE.pieces(20.0)], **MOVING}),
+    "stick_slip": (ev.stick_slip, {
+        "pieces": PIECES, **MOVING, "friction": ev.DryFriction(), "travel": ev.Travel(), "n_events_max": 1000}),
+    "straight": (ev.straight, {"times_s": [0.0, 1.0, 1.0], "values_v": [0.0, 1.0, 2.0]}),
+    "straight_path_m": (ev.straight_path_m, {
+        "speed_m_per_s": 0.1, "duration_s": 0.1, "rate_hz": 1e3, "start_m": 0.1}),
+    "step_voltage_v": (closed_form.step_voltage_v, {"t_s": T_S, "voltage_v": 100.0, "skin": SKIN}),
+    "step_impulse_n_s": (closed_form.step_impulse_n_s, {"voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
+    "rise_peak_v": (closed_form.rise_peak_v, {"rise_s": T_S, "voltage_v": 100.0, "skin": SKIN}),
+    "sine_voltage_v": (closed_form.sine_voltage_v, {
+        "t_s": T_S, "frequency_hz": 60.0, "voltage_v": 100.0, "skin": SKIN}),
+    "sine_mean_force_n": (closed_form.sine_mean_force_n, {
+        "frequency_hz": [60.0], "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
+    "square_edge_v": (closed_form.square_edge_v, {"frequency_hz": [60.0], "voltage_v": 100.0, "skin": SKIN}),
+    "square_mean_force_n": (closed_form.square_mean_force_n, {
+        "frequency_hz": [60.0], "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
+    "square_harmonic_force_n": (closed_form.square_harmonic_force_n, {
+        "n_harmonic": [1, 2], "frequency_hz": 60.0, "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
+    "properties_of": (dispersion.properties_of, {"layer": TABLE, "f_hz": np.array([60.0])}),
+    "shares": (dispersion.shares, {"frequency_hz": [0.0, 60.0], **DISPERSED}),
+    "periodic_force_n": (ev.periodic_force_n, {
+        "voltage_v": V, "rate_hz": 1e3, "insulator": ev.Layer(1e-6), "corneum": TABLE, "deeper": (LEAKY,),
+        "resistance_ohm": 1.0, "area_m2": AREA_M2, "law": "interface"}),
+    "periodic_voltages_v": (dispersion.periodic_voltages_v, {"voltage_v": V, "rate_hz": 1e3, **DISPERSED}),
+}  # fmt: skip
+
+STACK = CONSTRUCTORS["Stack"][0](**CONSTRUCTORS["Stack"][1])
+CORNERS = ev.Square(frequency_hz=60.0).corners
+MODEL = ev.ElectrovibrationSensation()
+
+METHODS: dict[str, Call] = {
+    "Corners.at": (CORNERS.at, {"phase": [0.5, 9.0]}),
+    "Corners.pieces": (CORNERS.pieces, {"frequency_hz": 60.0, "duration_s": 0.1}),
+    "Corners.harmonics": (CORNERS.harmonics, {"n": [1, 2]}),
+    "Corners.band_limited": (CORNERS.band_limited, {"phase": np.array([0.1, 0.5]), "n_highest": 5}),
+    "CoulombFriction.coefficient_at": (ev.CoulombFriction(0.5, -0.1).coefficient_at, {"force_n": 1.0}),
+    "CoulombFriction.modulation_n": (ev.CoulombFriction().modulation_n, {"electrostatic_n": [1.0], "force_n": 1.0}),
+    "DispersiveLayer.properties": (TABLE.properties, {"frequency_hz": [0.0, 60.0]}),
+    "ElectrovibrationSensation.sensation_db": (MODEL.sensation_db, {
+        "signal": SINE.at(40.0), "contact": Contact(force_n=1.0, speed_m_per_s=0.05)}),
+    "Finger.at_speed": (ev.Finger.at_speed, {"speed_m_per_s": 0.05}),
+    "ForceForm.force_n": (FORM.force_n, {"layer_v": np.array(V), "polarity": ev.Polarity(0.5)}),
+    "FrictionLag.cutoff_hz": (ev.FrictionLag().cutoff_hz, {"speed_m_per_s": 0.05}),
+    "FrictionLag.gain": (ev.FrictionLag().gain, {"frequency_hz": [60.0], "speed_m_per_s": 0.05}),
+    "Grating.force_share": (ev.Grating(1e-3).force_share, {"x_m": [0.1]}),
+    "Grating.temporal_frequency_hz": (ev.Grating(1e-3).temporal_frequency_hz, {"speed_m_per_s": 0.1}),
+    "Region.force_share": (ev.Region(0.0, 1.0).force_share, {"x_m": [0.1]}),
+    "Bump.force_share": (ev.Bump(0.0, 1e-3).force_share, {"x_m": [0.1]}),
+    "Noise.force_share": (ev.Noise(100.0, 110.0, 0.1, (1.0, 2.0)).force_share, {"x_m": [0.1]}),
+    "Noise.height": (ev.Noise(100.0, 110.0, 0.1, (1.0, 2.0)).height, {"x_m": [0.1]}),
+    "Noise.drawn": (ev.Noise.drawn, {
+        "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "rng": np.random.default_rng(0), "exponent": 1.0}),
+    "Image.force_share": (ev.Image(np.ones(3), 1e-3).force_share, {"x_m": [0.1]}),
+    "Velvet.force_share_along": (ev.Velvet().force_share_along, {"x_m": [0.0, 0.1]}),
+    "Pieces.index": (PIECES.index, {"t_s": T_S}),
+    "Pieces.at": (PIECES.at, {"t_s": T_S}),
+    "Pieces.value_in": (PIECES.value_in, {"piece": np.array([0]), "t_s": np.array([0.1])}),
+    "Pieces.sinusoids": (PIECES.sinusoids, {"t_s": np.array([0.1]), "amplitudes": PIECES.harmonics_v[:1]}),
+    "Pieces.scaled": (PIECES.scaled, {"factor": 2.0}),
+    "Pieces.split_at": (PIECES.split_at, {"times_s": [0.01]}),
+    "PlayedTexture.at": (ev.PlayedTexture(ev.Grating(1e-3), PATH_M).at, {"level": 20.0}),
+    "Polarity.weighted": (ev.Polarity(0.5).weighted, {"force_n": np.array([1.0]), "layer_v": np.array([1.0])}),
+    "PositionSensor.reported_m": (ev.PositionSensor().reported_m, {"x_m": np.array([0.0, 0.1]), "rate_hz": 1e3}),
+    "PositionSensor.check": (ev.PositionSensor().check, {"period_m": 1e-3, "speed_m_per_s": 0.1}),
+    "PowerLawArea.area_m2": (ev.PowerLawArea().area_m2, {"force_n": [1.0]}),
+    "TableArea.area_m2": (ev.TableArea((1.0,), (1e-4,)).area_m2, {"force_n": [1.0]}),
+    "Relaxations.response": (FORM.relaxations.response, {"frequency_hz": [60.0]}),
+    "Relaxations.sampled": (FORM.relaxations.sampled, {"voltage_v": np.array(V), "rate_hz": 1e3}),
+    "Skin.insulator_capacitance_f": (SKIN.insulator_capacitance_f, {"area_m2": AREA_M2}),
+    "Skin.corneum_capacitance_f": (SKIN.corneum_capacitance_f, {"area_m2": AREA_M2}),
+    "Skin.corneum_resistance_ohm": (SKIN.corneum_resistance_ohm, {"area_m2": AREA_M2}),
+    "Skin.response": (SKIN.response, {"frequency_hz": [60.0], "area_m2": AREA_M2}),
+    "Skin.gain": (SKIN.gain, {"frequency_hz": [60.0], "area_m2": AREA_M2}),
+    "Skin.relaxations": (SKIN.relaxations, {"area_m2": AREA_M2}),
+    "Solution.at": (ev.Solution(PIECES, FORM.relaxations).at, {"t_s": T_S}),
+    "Solution.slope_at": (ev.Solution(PIECES, FORM.relaxations).slope_at, {"t_s": T_S}),
+    "Solution.state_at": (ev.Solution(PIECES, FORM.relaxations).state_at, {"order": 0, "t_s": np.array(T_S)}),
+    "Stack.relaxations": (STACK.relaxations, {"index": 0, "area_m2": AREA_M2}),
+    "Stack.response": (STACK.response, {"frequency_hz": [60.0], "index": 0, "area_m2": AREA_M2}),
+    "WithOffset.remark": (ev.WithOffset(SINE, 0.5).remark, {"skin": SKIN, "law": "sc_layer", "area_m2": AREA_M2}),
+}  # fmt: skip
+for _name in ("AmplitudeModulated", "PulseTrain", "Sampled", "Sine", "Square", "Step", "Trapezoid", "Triangle",
+              "WithOffset"):  # fmt: skip
+    _stimulus = CONSTRUCTORS[_name][0](**CONSTRUCTORS[_name][1])
+    METHODS |= {f"{_name}.{verb}": (getattr(_stimulus, verb), {"level": 20.0}) for verb in ("at", "pieces")}
+
+FIGURES: dict[str, Call] = {
+    "input_against_position": (figures.input_against_position, {
+        "textures": {"grating": ev.Grating(1e-3)}, "length_m": 0.01, "speed_m_per_s": 0.05, "carrier_hz": 100.0,
+        "voltage_v": 100.0}),
+    "force_against_area": (figures.force_against_area, {
+        "voltage_v": 100.0, "skin": SKIN, "laws": ("interface",), "largest_m2": 1e-4}),
+    "skin_properties": (figures.skin_properties, {"layers": {"table": TABLE}}),
+    "force_for_inputs": (figures.force_for_inputs, {
+        "areas_m2": (1e-4,), "skin": SKIN, "law": "interface", "level": 40.0, "inputs": {"sine": PIECES}}),
+    "applied_forces": (figures.applied_forces, {"forces_n": {"a": [1.0, 2.0]}}),
+    "contact_ellipse": (figures.contact_ellipse, {"prints": PRINTS}),
+}  # fmt: skip
+
+CALLS = CONSTRUCTORS | FUNCTIONS | METHODS
+RESULTS = {ev.Motion, ev.StickSlip}
+"""What calls return; nobody makes one."""
+PROTOCOLS = {ev.ContactArea, ev.Texture}
+UNBOUNDED = {
+    "cutoff_hz", "corneum_resistance_ohm", "Skin.corneum_resistance_ohm", "rate_per_s", "rates_per_s",
+    "resistivity_ohm_m", "corneum_resistivity_ohm_m", "tau_s", "ElectrovibrationSensation.sensation_db",
+}  # fmt: skip
+"""What is infinite by definition: a conductor's corner and rate, a lossless skin's resistivity, silence in decibel."""
+
+
+def spoilt(value: Any, hostile: tuple[Any, ...]) -> Iterator[Any]:
+    """Hostile values for an argument; for an array or a mapping, with one of its elements replaced, too."""
+    yield from hostile
+    if isinstance(value, list | tuple) and value:
+        yield from (type(value)((bad, *value[1:])) for bad in hostile)
+    if isinstance(value, dict):
+        yield from ({**value, next(iter(value)): bad} for bad in hostile)
+
+
+def numbers(found: Any, where: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Every number in a result, its fields and its properties, with the name of what holds it."""
+    if isinstance(found, int | float | complex | np.ndarray | np.generic) and not isinstance(found, np.void):
+        yield where, found
+    elif isinstance(found, Signal):
+        yield where, found.samples
+    elif isinstance(found, tuple | list):
+        for one in found:
+            yield from numbers(one, where, depth)
+    elif is_dataclass(found) and depth < 2:
+        names = [field.name for field in fields(found)]
+        names += [name for name, _ in getmembers(type(found), lambda one: isinstance(one, property))]
+        for name in names:
+            yield from numbers(getattr(found, name), name, depth + 1)
+
+
+def check_finite(found: Any, where: str) -> None:
+    for name, value in numbers(found, where):
+        array = np.asarray(value)
+        if array.dtype.kind not in "iufcb":
+            continue
+        assert not np.isnan(array).any(), f"{name} is NaN"
+        assert name in UNBOUNDED or np.isfinite(array).all(), f"{name} is infinite"
+
+
+def check_sentence(message: str) -> None:
+    assert "found" in message
+    assert "expected" in message
+    assert "\n" not in message
+    assert len(message) < 600
+
+
+def complaint(name: str, call: Callable[..., Any], arguments: dict[str, Any]) -> str | None:
+    """What is wrong with the answer to hostile arguments; None if nothing is."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_finite(call(**arguments), name)
+    except TactometryError as refusal:
+        try:
+            check_sentence(str(refusal))
+        except AssertionError:
+            return f"unclear: {str(refusal)[:200]}"
+    except (Exception, Warning) as raw:
+        return f"{type(raw).__name__}: {str(raw)[:150]}"
+    return None
+
+
+def complaints(name: str, call: Callable[..., Any], valid: dict[str, Any], hostile: tuple[Any, ...]) -> list[str]:
+    found = []
+    for argument, value in valid.items():
+        for bad in spoilt(value, hostile):
+            wrong = complaint(name, call, {**valid, argument: bad})
+            found += [f"{name}({argument}={bad!s:.40}): {wrong}"] if wrong else []
+    return found
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_hostile_value_gives_a_finite_result_or_one_sentence(name: str) -> None:
+    call, valid = CALLS[name]
+    check_finite(call(**valid), name)
+    assert complaints(name, call, valid, HOSTILE) == []
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_of_a_hostile_value_is_refused_or_drawn(name: str) -> None:
+    call, valid = FIGURES[name]
+    assert complaints(name, call, valid, DRAWN) == []
+
+
+def public_functions(module: ModuleType) -> set[str]:
+    own = (name for name, one in getmembers(module, isfunction) if one.__module__ == module.__name__)
+    return {name for name in own if not name.startswith("_")}
+
+
+def public_methods(cls: type) -> set[str]:
+    own = ((name, getattr(cls, name)) for name in dir(cls) if not name.startswith("_"))
+    return {
+        f"{cls.__name__}.{name}"
+        for name, one in own
+        if (callable(one) and len(signature(one).parameters) > 1) or isinstance(cls.__dict__.get(name), classmethod)
+    }
+
+
+def test_every_public_callable_is_in_the_sweep() -> None:
+    public = {name: getattr(ev, name) for name in ev.__all__}
+    classes = {name for name, one in public.items() if isclass(one)} - {one.__name__ for one in RESULTS | PROTOCOLS}
+    functions = {name for name, one in public.items() if isfunction(one)}
+    modules = [public_functions(module) for module in (closed_form, contact_area, dispersion)]
+    assert classes <= set(CONSTRUCTORS)
+    assert functions.union(*modules) <= set(FUNCTIONS)
+    assert public_functions(figures) == set(FIGURES)
+    assert set().union(*(public_methods(public[name]) for name in classes)) <= set(METHODS)
+
+
+def test_every_argument_is_in_the_sweep() -> None:
+    missing = [
+        f"{name}({argument})"
+        for name, (call, valid) in (CALLS | FIGURES).items()
+        for argument in set(signature(call).parameters) - set(valid)
+    ]
+    assert missing == []
