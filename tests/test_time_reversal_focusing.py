@@ -32,7 +32,7 @@ from tactometry.stimuli.time_reversal.spectrum import (
     inaudible,
     through,
 )
-from tactometry.stimuli.time_reversal.transducer import PointForce, border
+from tactometry.stimuli.time_reversal.transducer import PointForce
 
 FOCUS = (0.12, 0.09)
 F_MAX_HZ = 25e3
@@ -107,19 +107,6 @@ def test_p_foci_share_the_amplitude_as_one_over_root_p():
     alone = np.mean([focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(8)])
     together = np.mean(focus_amplitudes(drive(h, 30.0), h))
     assert together / alone == pytest.approx(1 / math.sqrt(8), rel=0.07)
-
-
-def test_analogue_amplitude_grows_with_reversal_as_theory_says(learnt):
-    """1 - exp(-T/tau) for 1 bit and 1 - exp(-2T/tau) for analogue at a fixed gain."""
-    screen = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(3e-3))
-    places = [FOCUS, (0.07, 0.05), (0.2, 0.14), (0.15, 0.06)]
-    h = impulse_responses(screen, places, rate_hz=150e3, duration_s=24e-3, f_max_hz=60e3)
-    for t in (1.5e-3, 3e-3, 6e-3):
-        n = round(t * 150e3)
-        one_bit = np.abs(h.samples[:, :, :n]).sum() / np.abs(h.samples).sum()
-        analogue = (h.samples[:, :, :n] ** 2).sum() / (h.samples**2).sum()
-        assert one_bit == pytest.approx((1 - math.exp(-t / 3e-3)) / (1 - math.exp(-8)), abs=0.02)
-        assert analogue == pytest.approx(1 - math.exp(-2 * t / 3e-3), abs=0.02)
 
 
 def test_window_multiplies_the_learnt_response(learnt):

@@ -1,6 +1,7 @@
 """Measured responses: files, alignment, checks, tau, material constants; inverse filter and interpolation."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -192,12 +193,15 @@ def record_of(tau_s: float, n_taus: float, floor_db: float, rng) -> Responses:
 
 
 def test_interval_of_tau_holds_the_truth_in_short_records_and_above_floors():
+    """A fifth of the cases, never the same two times; all in the soak."""
     from scipy.stats import binom
 
     rng = np.random.default_rng()
     cases = [
         (tau, n, db) for tau in (1e-3, 3.5e-3, 20e-3) for n in (2, 4, 10) for db in (-math.inf, -60.0, -45.0, -30.0)
     ]
+    if os.environ.get("TACTOMETRY_SOAK") != "1":
+        cases = cases[rng.integers(5) :: 5]
     found = [(tau, tau_estimate(record_of(tau, n, db, rng))) for tau, n, db in cases]
     held = sum(estimate.low < tau < estimate.high for tau, estimate in found)
     assert held >= binom.ppf(1e-4, len(cases), 0.95)

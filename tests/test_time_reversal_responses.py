@@ -13,6 +13,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.load import Receptances
 from tactometry.stimuli.time_reversal.modes import laplacians, values
 from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
@@ -108,27 +109,27 @@ def test_energy_balance_of_an_impulse():
 
 
 def test_parseval_between_the_time_and_the_frequency_solution():
-    """The integral of h^2 over time is that of |H|^2 over frequency, H = sum phi phi / (M (w^2 - W^2 +
-    2iW/tau)).
-    """
+    """The integral of h^2 over time is that of |H|^2 over frequency: oscillators against receptances, to 1e-11."""
     from scipy.integrate import quad
 
     plate, f_max = A4_SCREEN, 500.0
     screen = point_screen(plate, (0.06, 0.05), tau_s=2e-2)
-    modes = screen.modes(f_max)
-    weight = values(modes, 0.06, 0.05)[:, 0] * values(modes, 0.2, 0.1)[:, 0] / plate.mass_kg
-    omega = modes.angular_frequency_rad_per_s
+    oscillators = screen.oscillators(f_max)
+    to, of = (values(screen.modes(f_max), *place) for place in ((0.2, 0.1), (0.06, 0.05)))
 
-    def power(frequency: float) -> float:
-        w = 2 * math.pi * frequency
-        return float(abs(np.sum(weight / (omega**2 - w**2 + 2j * w / 2e-2))) ** 2)
+    def power(frequency_hz: float) -> float:
+        receptances = Receptances.of(oscillators, plate.mass_kg, np.array([2j * math.pi * frequency_hz]))
+        return float(abs(receptances.between(to, of)[0, 0, 0]) ** 2)
 
-    inside = quad(power, 0, 2e3, points=list(modes.frequency_hz), limit=2000, epsabs=0, epsrel=1e-11)[0]
-    outside = sum(quad(power, f, 10 * f, epsabs=0, epsrel=1e-9)[0] for f in (2e3, 2e4))
-    rate = 200e3
-    timing = {"rate_hz": rate, "duration_s": 0.5, "f_max_hz": f_max}
-    h = impulse_responses(screen, [(0.2, 0.1)], **timing).samples[0, 0] * rate
-    assert np.sum(h**2) / rate == pytest.approx(2 * (inside + outside), rel=1e-6)
+    peaks_hz = list(screen.modes(f_max).frequency_hz)
+    inside = quad(power, 0, 2e3, points=peaks_hz, limit=2000, epsabs=0, epsrel=1e-12)[0]
+    outside = quad(power, 2e3, math.inf, epsabs=0, epsrel=1e-12)[0]
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    edges = np.linspace(0, 0.4, 401)
+    half = (edges[1] - edges[0]) / 2
+    times = (((edges[1:] + edges[:-1]) / 2)[:, None] + half * nodes).ravel()
+    h = (to * of)[:, 0] @ oscillators.impulse_at(times) / plate.mass_kg
+    assert h**2 @ np.tile(weights * half, 400) == pytest.approx(2 * (inside + outside), rel=1e-11)
 
 
 def test_no_loss_never_decays():
