@@ -25,8 +25,12 @@ class Chances(Protocol):
         """Sum over cells of weight times the sum over outcomes of p log p, (n_levels,)."""
         ...
 
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        """log P(outcome) at the candidate of this index, (n_cells,), where a table holds it."""
+        ...
+
     def prepare(self) -> None:
-        """Compute now what `certainty` needs, so that no trial waits for it."""
+        """Compute now what `certainty` and `log_chance` need, so that no trial waits for it."""
         ...
 
 
@@ -82,6 +86,10 @@ class DenseChances:
         for chances in self.table:
             cost += p_log_p(chances.reshape(cost.shape))
         return cost
+
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        del index, outcome
+        return None
 
     def prepare(self) -> None:
         _ = self.cost

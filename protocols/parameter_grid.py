@@ -153,23 +153,40 @@ class MixtureChances:
         return np.stack([weights.reshape(by_threshold).sum(axis=1)[:, None] - yes, yes]).transpose(0, 2, 1)
 
     @cached_property
-    def costs(self) -> Array:
-        """Sum over answers of p log p, (n_thresholds, n_levels, n_rest).
+    def steps(self) -> Array | None:
+        """All distances from the highest level's to the lowest one's, where levels and thresholds have equal steps.
 
-        Where levels and thresholds have equal steps it depends on their distance only: the blocks of neighbouring
-        thresholds are then views of one table (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
+        A chance then depends on the distance only, and blocks of neighbouring thresholds are views of one table
+        (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
         """
-        n_rest = self.grid.size[1]
-        distances = self.grid.distances(self.levels)
-        diagonal = _diagonal(distances)
-        if diagonal is None:
-            return np.stack([self.grid.certainty(column).reshape(-1, n_rest) for column in distances.T])
-        table = np.stack([self.grid.certainty(distance).ravel() for distance in diagonal])
+        return _diagonal(self.grid.distances(self.levels))
+
+    @cached_property
+    def log_tables(self) -> tuple[Array, Array] | None:
+        """log P of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
+        if self.steps is None:
+            return None
+        no, yes = (self.grid.log_chances(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))
+        return no, yes
+
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        if self.log_tables is None:
+            return None
+        first = len(self.levels) - 1 - index
+        return self.log_tables[outcome][first : first + len(self.grid.thresholds)].ravel()
+
+    @cached_property
+    def costs(self) -> Array:
+        """Sum over answers of p log p, (n_thresholds, n_levels, n_rest)."""
+        if self.steps is None:
+            distances = self.grid.distances(self.levels)
+            return np.stack([self.grid.certainty(column).reshape(-1, self.grid.size[1]) for column in distances.T])
+        table = self.grid.certainty(self.steps[::-1]).reshape(len(self.steps), -1)
         windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
         return windows.transpose(0, 2, 1)[::-1]
 
     def prepare(self) -> None:
-        _ = self.costs, self.sigmoid
+        _ = self.costs, self.sigmoid, self.log_tables
 
     def certainty(self, weights: Array) -> Array:
         by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
@@ -181,11 +198,11 @@ class MixtureChances:
 
 
 def _diagonal(distances: Array) -> Array | None:
-    """The distances from the last threshold's lowest to the first one's highest level, if they are equal along every
-    diagonal of (n_levels, n_thresholds)."""
-    along = np.concatenate([distances[0, ::-1], distances[1:, 0]])
+    """The distances from the last level's of the first threshold to the first level's of the last one, if they are
+    equal along every diagonal of (n_levels, n_thresholds)."""
+    along = np.concatenate([distances[::-1, 0], distances[0, 1:]])
     n_levels, n_thresholds = distances.shape
-    expected = along[np.arange(n_levels)[:, None] + np.arange(n_thresholds - 1, -1, -1)]
+    expected = along[np.arange(n_levels - 1, -1, -1)[:, None] + np.arange(n_thresholds)]
     if not np.isfinite(distances).all():
         return None
     return along if np.abs(distances - expected).max() <= EQUAL * (1 + np.abs(distances).max()) else None

@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 HIGHEST = 1 + 1e-9
 """How much the weight of an end must pass all others to count as the highest."""
 
+LOWEST = -1e300
+"""For log 0 in a product with 0."""
+
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
@@ -36,7 +39,14 @@ class Posterior:
         shifted = log_weights - highest
         weights = np.exp(shifted)
         total = float(weights.sum())
-        return cls(shifted - math.log(total), weights / total)
+        shifted -= math.log(total)
+        weights /= total
+        return cls(shifted, weights)
+
+    @property
+    def entropy(self) -> float:
+        """Nat; a weight of zero adds nothing."""
+        return -float(self.weights @ np.maximum(self.log_weights, LOWEST))
 
     def after(self, log_chances: Array) -> Self | None:
         """After an answer with these log chances, (n_cells,); None if no cell allows it."""

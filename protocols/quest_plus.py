@@ -81,7 +81,7 @@ class QuestPlus:
         object.__setattr__(self, "chances", self.grid.chances(self.levels))
         if self.aim == "parameters" and self.criterion == "entropy":
             self._chances.prepare()
-        _ = self.level  # the first trial does not wait for it either
+        _ = self.level, self._log_chance(self.levels[0], 0)  # the first trial does not wait for them either
 
     def _check(self) -> None:
         if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
@@ -157,9 +157,7 @@ class QuestPlus:
         spread = _sum_p_log_p(joint.sum(axis=2))
         if self.aim == "threshold":
             return np.asarray(spread - _sum_p_log_p(joint).sum(axis=1), dtype=np.float64)
-        weights = self._state.weights
-        certain = np.where(weights > 0, self._state.log_weights, 0.0)
-        return spread - self._chances.certainty(weights) - float(weights @ certain)
+        return spread - self._chances.certainty(self._state.weights) + self._state.entropy
 
     def _variance(self) -> Array:
         """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
@@ -240,7 +238,7 @@ class QuestPlus:
         outcome = checked_outcome(response, self.grid.n_outcomes, "QuestPlus")
         refuse_finished(finished=self.finished, procedure="QuestPlus")
         level = finite_level(self.level if delivered is None else delivered, "QuestPlus")
-        state = self._state.after(self.grid.log_chance(level, outcome))
+        state = self._state.after(self._log_chance(level, outcome))
         return replace(
             self,
             responses=(*self.responses, outcome),
@@ -248,6 +246,10 @@ class QuestPlus:
             state=state or self.state,
             contradicted=state is None,
         )
+
+    def _log_chance(self, level: float, outcome: int) -> Array:
+        tabled = self._chances.log_chance(self.levels.index(level), outcome) if level in self.levels else None
+        return self.grid.log_chance(level, outcome) if tabled is None else tabled
 
 
 def _sum_p_log_p(chances: Array) -> Array:

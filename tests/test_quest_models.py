@@ -63,6 +63,15 @@ def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
     np.testing.assert_allclose(GRID.chances(levels).certainty(weights), expected, rtol=1e-10)
 
 
+@pytest.mark.parametrize("levels", [LEVELS, tuple(np.linspace(0, 40, 21)), (0.0, 3.0, 3.5, 20.0)])
+@pytest.mark.parametrize("outcome", [0, 1])
+def test_an_answer_at_a_candidate_counts_as_the_model_says(levels, outcome):
+    rule = QuestPlus(levels, GRID)
+    for level in levels:
+        expected = np.exp(GRID.log_chance(level, outcome)).reshape(GRID.size)
+        np.testing.assert_allclose(rule.after(outcome, level).posterior, expected / expected.sum(), rtol=1e-11)
+
+
 @pytest.mark.parametrize("aim", ["parameters", "threshold"])
 @pytest.mark.parametrize("criterion", ["entropy", "variance"])
 @given(answers=st.lists(st.tuples(st.integers(0, 2), st.floats(-2, 12)), max_size=12))

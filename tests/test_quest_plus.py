@@ -158,25 +158,6 @@ def test_it_stops_at_the_spread_that_is_asked_for():
     assert rule.threshold_sd <= 1.5
 
 
-def test_placing_for_the_threshold_beats_placing_for_all_parameters():
-    """With width and lapse rate unknown, in 2AFC; the ratio was 2.6 in trials at 160 trials (peers, 3.5)."""
-    rng = np.random.default_rng()
-    errors = {
-        aim: np.array([error_of(small(aim, n_trials=80), rng) for _ in range(60)])
-        for aim in ("parameters", "threshold")
-    }
-    squares = {aim: e**2 for aim, e in errors.items()}
-    spread = math.sqrt(sum(np.var(s) / len(s) for s in squares.values()))
-    assert squares["threshold"].mean() - squares["parameters"].mean() < 3.72 * spread
-
-
-def error_of(rule, rng):
-    truth = rng.uniform(12, 28)
-    while not rule.finished:
-        rule = rule.after(bool(rng.random() < 0.5 + 0.48 * norm.cdf((rule.level - truth) / 2.4)))
-    return (rule.threshold if rule.threshold is not None else 20.0) - truth
-
-
 @pytest.mark.parametrize(
     ("build", "message"),
     [
