@@ -150,9 +150,17 @@ def model_sentences(model: MixedModel) -> list[str]:
     return [
         *terms,
         f"standard deviation between participants {sds[0]:.2f}, residual {sds[1]:.2f} ({model.n} values of "
-        f"{model.n_participants} participants)",
+        f"{model.n_participants} participants{_censored(model.n_censored)})",
         *model.notes,
     ]
+
+
+def _censored(n: int) -> str:
+    """
+    >>> _censored(0), _censored(2)
+    ('', '; 2 of them bounds of censored thresholds, by maximum likelihood')
+    """
+    return f"; {n} of them bounds of censored thresholds, by maximum likelihood" if n else ""
 
 
 def alpha_sentences(found: pd.DataFrame, factors: Sequence[str]) -> list[str]:

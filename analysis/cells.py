@@ -19,6 +19,7 @@ SHAPE = "normal"
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
 """The just noticeable difference over the standard deviation of the normal function: 0.6745."""
+DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
 UNIT = "level_unit"
 
 
@@ -220,6 +221,5 @@ def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, obj
 
 def _difference(fit: ThresholdFit) -> dict[str, float | None]:
     names = {"jnd": fit.width, "jnd_low": fit.width_low, "jnd_high": fit.width_high}
-    scale = JND_PER_SD / SHAPES[SHAPE].z_width
-    scaled = {name: None if width is None else width * scale for name, width in names.items()}
+    scaled = {name: None if width is None else width * DIFFERENCE_PER_WIDTH for name, width in names.items()}
     return {"pse": fit.threshold, **scaled}

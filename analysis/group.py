@@ -77,19 +77,19 @@ def _bounded(part: pd.DataFrame, known: "pd.Series[float]", n_below: int, n_abov
 
 def _text(row: dict[str, object], n: int) -> str:
     if row["mean"] is not None:
-        ends = "" if row["sd"] is None else f" [{_plain(row['mean_low'])}, {_plain(row['mean_high'])}]"
+        ends = "" if row["sd"] is None else f" [{number_text(row['mean_low'])}, {number_text(row['mean_high'])}]"
         lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
-        return f"{_plain(row['mean'])}{ends} (n = {row['n']}{lost})"
+        return f"{number_text(row['mean'])}{ends} (n = {row['n']}{lost})"
     if row["n_below"] and row["n_above"]:
         return f"{row['n_below']} below, {row['n_above']} above the levels, of {n}"
     if row["n_below"]:
-        return f"< {_plain(row['mean_high'])} ({row['n_below']} of {n} below the levels)"
+        return f"< {number_text(row['mean_high'])} ({row['n_below']} of {n} below the levels)"
     if row["n_above"]:
-        return f"> {_plain(row['mean_low'])} ({row['n_above']} of {n} above the levels)"
+        return f"> {number_text(row['mean_low'])} ({row['n_above']} of {n} above the levels)"
     return f"none ({n} missing)"
 
 
-def _plain(value: object) -> str:
+def number_text(value: object) -> str:
     """One decimal place, or three digits where that would hide the number."""
     assert isinstance(value, float)
     return f"{value:.1f}" if value == 0 or 0.05 <= abs(value) < 1e6 else f"{value:.3g}"

@@ -183,7 +183,7 @@ def _merged(better: NDArray[np.bool_], there: Inner, here: Inner) -> Inner:
 
 def log_marginal(model: MixedModel, parameters: Array, inner: Inner) -> tuple[float, Array]:
     """Laplace's log marginal likelihood (plus the log prior), and its gradient."""
-    d, beta_shared = inner.loads.shape[2], model.n_fixed + model.n_shared
+    d = inner.loads.shape[2]
     bends = [_bend(model, inner, axis) for axis in range(d + model.n_shared)]
     first, hessian = inner.at.gradient[..., :d], inner.at.hessian[..., :d, :d]
     w = model.curvature(inner.points)
@@ -208,9 +208,15 @@ def log_marginal(model: MixedModel, parameters: Array, inner: Inner) -> tuple[fl
     )
     sign, log_determinant = np.linalg.slogdet(precision)
     value = float((inner.value - 0.5 * log_determinant).sum()) if (sign > 0).all() else ILL
+    return with_prior(model, parameters, value, gradient)
+
+
+def with_prior(model: MixedModel, parameters: Array, value: float, gradient: Array) -> tuple[float, Array]:
+    """A log marginal and its gradient, plus those of the log prior; `ILL` for what is no number."""
+    n = model.n_fixed + model.n_shared
     if model.log_prior is not None:
-        extra, slope = model.log_prior(parameters[:beta_shared])
-        value, gradient[:beta_shared] = value + extra, gradient[:beta_shared] + slope
+        extra, slope = model.log_prior(parameters[:n])
+        value, gradient = value + extra, np.concatenate([gradient[:n] + slope, gradient[n:]])
     return (value if np.isfinite(value) else ILL), gradient
 
 
@@ -221,25 +227,31 @@ def _bend(model: MixedModel, inner: Inner, axis: int) -> Array:
     return np.asarray((up - down) / (2 * DIFFERENCE))
 
 
+Marginal = Callable[[MixedModel, Array, Inner], tuple[float, Array]]
+
+
 class _Objective:
     """The negative of the log marginal; each call starts from the random effects of the one before."""
 
-    def __init__(self, model: MixedModel) -> None:
-        self._model = model
+    def __init__(self, model: MixedModel, marginal: Marginal) -> None:
+        self._model, self._marginal = model, marginal
         self.effects: Array | None = None
 
     def __call__(self, parameters: Array) -> tuple[float, Array]:
         inner = inner_mode(self._model, parameters, self.effects)
-        value, gradient = log_marginal(self._model, parameters, inner)
+        value, gradient = self._marginal(self._model, parameters, inner)
         if value <= ILL or not np.isfinite(gradient).all():
             return -ILL, np.zeros(len(parameters))
         self.effects = inner.effects
         return -value, -gradient
 
 
-def maximise(model: MixedModel, start: Array) -> MixedFit:
-    """Quasi-Newton steps (BFGS, from the start's inverse Hessian), then Newton's, from `start` (n_parameters,)."""
-    objective = _Objective(model)
+def maximise(model: MixedModel, start: Array, marginal: Marginal = log_marginal) -> MixedFit:
+    """Quasi-Newton steps (BFGS, from the start's inverse Hessian), then Newton's, from `start` (n_parameters,).
+
+    `marginal` gives the log marginal likelihood and its gradient at parameters and their inner mode.
+    """
+    objective = _Objective(model, marginal)
     with np.errstate(all="ignore"):
         parameters, hessian = start, _hessian(objective, start)
         for _ in range(MAX_RESTARTS):

@@ -43,7 +43,8 @@ class MixedModel:
 
     `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
     and interaction its F. `participant_variance` and `residual_variance` in the unit of the dependent value, squared;
-    `log_likelihood` is the restricted one. `notes` say what a reader must know.
+    `log_likelihood` is the restricted one (of `censored_model` the unrestricted). `notes` say what a reader must know;
+    `n_censored` of the `n` values are known by a bound only.
     """
 
     coefficients: pd.DataFrame
@@ -55,6 +56,7 @@ class MixedModel:
     n_participants: int
     status: ModelStatus
     notes: tuple[str, ...]
+    n_censored: int = 0
 
 
 def mixed_model(
@@ -109,8 +111,8 @@ def mixed_model(
     estimates, covariance = fit.estimates * scale, fit.covariance * scale**2
     estimates[0] += y.mean()
     return MixedModel(
-        coefficients=_coefficients(matrix.names, estimates, covariance, df, interval),
-        terms=_terms(matrix, estimates, covariance, df),
+        coefficients=coefficient_table(matrix.names, estimates, covariance, df, interval),
+        terms=term_table(matrix, estimates, covariance, df),
         participant_variance=fit.participant_variance * scale**2,
         residual_variance=fit.residual_variance * scale**2,
         log_likelihood=fit.log_likelihood - (len(y) - len(estimates)) * float(np.log(scale)),
@@ -251,7 +253,9 @@ def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
     return _Fit(estimates, residual * inverse @ inverse.T, ratio * residual, residual, float(log_likelihood), status)
 
 
-def _coefficients(names: Sequence[str], estimates: Array, covariance: Array, df: int, interval: float) -> pd.DataFrame:
+def coefficient_table(
+    names: Sequence[str], estimates: Array, covariance: Array, df: int, interval: float
+) -> pd.DataFrame:
     se = np.sqrt(np.diagonal(covariance))
     t = estimates / se
     half = student.ppf((1 + interval) / 2, df) * se
@@ -269,7 +273,7 @@ def _coefficients(names: Sequence[str], estimates: Array, covariance: Array, df:
     )
 
 
-def _terms(matrix: DesignMatrix, estimates: Array, covariance: Array, df: int) -> pd.DataFrame:
+def term_table(matrix: DesignMatrix, estimates: Array, covariance: Array, df: int) -> pd.DataFrame:
     """Wald's F of each term, at the base of the others."""
     rows = []
     for name, places in matrix.terms.items():

@@ -10,9 +10,11 @@ import pandas as pd
 from tactometry.analysis import apa, group
 from tactometry.analysis.anova import MAX_FACTORS, permutation_test, repeated_measures
 from tactometry.analysis.assumptions import checks
+from tactometry.analysis.censored_model import censored_model
 from tactometry.analysis.complete import largest_complete
 from tactometry.analysis.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.labels import condition_name
 from tactometry.analysis.mixed_model import MixedModel, mixed_model
 from tactometry.analysis.post_hoc import pairs
 from tactometry.analysis.status import Status
@@ -155,34 +157,50 @@ def _with_variance(found: Outcome, table: pd.DataFrame, within: Sequence[str], b
 
 def _with_model(found: Outcome, varied: Sequence[str], forces: pd.DataFrame | None) -> Outcome:
     """A mixed model of all values: with the measured force instead of its target where it was measured, else where the
-    analysis of variance left something out."""
-    known = found.estimates[found.estimates[found.dependent].notna()]
+    analysis of variance left something out. A censored value counts as what it is, a bound."""
     by_force = forces is not None and FORCE in varied
     lost = any("left out" in note for note in found.notes)
-    if not varied or not (by_force or lost) or known.empty:
+    data, notes = _usable(found, varied)
+    if not varied or not (by_force or lost) or not data[found.dependent].notna().any():
         return found
-    data, covariates = _with_force(known, forces, varied) if by_force and forces is not None else (known, [])
+    data, covariates = _with_force(data, forces, varied) if by_force and forces is not None else (data, [])
     factors = [name for name in varied if not (covariates and name == FORCE)]
     title = " * ".join([*factors, *covariates]) + ", participants at random"
+    given: Any = {"dependent": found.dependent, "factors": factors, "covariates": covariates, "subject": "participant"}
     try:
-        model = mixed_model(
-            data, dependent=found.dependent, factors=factors, covariates=covariates, subject="participant"
-        )
+        if data[found.dependent].notna().all():
+            model = mixed_model(data, **given)
+        else:
+            model = censored_model(data, low="interval_low", high="interval_high", **given)
     except InvalidParameter as refusal:
-        return replace(found, notes=(*found.notes, f"no mixed model: {refusal}"))
-    return replace(found, model=model, model_title=title, notes=(*found.notes, *_censored_note(found)))
+        return replace(found, notes=(*found.notes, *notes, f"no mixed model: {refusal}"))
+    return replace(found, model=model, model_title=title, notes=(*found.notes, *notes, *_censored_note(model)))
 
 
-def _with_force(known: pd.DataFrame, forces: pd.DataFrame, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
+def _usable(found: Outcome, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
+    """The values that are known or censored, and a note for each condition without a single one that is known: its
+    mean has no end on one side."""
+    table = found.estimates
+    known = table[found.dependent].notna()
+    if found.dependent not in group.BOUNDED or not varied:
+        return table[known], []
+    has_one = known.groupby([table[name] for name in varied]).transform("any")
+    censored = table["status"].isin([Status.BELOW.value, Status.ABOVE.value]) & has_one
+    lost = table.loc[~has_one, list(varied)].drop_duplicates().itertuples(index=False, name=None)
+    names = "; ".join(condition_name(varied, key) for key in lost)
+    note = f"the mixed model leaves out: {names}, where no participant has a threshold"
+    return table[known | censored], [note] if names else []
+
+
+def _with_force(data: pd.DataFrame, forces: pd.DataFrame, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
     keys = ["participant", *varied]
     own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
-    data = known.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
+    data = data.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
     return data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))}), [MEASURED]
 
 
-def _censored_note(found: Outcome) -> list[str]:
-    n = int(found.estimates["status"].isin([Status.BELOW.value, Status.ABOVE.value]).sum())
-    if not n or found.dependent not in group.BOUNDED:
+def _censored_note(model: MixedModel) -> list[str]:
+    if not model.n_censored:
         return []
-    thresholds = "1 censored threshold" if n == 1 else f"{n} censored thresholds"
-    return [f"the mixed model leaves {thresholds} out, as if missing at random: its estimates lean to the known ones"]
+    thresholds = "1 censored threshold" if model.n_censored == 1 else f"{model.n_censored} censored thresholds"
+    return [f"the mixed model counts {thresholds} as what is known: below or above their bound"]

@@ -14,6 +14,7 @@ from tactometry.analysis.outcomes import Outcome, outcome
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings, ratings
 from tactometry.analysis.table import Trials, read_trials
+from tactometry.analysis.together import Together, together
 from tactometry.analysis.tracks import tracks
 from tactometry.errors import InvalidFile, InvalidParameter
 
@@ -39,6 +40,7 @@ class Analysis:
     tables: Mapping[str, pd.DataFrame]
     warnings: tuple[str, ...]
     methods: str
+    together: tuple[Together, ...] = ()
     forms: tuple[Ratings, ...] = ()
     plan: Plan = field(default_factory=Plan)
     report: Path | None = None
@@ -56,6 +58,7 @@ class Analysis:
             "warnings": list(self.warnings),
             "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
             "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
+            "hierarchical": [_plain_together(each, self.unit) for each in self.together],
             "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
             "loss": words.plain_rows(self.tables.get("loss", pd.DataFrame())),
             "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
@@ -76,6 +79,17 @@ def _plain_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
         "sentences": list(outcome.sentences),
         "statistics": outcome.all_sentences(unit),
         "notes": list(outcome.notes),
+    }
+
+
+def _plain_together(each: Together, unit: str) -> dict[str, object]:
+    return {
+        "task": each.task,
+        "status": None if each.fit is None else each.fit.status.value,
+        "conditions": words.plain_rows(each.conditions),
+        "participants": words.plain_rows(each.participants),
+        "components": {} if each.fit is None else dict(each.fit.components),
+        "sentences": each.sentences(unit),
     }
 
 
@@ -148,19 +162,25 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         if len(table) and (table["task"] == task).any()
         for dependent in dependents
     )
+    by_task = [[cell for cell in found if cell.task == task] for task in OUTCOMES if plan.hierarchical]
+    fits = tuple(
+        fit for part in by_task if part and (fit := together(part, trials.factors, n_choices, unit)) is not None
+    )
     quality = group.quality(everything)
     return Analysis(
         trials=trials,
         unit=unit,
         estimates=tuple(estimates),
         outcomes=outcomes,
+        together=fits,
         forms=forms,
         plan=plan,
         tables=_tables(table, outcomes, found, trials, quality)
+        | _together_tables(fits)
         | _other_tables(forms, forces, trials.factors, excluded)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
-        methods=words.methods(table, n_choices, forms, plan),
+        methods=words.methods(table, n_choices, forms, plan, is_hierarchical=any(each.fit for each in fits)),
     )
 
 
@@ -173,6 +193,10 @@ def _other_tables(
     if forces is not None:
         found |= {"force_participants": forces, "force": force_table(forces, factors)}
     return found | ({"excluded": excluded} if len(excluded) else {})
+
+
+def _together_tables(fits: Sequence[Together]) -> dict[str, pd.DataFrame]:
+    return {name: table for each in fits for name, table in each.tables(each.task).items()}
 
 
 def _tables(

@@ -14,7 +14,7 @@ from tactometry.strict import build
 @dataclass(frozen=True)
 class Plan:
     """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
-    threshold; `equivalence`).
+    threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once.
 
     Raises
     ------
@@ -27,6 +27,7 @@ class Plan:
 
     exclusion: Exclusion = field(default_factory=Exclusion)
     equivalence: dict[str, float] = field(default_factory=dict)
+    hierarchical: bool = True
 
     def __post_init__(self) -> None:
         for name, bound in self.equivalence.items():

@@ -9,10 +9,12 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis import words
+from tactometry.analysis.group import cross_table
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.printing import print_pdf
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.report_figures import NAMES, Figure, Place, figures_of
+from tactometry.analysis.together import Together
 from tactometry.errors import DeviceFailed, InvalidParameter
 
 
@@ -93,7 +95,11 @@ def render(found: Analysis) -> str:
         excluded=_grid(tables["excluded"]) if "excluded" in tables else None,
         quality=_grid(tables["quality"]),
         thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
-        references=words.references(tables.get("thresholds", pd.DataFrame()), found.plan),
+        together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
+        shrunken={each.task: _grid(each.participants) for each in found.together},
+        references=words.references(
+            tables.get("thresholds", pd.DataFrame()), found.plan, is_hierarchical=any(t.fit for t in found.together)
+        ),
         notes=list(dict.fromkeys(note for outcome in found.outcomes for note in outcome.notes)),
     )
 
@@ -110,9 +116,13 @@ def _title(found: Analysis) -> str:
 
 
 def _cross(found: Analysis, name: str) -> pd.DataFrame:
-    from tactometry.analysis.group import cross_table
-
     return cross_table(found.tables[name], found.trials.factors)
+
+
+def _cross_grid(each: Together, found: Analysis) -> Grid | None:
+    if each.fit is None:
+        return None
+    return _grid(cross_table(each.conditions, each.fit.factors))
 
 
 def _summary_grid(form: Ratings) -> Grid:

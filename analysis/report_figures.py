@@ -14,6 +14,7 @@ from tactometry.analysis.patterns import THESIS
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.ratings import REFERENCE, Ratings
 from tactometry.analysis.style import Drawing
+from tactometry.analysis.together import Together
 
 NAMES = {
     "threshold": "Detection threshold",
@@ -28,6 +29,7 @@ class Place(StrEnum):
     """The section of the page."""
 
     OUTCOME = "outcome"
+    TOGETHER = "together"
     FORM = "form"
     LOSS = "loss"
     FORCE = "force"
@@ -57,6 +59,7 @@ def figures_of(found: Analysis) -> list[Figure]:
     """Every figure of the report."""
     several = len({outcome.task for outcome in found.outcomes}) > 1
     drawn = [_outcome_figure(found, outcome, several=several) for outcome in found.outcomes]
+    drawn += [_together_figure(found, each) for each in found.together if each.fit is not None]
     for form in found.forms:
         drawn += _form_figures(form)
     if "loss" in found.tables:
@@ -90,6 +93,24 @@ def _loss_figure(found: Analysis) -> Figure:
     over = "participants" if own["n"].max() > 1 else "readings"
     text = f"Loss of amplitude: means with 95 % t-intervals over {over}."
     return Figure("loss", loss.loss_figure(own, found.trials.factors), text, "loss", Place.LOSS)
+
+
+def _together_figure(found: Analysis, each: Together) -> Figure:
+    name = NAMES["pse" if each.task == "comparison" else "threshold"]
+    factors = [factor for factor in found.trials.factors if factor in each.conditions.columns]
+    columns = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
+    drawing = group.threshold_figure(
+        each.conditions.rename(columns=columns),
+        factors,
+        label=f"{name} ({found.unit})" if found.unit else name,
+        individuals=each.participants,
+        dependent="threshold",
+    )
+    text = (
+        f"{name}: the hierarchical model's means with 95 % intervals; faint dots are participants, drawn to the group."
+    )
+    stem = f"hierarchical_{each.task}"
+    return Figure(stem, drawing, text, stem, Place.TOGETHER, each.task)
 
 
 def _force_figure(found: Analysis) -> Figure:

@@ -28,6 +28,14 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
                 *outcome.sentences,
             ),
         )
+    for each in found.together:
+        if each.fit is not None:
+            cross = cross_table(each.conditions, each.fit.factors)
+            title = "point of subjective equality" if each.task == "comparison" else "threshold"
+            yield (
+                text_table(cross, f"all participants at once: {title} (mean, 95 % interval)"),
+                each.sentences(found.unit),
+            )
     for form in found.forms:
         compared = next(iter(form.sentences().values())) if form.crossed is not None else []
         yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared

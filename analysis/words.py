@@ -131,7 +131,14 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
 CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (in decibels; Weibull of the amplitude)"}
 
 
+HIERARCHICAL = (
+    "All participants were also fitted at once by a hierarchical psychometric model (thresholds and logarithms of the "
+    "width with normal effects of participants, rates the same for all; maximum likelihood by Laplace's approximation; "
+    "compare Moscatelli, Mezzetti & Lacquaniti 2012)."
+)
 REFERENCES = {
+    "hierarchical": "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
+    "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
     "fits": "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
     "estimation of psychometric functions for (potentially) overdispersed data. Vision Research, 122, 105-123.",
     "anova": "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
@@ -147,9 +154,17 @@ REFERENCES = {
 }
 
 
-def methods(table: pd.DataFrame, n_choices: int, forms: Sequence[Ratings] = (), plan: Plan | None = None) -> str:
+def methods(
+    table: pd.DataFrame,
+    n_choices: int,
+    forms: Sequence[Ratings] = (),
+    plan: Plan | None = None,
+    *,
+    is_hierarchical: bool = False,
+) -> str:
     """A paragraph for the methods section, with versions."""
-    parts = [*_fit_methods(table, n_choices), *_plan_methods(plan or Plan())]
+    parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
+    parts += _plan_methods(plan or Plan())
     if len(table) or forms:
         parts.append(
             "Means over participants are given with t-intervals; a condition in which a threshold is censored is given "
@@ -164,9 +179,10 @@ def methods(table: pd.DataFrame, n_choices: int, forms: Sequence[Ratings] = (), 
     return " ".join(parts)
 
 
-def references(table: pd.DataFrame, plan: Plan | None = None) -> list[str]:
+def references(table: pd.DataFrame, plan: Plan | None = None, *, is_hierarchical: bool = False) -> list[str]:
     """The works that the methods paragraph names."""
     left_out = set() if plan is not None and plan.equivalence else {"tost"}
+    left_out |= set() if is_hierarchical else {"hierarchical"}
     left_out |= set() if len(table) else {"fits"}
     return sorted(text for name, text in REFERENCES.items() if name not in left_out)
 

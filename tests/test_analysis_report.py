@@ -142,11 +142,25 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
     assert re.fullmatch(r"> \d+\.\d \(4 of 4 above the levels\)", first["text"])
     assert outcome.notes == (
         "the analysis of variance uses the largest complete sub-design; left out: frequency_hz = 60",
-        "the mixed model leaves 4 censored thresholds out, as if missing at random: its estimates lean to the known "
-        "ones",
+        "the mixed model leaves out: 60 Hz, where no participant has a threshold",
     )
-    assert outcome.model.n == 8
+    assert (outcome.model.n, outcome.model.n_censored) == (8, 0)
     assert any("4 of 12 cells have a threshold above their levels" in warning for warning in found.warnings)
+
+
+def test_censored_thresholds_are_bounds_in_the_mixed_model(tmp_path) -> None:
+    rng = np.random.default_rng()
+    truth = DATA.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
+    truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
+    file = DATA.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    outcome = analyse(file).outcomes[0]
+    assert (outcome.model.n, outcome.model.n_censored) == (12, 2)
+    assert (
+        outcome.notes[-1] == "the mixed model counts 2 censored thresholds as what is known: below or above their bound"
+    )
+    known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
+    slope = outcome.model.coefficients.set_index("term")["estimate"]["frequency_hz = 480"]
+    assert slope > known[480] - known[240] + 1.0
 
 
 def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd.DataFrame:

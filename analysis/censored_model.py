@@ -1,0 +1,262 @@
+"""Linear mixed models of values of which some are known to lie below, above or between bounds only.
+
+A known value contributes its density, a censored one the chance of its interval (Tobin 1958, Econometrica 26, 24-36;
+with random effects Pettitt 1986, Biometrika 73, 635-643). The random intercept is integrated over by adaptive
+Gauss-Hermite quadrature, from Laplace's approximation, which is exact where nothing is censored.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.special import log_ndtr
+
+from tactometry.analysis.counts import Array, Bools
+from tactometry.analysis.glmm import clustered
+from tactometry.analysis.laplace import MixedFit, maximise
+from tactometry.analysis.laplace import MixedModel as Clusters
+from tactometry.analysis.likelihood import Expansion
+from tactometry.analysis.mixed_model import (
+    ALIKE,
+    DesignMatrix,
+    MixedModel,
+    ModelStatus,
+    checked_rows,
+    coefficient_table,
+    design_matrix,
+    term_table,
+)
+from tactometry.analysis.quadrature import maximise_by_quadrature
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.psychometric import log1mexp
+
+N_NODES = 31
+NARROW = 1e-6
+"""An interval narrower than this part of the values' spread is a value."""
+ZERO_SD = 1e-3
+WIDEST_SE = 100.0
+"""A coefficient of a larger standard error, in standard deviations of the values, has no finite maximum."""
+LARGEST_STEP = 0.02
+"""In standard errors: what the gradient that is left may still ask for."""
+LOG_ROOT_TWO_PI = 0.5 * float(np.log(2 * np.pi))
+
+
+def censored_model(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    low: str,
+    high: str,
+    factors: Sequence[str] = (),
+    covariates: Sequence[str] = (),
+    subject: str,
+    interactions: bool = True,
+    interval: float = 0.95,
+) -> MixedModel:
+    """A linear mixed model with a random intercept per participant, of values that may be censored.
+
+    Parameters
+    ----------
+    dependent : str
+        Its column; missing where the value is censored.
+    low, high : str
+        Columns of bounds, read where the value is missing; a missing bound is infinite.
+    factors, covariates, subject, interactions, interval
+        As for `mixed_model`.
+
+    Raises
+    ------
+    InvalidParameter
+        As `mixed_model`; for a row without value and bounds or with crossed ones, and where no finite coefficients
+        explain the censored values best (as if all values of a condition lie below).
+
+    Notes
+    -----
+    Maximum likelihood; the variances and squared standard errors are multiplied by n / (n - 1) for n participants,
+    which makes them those of the restricted likelihood in a balanced design without covariates where nothing is
+    censored. Censoring may depend on the value itself, which a model of the known values alone does not allow.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = censored_model(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    ...     factors=["force_n"], subject="who")
+    >>> found.n_censored, found.coefficients["estimate"].round(2).tolist()
+    (1, [2.5, 1.5, 3.52])
+    """
+    ends = _ends(table, dependent, low, high)
+    data = checked_rows(table.assign(**{dependent: _middle(ends)}), dependent, factors, covariates, subject)
+    matrix = design_matrix(data, factors, covariates, interactions=interactions, base={})
+    centre, scale = float(data[dependent].mean()), float(data[dependent].std(ddof=0)) or 1.0
+    groups, names = pd.factorize(data[subject])
+    model = _Censored.of((ends - centre) / scale, matrix.x, groups)
+    found = model.fitted()
+    _refuse_endless(found, matrix)
+    return _told(found, matrix, len(names), model.n_censored, (centre, scale, interval))
+
+
+def _ends(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
+    """The interval (row, 2) of each value; both ends meet where it is known."""
+    y, bottom, top = (_numbers(table, name) for name in (dependent, low, high))
+    known = ~np.isnan(y)
+    bottom, top = (np.where(known, y, np.where(np.isnan(b), e, b)) for b, e in ((bottom, -np.inf), (top, np.inf)))
+    bad = ~((bottom <= top) & (np.isfinite(bottom) | np.isfinite(top)))
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        raise InvalidParameter(
+            f"{dependent}, row {row}: found the bounds {bottom[row]:g} and {top[row]:g}, expected a value, or a bound "
+            "below or above it, in this order; leave the row out"
+        )
+    return np.stack([bottom, top], axis=1)
+
+
+def _numbers(table: pd.DataFrame, name: str) -> Array:
+    """A column with NaN where it is empty."""
+    known = [str(column) for column in table.columns]
+    if name not in known:
+        raise InvalidParameter(f"censored_model: found no column {name!r}{nearest(name, known)}")
+    found = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    bad = np.isinf(found) | (np.isnan(found) & table[name].notna().to_numpy())
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a finite number or nothing")
+    return found
+
+
+def _middle(ends: Array) -> Array:
+    """Of an interval, or its one end."""
+    low, high = np.where(np.isfinite(ends), ends, ends[:, ::-1]).T
+    return np.asarray(low + (high - low) / 2)
+
+
+@dataclass(frozen=True)
+class _Censored:
+    """Intervals laid out as (participant, slot), 0 to 0 where a slot is not `used`; a value where both ends meet."""
+
+    low: Array
+    high: Array
+    used: Bools
+    x: Array
+
+    @classmethod
+    def of(cls, ends: Array, x: Array, groups: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> "_Censored":
+        narrow = ends[:, 1] - ends[:, 0] < NARROW
+        ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
+        laid, used = clustered(groups, np.column_stack([ends, x]), np.ones(len(x)))
+        return cls(laid[..., 0], laid[..., 1], used > 0, laid[..., 2:])
+
+    @property
+    def n_censored(self) -> int:
+        return int((self.used & (self.low < self.high)).sum())
+
+    def fitted(self) -> MixedFit:
+        fixed = self.x[:, :, None, :]
+        random = np.where(self.used, 1.0, 0.0)[:, :, None, None]
+        clusters = Clusters(self.log_likelihood, fixed, random, np.ones((1, 1, 1)), n_shared=1)
+        found = maximise(clusters, self._start())
+        return maximise_by_quadrature(clusters, found, N_NODES) if self.n_censored else found
+
+    def _start(self) -> Array:
+        """Least squares through the middles or bounds; half of the residual variance to each side."""
+        y = _middle(np.stack([self.low.ravel(), self.high.ravel()], axis=1)).reshape(self.low.shape)
+        beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
+        sd = max(float((y - self.x @ beta)[self.used].std()), 0.01) / np.sqrt(2)
+        return np.concatenate([beta, [np.log(sd), sd]])
+
+    def log_likelihood(self, points: Array) -> Expansion:
+        """At points (..., 2) of mean and log standard deviation."""
+        eta, log_sd = points[..., 0], points[..., 1]
+        parts = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
+        known, used = self.low == self.high, self.used
+        value, gradient, hessian = (
+            np.where(_like(known, exact), exact, chance) * _like(used, exact)
+            for chance, exact in zip(*([part.value, part.gradient, part.hessian] for part in parts), strict=True)
+        )
+        return Expansion(value, gradient, hessian)
+
+
+def _like(mask: Bools, values: Array) -> Bools:
+    return mask.reshape(mask.shape + (1,) * (values.ndim - mask.ndim))
+
+
+def _value(y: Array, eta: Array, log_sd: Array) -> Expansion:
+    """Log density of a known value."""
+    y = np.where(np.isfinite(y), y, 0.0)
+    inverse = np.exp(-log_sd)
+    z = (y - eta) * inverse
+    gradient = np.stack([z * inverse, z * z - 1], axis=-1)
+    mixed = -2 * z * inverse
+    return Expansion(-0.5 * z * z - log_sd - LOG_ROOT_TWO_PI, gradient, _square(-(inverse**2), mixed, -2 * z * z))
+
+
+def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
+    """Log chance of a normal value between two ends, of which one may be infinite."""
+    inverse = np.exp(-log_sd)
+    a, b = (low - eta) * inverse, (high - eta) * inverse
+    log_chance = _log_chance(a, b)
+    ratio_a, ratio_b = (np.exp(_log_density(end) - log_chance) for end in (a, b))
+    a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
+    by_a, by_b = -ratio_a, ratio_b
+    aa, ab, bb = a * ratio_a - ratio_a**2, ratio_a * ratio_b, -b * ratio_b - ratio_b**2
+    gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
+    curved = (aa + 2 * ab + bb) * inverse**2
+    mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
+    own = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
+    return Expansion(log_chance, gradient, _square(curved, mixed, own))
+
+
+def _square(first: Array, mixed: Array, second: Array) -> Array:
+    return np.stack([np.stack([first, mixed], axis=-1), np.stack([mixed, second], axis=-1)], axis=-2)
+
+
+def _log_chance(a: Array, b: Array) -> Array:
+    """log(Phi(b) - Phi(a)), in the tail that keeps its digits; of an empty interval 0."""
+    flipped = a > 0
+    low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
+    upper = log_ndtr(high)
+    with np.errstate(invalid="ignore"):
+        return np.where(high > low, upper + log1mexp(np.maximum(upper - log_ndtr(low), 1e-300)), 0.0)
+
+
+def _log_density(z: Array) -> Array:
+    return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
+
+
+def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
+    errors = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)])
+    worst = int(np.argmax(errors))
+    if not (np.isfinite(found.log_marginal) and errors[worst] <= WIDEST_SE):
+        raise InvalidParameter(
+            f"{matrix.names[worst]}: found that the likelihood has no finite maximum, expected known values that hold "
+            "each coefficient; leave the condition out in which all values are censored"
+        )
+    if found.gradient * errors[worst] > LARGEST_STEP:
+        raise InvalidParameter(
+            f"censored_model: found that the likelihood still rises (by {found.gradient:.2g} along a parameter), "
+            "expected a maximum; too few values are known for these terms"
+        )
+
+
+def _told(
+    found: MixedFit, matrix: DesignMatrix, n_participants: int, n_censored: int, units: tuple[float, float, float]
+) -> MixedModel:
+    centre, scale, interval = units
+    n, p = len(matrix.x), len(matrix.names)
+    inflation, df = n_participants / (n_participants - 1), n - p - n_participants + 1
+    estimates = found.parameters[:p] * scale
+    estimates[0] += centre
+    covariance = found.covariance[:p, :p] * scale**2 * inflation
+    residual, participant = np.exp(2 * found.parameters[p]), found.parameters[p + 1] ** 2
+    is_singular = participant < ZERO_SD**2 * residual
+    return MixedModel(
+        coefficients=coefficient_table(matrix.names, estimates, covariance, df, interval),
+        terms=term_table(matrix, estimates, covariance, df),
+        participant_variance=0.0 if is_singular else float(participant * scale**2 * inflation),
+        residual_variance=float(residual * scale**2 * inflation),
+        log_likelihood=found.log_marginal - (n - n_censored) * float(np.log(scale)),
+        n=n,
+        n_participants=n_participants,
+        status=ModelStatus.SINGULAR if is_singular else ModelStatus.OK,
+        notes=(ALIKE,) if is_singular else (),
+        n_censored=n_censored,
+    )

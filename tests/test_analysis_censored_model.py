@@ -1,0 +1,164 @@
+"""Mixed models of censored values: restricted likelihood if none is, integrals in extended precision, recovery."""
+
+import mpmath
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.optimize import approx_fprime
+
+from tactometry.analysis.censored_model import _Censored, _interval, _value, censored_model
+from tactometry.analysis.mixed_model import ModelStatus, mixed_model
+from tactometry.errors import InvalidParameter
+
+GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "who"}
+CUT = 22.0
+
+
+def study(rng, n=8, sd=2.0) -> pd.DataFrame:
+    """Three conditions about 19, 21 and 22.5."""
+    means = {0.5: 19.0, 1.0: 21.0, 2.0: 22.5}
+    own = rng.normal(0, sd, n)
+    rows = [(f"P{p}", x, m + own[p] + rng.normal(0, 0.8)) for p in range(n) for x, m in means.items()]
+    return pd.DataFrame(rows, columns=["who", "force_n", "y"]).assign(low=np.nan, high=np.nan)
+
+
+def cut(table) -> pd.DataFrame:
+    """Values above `CUT` are known to lie above it, no more."""
+    above = table["y"] > CUT
+    return table.assign(y=table["y"].where(~above), low=np.where(above, CUT, np.nan))
+
+
+def fit(table, **options):
+    return censored_model(table, **(GIVEN | {"factors": ["force_n"]} | options))
+
+
+def test_without_censored_values_it_is_the_restricted_likelihood_of_a_balanced_design() -> None:
+    table = study(np.random.default_rng())
+    found, restricted = fit(table), mixed_model(table, dependent="y", factors=["force_n"], subject="who")
+    for column in ("estimate", "se", "df", "p", "low", "high"):
+        np.testing.assert_allclose(found.coefficients[column], restricted.coefficients[column], rtol=1e-5)
+    np.testing.assert_allclose(found.terms["F"], restricted.terms["F"], rtol=1e-5)
+    assert found.residual_variance == pytest.approx(restricted.residual_variance, rel=1e-5)
+    assert found.participant_variance == pytest.approx(restricted.participant_variance, rel=1e-4, abs=1e-5)
+    assert found.n_censored == 0
+
+
+def test_without_censored_values_it_is_statsmodels_maximum_likelihood() -> None:
+    import statsmodels.formula.api as smf
+
+    table = study(np.random.default_rng()).drop(index=[2, 7, 13])
+    peer = smf.mixedlm("y ~ C(force_n)", table, groups=table["who"]).fit(reml=False, method="bfgs", gtol=1e-9)
+    found, n = fit(table), table["who"].nunique()
+    np.testing.assert_allclose(found.coefficients["estimate"], peer.fe_params, rtol=1e-5)
+    np.testing.assert_allclose(found.residual_variance * (n - 1) / n, peer.scale, rtol=1e-4)
+    np.testing.assert_allclose(found.participant_variance * (n - 1) / n, peer.cov_re.iloc[0, 0], rtol=1e-3)
+    assert found.log_likelihood == pytest.approx(peer.llf, rel=1e-8)
+
+
+def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precision() -> None:
+    table = study(np.random.default_rng(), n=3)
+    table.loc[0, ["y", "low", "high"]] = [np.nan, 17.0, 19.5]
+    table.loc[5, ["y", "low"]] = [np.nan, CUT]
+    table.loc[7, ["y", "high"]] = [np.nan, 20.0]
+    found = fit(table)
+    beta = found.coefficients["estimate"].to_numpy()
+    sd, own = (float(np.sqrt(v * 2 / 3)) for v in (found.residual_variance, found.participant_variance))
+    means = dict(zip((0.5, 1.0, 2.0), beta[0] + np.array([0.0, *beta[1:]]), strict=True))
+
+    def of_a_value(row, u):
+        mean = means[row.force_n] + own * u
+        if not np.isnan(row.y):
+            return mpmath.npdf(row.y, mean, sd)
+        low, high = (e if np.isnan(v) else v for v, e in ((row.low, -mpmath.inf), (row.high, mpmath.inf)))
+        return mpmath.ncdf((high - mean) / sd) - mpmath.ncdf((low - mean) / sd)
+
+    with mpmath.workdps(25):
+        total = mpmath.mpf(0)
+        for _, part in table.groupby("who"):
+            rows = list(part.itertuples())
+            integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(of_a_value(row, u) for row in rows)  # noqa: E731
+            total += mpmath.log(mpmath.quad(integrand, [-9, -4, -1.5, 0, 1.5, 4, 9]))
+    assert found.log_likelihood == pytest.approx(float(total), rel=1e-8)
+
+
+@pytest.mark.parametrize("ends", [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0)])
+def test_derivatives_of_a_censored_value_are_exact(ends) -> None:
+    def at(x):
+        return _interval(np.array(ends[0]), np.array(ends[1]), np.array(x[0]), np.array(x[1]))
+
+    here, x = at([0.2, -0.3]), np.array([0.2, -0.3])
+    np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: at(x).value), rtol=1e-5, atol=1e-6)
+    for i in range(2):
+        slope = approx_fprime(x, lambda x, i=i: at(x).gradient[i])
+        np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5 * np.abs(here.hessian).max())
+
+
+def test_derivatives_of_a_known_value_are_exact() -> None:
+    x = np.array([0.2, -0.3])
+    here = _value(np.array(1.1), x[0], x[1])
+    np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: _value(np.array(1.1), *x).value), rtol=1e-5)
+    for i in range(2):
+        slope = approx_fprime(x, lambda x, i=i: _value(np.array(1.1), *x).gradient[i])
+        np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5)
+
+
+def test_a_narrow_interval_is_its_value() -> None:
+    table = study(np.random.default_rng())
+    whole = fit(table)
+    some = table["who"].isin(["P1", "P2"])
+    bounds = {"y": table["y"].where(~some), "low": table["y"] - 1e-9, "high": table["y"] + 1e-9}
+    narrow = fit(table.assign(**bounds))
+    np.testing.assert_allclose(narrow.coefficients["estimate"], whole.coefficients["estimate"], rtol=1e-6)
+    assert narrow.n_censored == 0
+
+
+def test_what_lies_above_mirrors_what_lies_below_and_units_scale() -> None:
+    table = cut(study(np.random.default_rng()))
+    above = fit(table)
+    below = fit(table.assign(y=-1e-9 * table["y"], low=np.nan, high=-1e-9 * table["low"]))
+    np.testing.assert_allclose(below.coefficients["estimate"] * -1e9, above.coefficients["estimate"], rtol=1e-5)
+    np.testing.assert_allclose(below.coefficients["se"] * 1e9, above.coefficients["se"], rtol=1e-4)
+    assert below.residual_variance * 1e18 == pytest.approx(above.residual_variance, rel=1e-4)
+    assert below.n_censored == above.n_censored == table["y"].isna().sum()
+
+
+def test_means_are_recovered_where_the_known_values_alone_are_low() -> None:
+    """The mean of the third condition, of which half of the values are cut; within its standard error at 1e-4."""
+    table = cut(study(np.random.default_rng(), n=60))
+    estimate, error = fit(table).coefficients.loc[2, ["estimate", "se"]]
+    known = mixed_model(table.dropna(subset="y"), dependent="y", factors=["force_n"], subject="who")
+    assert abs(estimate - 3.5) < 4.1 * error
+    assert known.coefficients["estimate"][2] < estimate
+
+
+def test_participants_who_do_not_differ_are_a_singular_fit() -> None:
+    y = np.array([[1.0, 4.0, 2.5], [2.0, 3.0, 3.6], [3.1, 2.0, 4.0], [0.5, 2.9, 3.0]])
+    y = y - y.mean(axis=1, keepdims=True)
+    rows = [(f"P{p}", x, y[p, c]) for p in range(4) for c, x in enumerate((0.5, 1.0, 2.0))]
+    table = pd.DataFrame(rows, columns=["who", "force_n", "y"]).assign(low=np.nan, high=np.nan)
+    found = fit(table)
+    assert (found.status, found.participant_variance) == (ModelStatus.SINGULAR, 0.0)
+    assert "valid result" in found.notes[0]
+
+
+def test_refuses_what_has_no_finite_answer_and_what_is_no_number() -> None:
+    table = cut(study(np.random.default_rng()))
+    endless = table["force_n"] == 2.0
+    with pytest.raises(InvalidParameter, match=r"force_n = 2.0: found that the likelihood has no finite maximum"):
+        fit(table.assign(y=table["y"].where(~endless), low=table["low"].where(~endless, 22.0)))
+    with pytest.raises(InvalidParameter, match="y, row 0: found the bounds -inf and inf, expected a value, or a bound"):
+        fit(table.assign(y=np.nan, low=np.nan))
+    with pytest.raises(InvalidParameter, match="y, row 0: found the bounds 3 and 2"):
+        fit(table.assign(y=np.nan, low=3.0, high=2.0))
+    with pytest.raises(InvalidParameter, match="low, row 1: found few, expected a finite number or nothing"):
+        fit(table.assign(low=["", "few", *[None] * (len(table) - 2)]).assign(low=lambda t: t["low"].replace("", None)))
+    with pytest.raises(InvalidParameter, match="found no column 'lows'; did you mean 'low'"):
+        fit(table, low="lows")
+
+
+def test_slots_without_a_value_say_nothing() -> None:
+    laid = _Censored.of(np.array([[1.0, 1], [2, 3], [0, 0]]), np.ones((3, 1)), np.array([0, 0, 1]))
+    at = laid.log_likelihood(np.zeros((2, 2, 2)))
+    assert (laid.n_censored, at.value[1, 1]) == (1, 0.0)
+    assert not at.gradient[1, 1].any()
+    assert not at.hessian[1, 1].any()

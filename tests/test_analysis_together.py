@@ -1,0 +1,136 @@
+"""All participants at once, as part of an analysis: estimates, sentences, tables, and what has no such fit."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_analysis_report import DATA, SHARED
+
+from tactometry.analysis import together as module
+from tactometry.analysis.cells import Cell, cells
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.table import read_trials
+from tactometry.analysis.together import together
+
+CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> tuple[Path, dict]:
+    rng = np.random.default_rng()
+    truth = DATA.grid_of_thresholds(5, CONDITIONS, 2.0, rng)
+    path = tmp_path_factory.mktemp("together") / "trials.csv"
+    return DATA.write_study(path, truth, ["force_n"], rng=rng), truth
+
+
+@pytest.fixture(scope="module")
+def found(study, tmp_path_factory):
+    return analyse(study[0], report=tmp_path_factory.mktemp("report") / "r.html")
+
+
+def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, found) -> None:
+    (fit,) = found.together
+    errors = [
+        row.threshold - study[1][row.participant, (row.force_n,)] for row in fit.participants.itertuples(index=False)
+    ]
+    reach = fit.participants["standard_error"].max()
+    assert len(errors) == 10
+    assert np.abs(errors).max() < 5 * reach
+    own = found.tables["thresholds"]["threshold"].std()
+    assert fit.participants["threshold"].std() < 1.1 * own
+
+
+def test_the_result_says_group_effects_variances_and_rates(found) -> None:
+    summary = found.summary()["hierarchical"][0]
+    assert summary["sentences"][0].startswith("force_n: Wald's F(1, 4) = ")
+    assert summary["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
+    assert "lapse rate of all 0.0" in summary["sentences"][2]
+    assert [row["force_n"] for row in summary["conditions"]] == [0.5, 3.0]
+    assert len(summary["participants"]) == 10
+
+
+def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
+    page = found.report.read_text()
+    for text in (
+        "<h2>All participants at once</h2>",
+        "Wald&#39;s F(1, 4)",
+        "Moscatelli, A., Mezzetti",
+        "Participants (10",
+    ):
+        assert text in page
+    assert "hierarchical psychometric model" in found.methods
+    assert (found.tables_folder / "hierarchical_yes_no.csv").exists()
+    assert (found.tables_folder / "hierarchical_yes_no_participants.csv").exists()
+
+
+def test_a_plan_can_do_without_it(study) -> None:
+    without = analyse(study[0], plan=Plan(hierarchical=False))
+    assert without.together == ()
+    assert "hierarchical psychometric model" not in without.methods
+
+
+def test_equality_points_and_differences_of_real_data() -> None:
+    """Dallmann, Ernst and Moscatelli 2015: vibration raises the difference, 2.94 to 3.58 cm/s, not the equality."""
+    path = SHARED / "data" / "dallmann2015_trials.csv"
+    if not path.exists():
+        pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
+    trials = read_trials(path)
+    fit = together(cells(trials), trials.factors, 2, "cm/s")
+    by = fit.conditions.set_index("vibration_hz")
+    assert by["jnd"].to_dict() == pytest.approx({0: 2.94, 32: 3.58}, rel=0.03)
+    assert by["threshold"].to_dict() == pytest.approx({0: 8.56, 32: 8.41}, rel=0.005)
+    assert (by["jnd_low"] < by["jnd"]).all()
+    assert fit.effects["vibration_hz on the width"].p < 0.01
+    assert fit.effects["vibration_hz on the threshold"].p > 0.05
+
+
+def cell(who: str, condition: tuple = (), k=(0, 3, 7, 10), **options) -> Cell:
+    made = Cell(who, condition, "yes_no", (1.0, 2.0, 3.0, 4.0), k, (10,) * 4, 10, 1)
+    return replace(made, **options)
+
+
+def test_one_participant_has_none() -> None:
+    assert together([cell("A")], [], 2, "") is None
+
+
+def test_a_study_without_factors_has_one_condition() -> None:
+    fit = together([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
+    assert fit.conditions["condition"].tolist() == ["all"]
+    assert fit.effects == {}
+
+
+def test_a_factor_between_participants_is_not_tested() -> None:
+    found = together(
+        [cell("A", ("x",)), cell("B", ("x",), k=(1, 4, 8, 10)), cell("C", ("y",)), cell("D", ("y",), k=(1, 4, 9, 10))],
+        ["hand"],
+        2,
+        "",
+    )
+    assert found.effects == {}
+    assert "no test of effects: hand does not vary within participants" in found.sentences("")[-1]
+
+
+def test_forced_choices_guess_at_their_chance() -> None:
+    fit = together([cell(who, task="forced_choice", k=(3, 5, 8, 10)) for who in "ABC"], [], 4, "")
+    assert fit.fit.guess_rate == 0.25
+
+
+@pytest.mark.parametrize(
+    ("found", "note"),
+    [
+        ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant tells a threshold"),
+        ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial with a level"),
+    ],
+)
+def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
+    told = together(found, [], 2, "")
+    assert told.fit is None
+    assert told.sentences("")[0].startswith(note)
+    assert told.tables("yes_no") == {}
+
+
+def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
+    monkeypatch.setattr(module, "MOST_CELLS", 2)
+    assert together([cell(who) for who in "ABC"], [], 2, "").note.startswith("no hierarchical fit: 3 cells, at most 2")
