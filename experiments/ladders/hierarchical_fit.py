@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from tactometry.analysis.hierarchical_table import Layout
-from tactometry.analysis.laplace import MixedModel
+from tactometry.analysis.laplace import MixedModel, inner_mode
 from tactometry.analysis.quadrature import log_marginal_by_quadrature
 from tactometry.analysis.threshold_model import mixed_model
 from tactometry.experiments.ladders.problem import Problem, Rung
@@ -46,7 +46,8 @@ def _model() -> MixedModel:
 
 
 def _log_likelihood(model: MixedModel, n_nodes: int) -> float:
-    return log_marginal_by_quadrature(model, np.array(GROUP), n_nodes)
+    group = np.array(GROUP)
+    return log_marginal_by_quadrature(model, group, inner_mode(model, group), n_nodes=n_nodes)[0]
 
 
 def _on_a_grid() -> float:
