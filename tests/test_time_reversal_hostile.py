@@ -56,6 +56,7 @@ from tactometry.stimuli.time_reversal.pattern import Exponential, RaisedCosine, 
 from tactometry.stimuli.time_reversal.reading import FocusReading
 from tactometry.stimuli.time_reversal.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.spectrum import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.thickness import sheets
 
 HOSTILE: Mapping[str, Any] = {
     "None": None,
@@ -103,6 +104,7 @@ RECEPTANCES = Receptances.of(SCREEN.oscillators(1e3), 0.15, S)
 CLOSED = ClosedReversal.of(PLATE, Attenuation(3e-3), 1e3, 5e-3)
 SAMPLING = {"rate_hz": 2e3, "duration_s": 4e-3, "f_max_hz": 1e3}
 LOW = {"f_max_hz": 1e3}
+SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])
 FREE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF").modes(500.0)
 AT_SETUP = Signal(np.sign(RNG.standard_normal((2, 8))), 4e3, "V")
 CLICK = np.eye(1, 400)[0]
@@ -131,7 +133,7 @@ def constructors() -> Iterator[tuple[str, object]]:
         "sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "spectrum": (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
         "stimulus": TimeReversalStimulus(FOCUS, reversal_s=0.1),
-        "transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
+        "thickness": SHEETS[0], "transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
 
 
@@ -441,6 +443,13 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "stimulus": {
             f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
             for name in ("at", "voltage_v")
+        },
+        "thickness": {
+            "sheets": {
+                "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),
+                "thicknesses_m": [1e-3],
+            },
+            "recommended": {"among": SHEETS, "thickness_m": 1e-3},
         },
         "transducer": {
             **{

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.closed_reversal import ClosedReversal
     from tactometry.stimuli.time_reversal.contactor import Contactor
     from tactometry.stimuli.time_reversal.decay import tau_estimate
-    from tactometry.stimuli.time_reversal.design import Target, recommend
+    from tactometry.stimuli.time_reversal.design import Target, Transducers, n_held, recommend
     from tactometry.stimuli.time_reversal.energy import deformation_energy_j, switched_power_w
     from tactometry.stimuli.time_reversal.estimation import alpha_from_resolutions, rigidity_ratio_from_modes
     from tactometry.stimuli.time_reversal.field import grid, movie
@@ -85,6 +85,7 @@ __all__ = [
     "Target",
     "TimeReversalSensation",
     "TimeReversalStimulus",
+    "Transducers",
     "aligned",
     "alpha_from_resolutions",
     "amplitude_loss",
@@ -109,6 +110,7 @@ __all__ = [
     "inverse_filter_waveform",
     "loaded_responses",
     "movie",
+    "n_held",
     "noise",
     "pattern_drive",
     "read",
@@ -127,7 +129,7 @@ _NAMES = {
     "closed_reversal": "ClosedReversal",
     "contactor": "Contactor",
     "decay": "tau_estimate",
-    "design": "Target recommend",
+    "design": "Target Transducers n_held recommend",
     "energy": "deformation_energy_j switched_power_w",
     "estimation": "alpha_from_resolutions rigidity_ratio_from_modes",
     "field": "grid movie",

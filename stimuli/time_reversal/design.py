@@ -19,6 +19,7 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     contrast_limit,
     contrast_whole,
     one_bit_amplitude_ratio,
+    repetition_amplitude_ratio,
     repetition_noise_ratio,
     resolution_m,
 )
@@ -111,6 +112,13 @@ class Design:
         return 1.0 if self.repetition_s is None else float(repetition_noise_ratio(self.repetition_s, self.tau_s))
 
     @property
+    def overlap_ratio(self) -> float:
+        """What drives that overlap leave of the amplitude; 1 for T up to T_r."""
+        if self.repetition_s is None or self.repetition_s >= self.reversal_s:
+            return 1.0
+        return repetition_amplitude_ratio(self.reversal_s, self.repetition_s, self.tau_s)
+
+    @property
     def reverberation(self) -> Reverberation:
         """Of the modes as the patches weight them: N_eff = n_f (integral of W^2)^2 / integral of W^4."""
         return Reverberation(
@@ -148,24 +156,25 @@ def one_bit_amplitude_m(design: Design) -> float:
     """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
 
     A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of W^2
-    over the band; W is the low-pass of the patch, averaged over directions. Derived; within 15 % of simulation.
+    over the band; W is the low-pass of the patch, averaged over directions. Derived; within 15 % of simulation. Drives
+    that overlap, T above T_r, take `closed_forms.repetition_amplitude_ratio` of it.
     """
     plate, patches = design.plate, design.transducers
     push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
     sigma = push * math.sqrt(plate.modal_density_s / 2 * _passed_hz(design))
     ring_s = design.tau_s * float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
-    return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma
+    return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma * design.overlap_ratio
 
 
 @checked
 def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, target: Target) -> Guide:
-    """Choose T, T_r, Q, band and thickness for a target, changing as little as possible of what is given.
+    """Choose T, T_r, Q and band for a target, changing as little as possible of what is given.
 
     Parameters
     ----------
     plate, transducers, band, tau_s
         What is there. Q is raised to what contrast and amplitude need; the band is moved up where resolution needs
-        it; thickness is advised, not changed.
+        it; the thickness is kept: `thickness.sheets` and `recommended` choose that.
     target : Target
 
     Examples

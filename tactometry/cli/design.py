@@ -8,7 +8,9 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.design import Guide
+    from collections.abc import Iterator, Sequence
+
+    from tactometry.stimuli.time_reversal.thickness import Sheet
 
 
 FIGURE_FORMATS = (".png", ".pdf", ".svg")
@@ -27,7 +29,10 @@ FIGURE_FORMATS = (".png", ".pdf", ".svg")
 @click.option("--contrast", type=float, help="Wanted: smallest amplitude over the rms of the plate.")
 @click.option("--amplitude-m", type=float, help="Wanted: smallest displacement at the focus.")
 @click.option("--repetition-hz", type=float, help="Wanted: foci per second.")
-@click.option("--figure", type=click.Path(path_type=Path), help="Write the trade-offs as a PNG, PDF or SVG.")
+@click.option("--thickness-m", type=float, multiple=True, help="Sheets that can be had; else glass as sold.")
+@click.option(
+    "--figure", type=click.Path(path_type=Path), help="Write the trade-offs as a PNG, PDF or SVG, and NAME_thickness."
+)
 @json_option
 @click.pass_context
 def command(
@@ -43,50 +48,72 @@ def command(
     contrast: float | None,
     amplitude_m: float | None,
     repetition_hz: float | None,
+    thickness_m: tuple[float, ...],
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """Design a time-reversal screen: T, repetition time, transducers and band for what is wanted.
+    """Design a time-reversal screen: T, repetition time, transducers, band and thickness for what is wanted.
+
+    The thickness is that of the plate if it will do, else the nearest sheet that misses the least.
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
     from tactometry.errors import DeviceFailed, InvalidParameter
-    from tactometry.stimuli.time_reversal.design import Target, Transducers, recommend
+    from tactometry.stimuli.time_reversal.design import Target, Transducers
     from tactometry.stimuli.time_reversal.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate_file import read_plate
     from tactometry.stimuli.time_reversal.spectrum import Band
+    from tactometry.stimuli.time_reversal.thickness import SHEETS_M, recommended, sheets
 
     if figure is not None and figure.suffix not in FIGURE_FORMATS:
         raise InvalidParameter(
             f"--figure: found {str(figure)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
         )
-    guide = recommend(
-        A4_SCREEN if plate_file is None else read_plate(plate_file),
+    plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
+    among = sheets(
+        plate,
         Transducers(transducers, patch_m, voltage_v=voltage_v),
         Band(*band_hz),
         tau_s,
         Target(resolution_m, contrast, amplitude_m, repetition_hz),
+        thickness_m or SHEETS_M,
     )
+    best = recommended(among, plate.thickness_m)
     if figure is not None:
-        from tactometry.stimuli.time_reversal.figures.design import trade_offs
+        from tactometry.stimuli.time_reversal.figures.design import over_thickness, trade_offs
         from tactometry.stimuli.time_reversal.figures.style import save
 
         try:
-            save(trade_offs(guide), figure)
+            save(trade_offs(best.guide), figure)
+            save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
         except OSError as error:
             raise DeviceFailed(f"{figure}: cannot write ({error.strerror}), expected a place to write to") from None
-    say(_text(guide), _record(guide), as_json=as_json)
-    ctx.exit(1 if guide.unreachable else 0)
+    say(_text(best, among), _record(best) | {"thicknesses": [_record(sheet) for sheet in among]}, as_json=as_json)
+    ctx.exit(1 if best.unreachable else 0)
 
 
-def _text(guide: "Guide") -> str:
-    record = _record(guide)
+def _text(best: "Sheet", among: "Sequence[Sheet]") -> str:
+    record = _record(best)
     lines = [f"{name:<16}{value:.6g}" for name, value in record.items() if isinstance(value, float | int)]
-    return "\n".join([*lines, *(f"note: {n}" for n in guide.notes), *(f"not reached: {n}" for n in guide.unreachable)])
+    told = [f"note: {note}" for note in best.guide.notes] + [f"not reached: {why}" for why in best.unreachable]
+    return "\n".join([*lines, *told, "", *_trade_off(best, among)])
 
 
-def _record(guide: "Guide") -> dict[str, float | int | list[str] | None]:
-    design = guide.design
+def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
+    """A line per thickness; the recommended one is marked."""
+    yield "  thickness  resolution  contrast  amplitude    Q  mean frequency  stress   bends    not reached"
+    for sheet in among:
+        design, mark = sheet.guide.design, "*" if sheet is best else " "
+        missed = ", ".join(why.partition(":")[0] for why in sheet.unreachable)
+        yield (
+            f"{mark} {sheet.thickness_m * 1e3:6.2f} mm {design.resolution_m * 1e3:8.1f} mm {design.contrast:9.1f} "
+            f"{design.amplitude_m * 1e6:7.2f} um {design.transducers.n:4d} {design.band.mean_hz / 1e3:11.1f} kHz "
+            f"{sheet.stress_pa / 1e6:5.1f} MPa {sheet.deflection_m * 1e6:6.0f} um  {missed}"
+        )
+
+
+def _record(sheet: "Sheet") -> dict[str, object]:
+    guide, design = sheet.guide, sheet.guide.design
     return {
         "reversal_s": design.reversal_s,
         "repetition_s": guide.repetition_s,
@@ -97,6 +124,8 @@ def _record(guide: "Guide") -> dict[str, float | int | list[str] | None]:
         "resolution_m": design.resolution_m,
         "contrast": design.contrast,
         "amplitude_m": design.amplitude_m,
+        "stress_pa": sheet.stress_pa,
+        "deflection_m": sheet.deflection_m,
         "notes": list(guide.notes),
-        "unreachable": list(guide.unreachable),
+        "unreachable": list(sheet.unreachable),
     }

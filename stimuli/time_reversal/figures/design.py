@@ -1,11 +1,15 @@
 """The trade-offs behind a recommendation of `tactometry design` (thesis 3.22)."""
 
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from tactometry.stimuli.time_reversal.closed_forms import half_wavelength_m
-from tactometry.stimuli.time_reversal.design import Guide, amplitude_over_reversal, contrast_over
+from tactometry.stimuli.time_reversal.design import STRESS_MAX_PA, Guide, amplitude_over_reversal, contrast_over
 from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
+from tactometry.stimuli.time_reversal.thickness import Sheet
 
 
 def trade_offs(guide: Guide) -> Figure:
@@ -35,3 +39,32 @@ def trade_offs(guide: Guide) -> Figure:
     resolution.legend(frameon=False)
     label(resolution, "Mean frequency (kHz)", "Resolution at −6 dB (mm)")
     return figure
+
+
+def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
+    """Resolution, contrast, amplitude and stress of each sheet: hollow where a wish is missed, the best ringed."""
+    figure, axes = sheet(2, 2, width_in=8.0, height_in=6.0)
+    for one, (name, of) in zip(axes, _QUANTITIES.items(), strict=True):
+        for each in among:
+            fill = "none" if each.unreachable else BLUE
+            one.plot(each.thickness_m * 1e3, of(each), "o", color=BLUE, markerfacecolor=fill)
+        one.plot(best.thickness_m * 1e3, of(best), "o", color=ORANGE, fillstyle="none", markersize=12)
+        one.set_xscale("log")
+        ticks = [each.thickness_m * 1e3 for each in among][::2]
+        one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        one.minorticks_off()
+        label(one, "Thickness (mm)", name)
+        one.set_ylim(0, None)
+    axes[-1].axhline(STRESS_MAX_PA / 1e6, color=BLACK, linestyle=":", label="what glass bears for long")
+    axes[-1].legend(frameon=False)
+    title = "Filled: all wishes met; hollow: not; ringed: recommended"
+    figure.suptitle(title, fontsize="medium")
+    return figure
+
+
+_QUANTITIES: Final[Mapping[str, Callable[[Sheet], float]]] = {
+    "Resolution at −6 dB (mm)": lambda each: each.guide.design.resolution_m * 1e3,
+    "Contrast, A / rms of the plate": lambda each: each.guide.design.contrast,
+    "Amplitude (µm)": lambda each: each.guide.design.amplitude_m * 1e6,
+    "Bending stress at 2 N (MPa)": lambda each: each.stress_pa / 1e6,
+}

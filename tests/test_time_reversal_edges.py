@@ -1,0 +1,98 @@
+"""Edges of the domain of time reversal: what happens there, or the sentence that says why not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal import (
+    A4_SCREEN,
+    Attenuation,
+    Band,
+    Emission,
+    Finger,
+    Load,
+    Responses,
+    Screen,
+    Transducers,
+    amplitude_loss,
+    border,
+    inverse_filter_waveform,
+    loaded_responses,
+    n_held,
+)
+from tactometry.stimuli.time_reversal.closed_forms import repetition_amplitude_ratio
+from tactometry.stimuli.time_reversal.design import Design, amplitude_over_reversal
+from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
+
+SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
+EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
+FOCUS = (0.12, 0.09)
+
+
+def test_a_finger_stands_wherever_a_load_can():
+    finger = Finger(*FOCUS, force_n=0.5, mass_kg=1e-4)
+    assert amplitude_loss(SCREEN, FOCUS, [finger], EMISSION) == amplitude_loss(SCREEN, FOCUS, [finger.load()], EMISSION)
+
+
+def test_a_finger_that_does_not_press_takes_nothing():
+    assert amplitude_loss(SCREEN, FOCUS, [Finger(*FOCUS, force_n=0.0)], EMISSION) == 0.0
+
+
+@pytest.mark.parametrize("impedance", [math.nan, complex(math.nan, 1.0), complex(1.0, math.nan), "soft", None, True])
+def test_an_impedance_that_is_none_is_refused(impedance):
+    with pytest.raises(InvalidParameter, match="impedance_n_s_per_m: found .*, expected a number"):
+        amplitude_ratio_at_focus(A4_SCREEN, impedance)
+
+
+def test_a_reversal_shorter_than_half_a_sample_is_refused():
+    with pytest.raises(InvalidParameter, match=r"Emission.reversal_s: found 1e-05, expected at least half a sample"):
+        Emission(Band(200.0, 9e3), 1e-5, 20e3)
+
+
+def test_an_emission_above_the_nyquist_frequency_is_refused():
+    with pytest.raises(InvalidParameter, match=r"Emission.band: found 11000.0 Hz, above the Nyquist frequency 10000"):
+        Emission(Band(200.0, 11e3), 4e-3, 20e3)
+
+
+def test_an_inverse_filter_above_the_nyquist_frequency_is_refused():
+    points = Responses(np.ones((1, 2, 16)), 1e3)
+    with pytest.raises(InvalidParameter, match=r"Band.f_max_hz .*: found 600.0, expected a number from 0.0 to 500.0"):
+        inverse_filter_waveform(points, [1.0], Band(100.0, 600.0), reversal_s=0.016)
+
+
+def test_drives_that_overlap_take_their_penalty_from_the_amplitude():
+    alone = Design(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3e-3, 6e-3)
+    train = Design(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3e-3, 6e-3, repetition_s=3e-3)
+    times = np.array([1e-3, 3e-3, 6e-3, 12e-3])
+    penalty = [repetition_amplitude_ratio(float(t), 3e-3, 3e-3) for t in times]
+    assert penalty[:2] == [1.0, 1.0]
+    assert penalty[3] < penalty[2] < 0.9
+    np.testing.assert_allclose(
+        amplitude_over_reversal(train, times), amplitude_over_reversal(alone, times) * penalty, rtol=1e-12
+    )
+
+
+def test_a_long_train_keeps_its_penalty_at_any_ratio_of_times():
+    """T of 1e6 tau is as good as endless, and its exponentials do not overflow."""
+    endless = repetition_amplitude_ratio(1.0, 1e-3, 1e-3)
+    assert repetition_amplitude_ratio(1e3, 1e-3, 1e-3) == pytest.approx(endless, rel=1e-9)
+    assert repetition_amplitude_ratio(1e-3, 1e9, 1e-9) == 1.0
+
+
+def test_patches_held_are_told_before_a_design_is_refused():
+    held = n_held(A4_SCREEN, 35e-3)
+    with pytest.raises(InvalidParameter, match=f"expected at most {held} along the edges"):
+        Design(A4_SCREEN, Transducers(held + 1, 35e-3), Band(1e3, 25e3), 3e-3, 6e-3)
+
+
+def test_below_the_first_mode_nothing_moves_and_a_load_changes_nothing():
+    sampling = {"rate_hz": 2e3, "duration_s": 5e-3, "f_max_hz": 1.0}
+    found = loaded_responses(SCREEN, [FOCUS], [Load(*FOCUS, 10.0)], **sampling)
+    assert not found.samples.any()
+
+
+def test_more_modes_than_a_machine_holds_are_refused():
+    with pytest.raises(InvalidParameter, match="number of modes below f_max_hz: found .*, expected at most 1e"):
+        A4_SCREEN.frequencies_hz(1e9)
