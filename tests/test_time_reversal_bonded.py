@@ -10,11 +10,11 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener, bonded_loads
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.load import Load, Receptances, loaded_receptance, loaded_responses
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.responses import values_at
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.transducer import Disc, PointForce, border
+from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
 
 F_MAX_HZ = 2e3
 AT, SEEN = (0.07, 0.05), (0.2, 0.13)
@@ -75,6 +75,25 @@ def test_added_rigidity_vanishes_with_the_thickness_and_doubles_a_plate_that_is_
         poisson_ratio=A4_SCREEN.poisson_ratio,
     ).added_rigidity_n_m(A4_SCREEN)
     assert 2 * both_sides + A4_SCREEN.bending_rigidity_n_m == pytest.approx(8 * A4_SCREEN.bending_rigidity_n_m)
+
+
+def test_patches_that_tile_the_plate_are_a_plate_with_their_rigidity_and_mass_added():
+    """Midpoints of 12 x 10 tiles are an exact quadrature for the first modes, so the receptance is that of D + dD."""
+    tiles = [(0.297 * (i + 0.5) / 12, 0.21 * (j + 0.5) / 10) for i in range(12) for j in range(10)]
+    patches = [Patch(x, y, 0.297 / 12, 0.21 / 10) for x, y in tiles]
+    modes = SCREEN.modes(500.0)
+    omega = modes.angular_frequency_rad_per_s
+    to, of = (values_at(SCREEN, [place], 500.0) for place in (AT, SEEN))
+    s = np.array([20.0 + 700.0j, 3000.0j])
+    loads = bonded_loads(A4_SCREEN, patches)
+    at = np.stack([load.weights(SCREEN, 500.0) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    bare = Receptances.of(Oscillators(omega, np.zeros(len(omega))), A4_SCREEN.mass_kg, s)
+    mass_kg = A4_SCREEN.mass_kg + 7700.0 * 0.3e-3 * A4_SCREEN.area_m2
+    stiffer = 1 + Ceramic().added_rigidity_n_m(A4_SCREEN) / A4_SCREEN.bending_rigidity_n_m
+    turned = omega * sqrt(stiffer * A4_SCREEN.mass_kg / mass_kg)
+    expected = Receptances.of(Oscillators(turned, np.zeros(len(omega))), mass_kg, s).between(to, of)
+    assert np.abs(loaded_receptance(bare, to, of, at, stiffness) / expected - 1).max() < 1e-10
 
 
 def test_no_patches_no_loads_no_change():

@@ -155,6 +155,21 @@ def test_movie_meets_the_matrix_product_during_and_after_the_drive(learnt):
     assert np.abs(frames[2]).max() > 0
 
 
+def test_a_movie_of_the_beginning_plays_the_beginning_of_the_drive(learnt):
+    signal = drive(learnt.at_point(0), 30.0)
+    (column,) = modal_history(A4_PROTOTYPE, signal, [150], F_MAX_HZ).T
+    expected = modal_amplitudes(A4_PROTOTYPE, signal, 150, F_MAX_HZ)
+    assert column == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_what_is_emitted_is_the_convolution_of_drive_and_response():
+    rng = np.random.default_rng()
+    h = Responses(rng.normal(size=(2, 3, 37)), 1e3)
+    signal = Signal(rng.normal(size=(3, 21)), 1e3, "V")
+    expected = [sum(np.convolve(signal.samples[q], h.samples[p, q]) for q in range(3)) for p in range(2)]
+    assert emitted(signal, h) == pytest.approx(np.array(expected), abs=1e-12)
+
+
 def test_band_limited_responses_have_nothing_outside(learnt):
     band = Band(2e3, 20e3, 500.0)
     filtered = band_limited(learnt, band)

@@ -322,6 +322,22 @@ def test_interpolated_focus_costs_what_is_predicted(step_m):
     assert ratio == pytest.approx(predicted, abs=0.08)
 
 
+def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power():
+    """Gaussian x and y of correlation r: <x sign(y)> = r <|x|>."""
+    rng = np.random.default_rng()
+    x, other = rng.normal(size=(2, 400_000))
+    y = 0.5 * x + math.sqrt(0.75) * other
+    found = np.mean(x * np.sign(y)) / np.mean(np.abs(x))
+    assert found == pytest.approx(one_bit_amplitude_ratio_expected(0.25), abs=4 * math.sqrt(2 / 400_000))
+
+
+def test_interpolation_puts_nothing_at_the_end_of_a_response_that_has_ended():
+    pulse = np.zeros((2, 1, 300))
+    pulse[:, :, 5] = 1.0
+    found = interpolated(Responses(pulse, RATE_HZ), [(0.1, 0.1), (0.13, 0.1)], (0.115, 0.11), A4_SCREEN)
+    assert np.abs(found.samples[..., -50:]).max() < 2e-3 * np.abs(found.samples).max()
+
+
 def test_far_from_every_point_nothing_is_known():
     share = expected_amplitude_ratio([(0.02, 0.02)], (0.25, 0.18), A4_SCREEN, Band(5e3, 25e3))
     assert share < 0.05

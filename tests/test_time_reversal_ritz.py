@@ -200,6 +200,16 @@ def test_basis_meets_its_edge_conditions():
                 assert letter != "C" or slopes.value(end) == pytest.approx(0, abs=1e-11)
 
 
+@pytest.mark.parametrize("edges", ["FF", "SS", "CF"])
+def test_integrals_of_the_basis_over_a_side_are_exact_at_degree_60(edges):
+    """Of a function, the first Legendre coefficient; of its curvature, the change of its slope."""
+    for family in families(2.0, edges, 60):
+        axis = family.axis
+        assert axis.integral(0.0, 2.0)[:, 0] == pytest.approx(np.sqrt(2) * axis.function[:, 0], abs=1e-12)
+        slopes = LegendreAxis(2.0, axis.slope, axis.slope, axis.slope).value([0.0, 2.0])
+        assert axis.curvature_integral(0.0, 2.0)[:, 0] == pytest.approx(slopes[:, 1] - slopes[:, 0], abs=1e-9)
+
+
 @settings(max_examples=15, deadline=None)
 @given(
     st.text("SCF", min_size=4, max_size=4),
