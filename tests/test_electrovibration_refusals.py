@@ -5,18 +5,26 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
+    Bump,
     CoulombFriction,
     DryFriction,
     Finger,
+    Grating,
+    Noise,
+    PlayedTexture,
+    PowerLawArea,
+    Region,
     Sine,
     Skin,
     Travel,
+    WithOffset,
     electrostatic_force_n,
     figures,
     force_form,
     peak_voltage_v,
     sliding,
     stick_slip,
+    straight_path_m,
 )
 
 T_S = np.linspace(0, 0.01, 11)
@@ -58,3 +66,35 @@ def test_the_highest_level_has_a_finite_motion():
     motion = sliding(T_S, SINE.pieces(240.0), FORM, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
     assert np.isfinite(motion.lateral_n).all()
     assert motion.lateral_n.max() > 1e15
+
+
+def slid(finger):
+    return sliding(T_S, SINE.pieces(40.0), FORM, finger=finger, friction=CoulombFriction(), force_n=0.5)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: PowerLawArea(1e-4, 500.0).area_m2(1e3), "PowerLawArea.exponent: found a result beyond the range"),
+        (lambda: Region(0.0, 1.0, 1e-320), "Region.edge_m: found 1e-320"),
+        (lambda: Bump(0.0, 1e-200), "Bump.width_m: found 1e-200"),
+        (lambda: Finger(mass_kg=1e-320), "Finger.mass_kg: found 1e-320"),
+        (lambda: slid(Finger(1e-20, 1e15, 0.0)), "finger: found one that moves at up to 5.03e\\+16 Hz"),
+        (lambda: PlayedTexture(Grating(1e-3), (0.0, 1e308, -1e308)), r"path_m\[1\]: found 1e\+308"),
+        (lambda: WithOffset(SINE, 1e307), "WithOffset.ratio: found 1e\\+307"),
+        (lambda: CoulombFriction(1e30, 10.0).modulation_n(1e50, 1e29), "found a result beyond the range of a double"),
+        (lambda: straight_path_m(0.1, 1e12, 1e12), "straight_path_m.duration_s: found 1000000000000.0 s"),
+        (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),
+        (lambda: figures.applied_forces({"a": [-1.0, 2.0]}), "found a negative force"),
+    ],
+)
+def test_two_arguments_that_cannot_be_together_are_refused(call, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        call()
+
+
+@pytest.mark.parametrize("ratio", [1e30, -1e30])
+def test_an_offset_far_above_its_waveform_is_a_constant(ratio):
+    shifted = WithOffset(SINE, ratio)
+    np.testing.assert_allclose(shifted.at(40.0).samples, np.sign(ratio) * 100, rtol=1e-12)
+    np.testing.assert_allclose(shifted.pieces(40.0).at(T_S), np.sign(ratio) * 100, rtol=1e-12)

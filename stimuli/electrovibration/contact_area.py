@@ -39,7 +39,9 @@ class PowerLawArea:
     @checked
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
         force = _forces(force_n)
-        return np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
+        with np.errstate(over="ignore"):
+            area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
+        return require.in_range("PowerLawArea.exponent", area_m2)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,8 @@ Real = NDArray[np.float64]
 Kind = tuple[float, tuple[bool, ...]]
 """Length of an interval and which relaxations move in it."""
 DECAYED = 40.0
+CYCLES_MAX = 1e7
+"""The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
 
 
 def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Real:
@@ -97,6 +99,7 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> P
     """The plan of a timing, made once: nodes, decays, turns and exponentials."""
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
+    _check_resolved(system, float(np.diff(nodes).max(initial=0.0)))
     shared = phases(timing.pieces, relaxations, nodes)
     rates = np.array(relaxations.rates_per_s)
     moves = (shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9))[:-1]
@@ -105,6 +108,15 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> P
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, (True,) * rates.size)
     rest = (whole.has_line, whole.has_slope, whole.output(), kinds, *_maps(whole, system, groups))
     return (np.searchsorted(nodes, timing.t_s), first, shared.since, *shared.factors, *rest)
+
+
+def _check_resolved(system: LinearSystem, longest_s: float) -> None:
+    fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
+    if not fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9):
+        raise InvalidParameter(
+            f"finger: found one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
+        )
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[Real, Real]:

@@ -141,6 +141,8 @@ def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
     InvalidParameter
         If there is no condition, or a condition has no value.
     """
+    if any(value < 0 for values in forces_n.values() for value in values):
+        raise InvalidParameter("applied_forces.forces_n: found a negative force, expected forces of at least 0 N")
     if not forces_n or not all(len(values) for values in forces_n.values()):
         raise InvalidParameter("applied_forces: found a condition without forces, expected one per participant")
     figure, (ax,) = _panels(1, 1, (1.5 + 1.2 * len(forces_n), 4.0))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import NoneType
 from typing import Literal, get_args
 
 from numpy import errstate, float64, isfinite
@@ -32,9 +33,10 @@ class ForceForm:
         check_fields(self)
         require.non_negative("ForceForm", newton_per_v2=self.newton_per_v2)
 
-    @checked
     def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
         """Force (N) of layer voltages u, of their shape."""
+        require.instance("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
+        layer_v = require.numbers("ForceForm.force_n.layer_v", layer_v)
         with errstate(over="ignore"):
             even_n = self.newton_per_v2 * layer_v**2
         if not isfinite(even_n).all():

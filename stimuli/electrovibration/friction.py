@@ -8,13 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import checked
-from tactometry.stimuli.electrovibration.driven import check_times, driven
+from tactometry.stimuli.electrovibration.driven import CYCLES_MAX, check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem
 from tactometry.stimuli.electrovibration.pieces import Pieces
-
-CYCLES_MAX = 1e7
-"""The most periods of the lag's corner between two times: rounding is 1e-9 of the largest force there."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,9 @@ class CoulombFriction:
     @checked
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
         """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
-        return self.coefficient_at(force_n) * require.finite_array("modulation_n.electrostatic_n", electrostatic_n)
+        with np.errstate(over="ignore"):
+            change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
+        return require.in_range("CoulombFriction.modulation_n", change_n)
 
 
 @dataclass(frozen=True)

@@ -227,6 +227,7 @@ def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, sta
     """
     require.finite("straight_path_m", speed_m_per_s=speed_m_per_s, start_m=start_m)
     require.positive("straight_path_m", duration_s=duration_s, rate_hz=rate_hz)
+    check_timing("straight_path_m", duration_s, 0.0, rate_hz)
     return tuple((start_m + speed_m_per_s * np.arange(round(duration_s * rate_hz)) / rate_hz).tolist())
 
 

@@ -132,7 +132,7 @@ class Bump:
 
 
 SIGNS = (1, -1)
-LARGEST_TABLE = 2**20
+LARGEST_TABLE, MOST_LINES = 2**20, 2**28
 
 
 @dataclass(frozen=True)
@@ -209,6 +209,10 @@ class Noise:
 
 def _lines(low_per_m: float, high_per_m: float, length_m: float) -> Real:
     require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
+    if high_per_m * length_m > MOST_LINES:
+        raise InvalidParameter(
+            f"Noise.high_per_m: found {high_per_m} per m over {length_m} m, expected at most {MOST_LINES} lines"
+        )
     first, last = int(np.ceil(low_per_m * length_m - 1e-9)), int(np.floor(high_per_m * length_m + 1e-9))
     return np.arange(max(first, 1), last + 1) / length_m
 
