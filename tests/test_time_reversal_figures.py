@@ -157,6 +157,13 @@ def test_amplitude_grows_with_each_transducer_to_the_same_end():
     assert grown[:, :, -1] == pytest.approx(np.broadcast_to(contributions.sum(axis=1), (5, 4)))
 
 
+def test_transducers_are_added_in_orders_that_differ():
+    contributions = np.arange(1.0, 9.0)[None]
+    grown = amplitude_over_count_m(contributions, np.random.default_rng(), 60)
+    assert len(set(grown[:, 0, 0])) > 3
+    assert set(grown[:, 0, 0]) <= set(contributions[0])
+
+
 def test_subsets():
     contributions = np.arange(6.0).reshape(2, 3)
     found = amplitude_by_subset_m(contributions, {"ends": [0, 2], "all": range(3)})

@@ -178,6 +178,31 @@ def test_band_limited_responses_have_nothing_outside(learnt):
     assert power[(f < 1.5e3) | (f > 20.5e3)].max() < 1e-4 * power.max()
 
 
+def test_a_band_holds_its_ends_and_rises_over_its_flanks():
+    band = Band(2e3, 6e3, 1e3)
+    f = np.array([1999.0, 2e3, 2.5e3, 3e3, 5e3, 5.25e3, 6e3, 6001.0])
+    assert band.at(f).real == pytest.approx([0, 0, 0.5, 1, 1, (1 + math.sqrt(0.5)) / 2, 0, 0], abs=1e-12)
+    assert Band(2e3, 6e3).at(np.array([1999.0, 2e3, 6e3, 6001.0])).real.tolist() == [0, 1, 1, 0]
+    assert Band(0.0, 6e3, 1e3).at(np.zeros(1)).real.tolist() == [1]
+    assert (band.width_hz, band.mean_hz) == (4e3, 4e3)
+
+
+def test_a_filter_does_not_carry_the_end_of_a_response_to_its_start():
+    late = np.zeros((1, 1, 200))
+    late[..., 190] = 1.0
+    delayed = through(Responses(late, 1e3), Hold(1 / 40e-3)).samples[0, 0]
+    assert np.abs(through(Responses(late, 1e3), Butterworth(30.0)).samples[..., :150]).max() < 1e-3
+    assert np.abs(delayed[:150]).max() < 1e-2
+
+
+def test_the_inaudible_part_goes_up_to_the_nyquist_frequency():
+    impulse = Responses(np.eye(1, 512, 200)[None], 200e3)
+    power = np.abs(np.fft.rfft(inaudible(impulse).samples[0, 0])) ** 2
+    f = np.fft.rfftfreq(512, 1 / 200e3)
+    assert power[(f > 25e3) & (f < 95e3)] == pytest.approx(1.0, abs=0.1)
+    assert power[f < 15e3].max() < 0.02
+
+
 def test_audible_filter_costs_hardly_any_amplitude_and_drops_the_audible_part(learnt):
     h = impulse_responses(A4_PROTOTYPE, [FOCUS], rate_hz=200e3, duration_s=7e-3, f_max_hz=60e3)
     quiet = inaudible(h, 20e3)

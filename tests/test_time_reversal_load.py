@@ -68,6 +68,17 @@ def test_low_rank_update_is_the_dense_solve(k, seed, resistance, spring):
     hard_case("1 to 20 loads on the plate", (found - expected) / size, 0, 1e-12, against="dense solve", floor=1)
 
 
+@pytest.mark.parametrize(("n_to", "n_of"), [(1, 3), (3, 1), (2, 2)])
+def test_low_rank_update_of_unlike_contacts_between_few_and_many_places(n_to, n_of):
+    oscillators, to, of, at, s = system(3, 4)
+    to, of = (np.concatenate([to, of], axis=1)[:, part] for part in (slice(0, n_to), slice(2, 2 + n_of)))
+    stiffness = s[:, None] * np.array([1.0, 30.0, 500.0]) + np.array([0.0, 1e5, 1e7])
+    found = loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, at, stiffness)
+    expected = dense(oscillators, to, of, at, stiffness, s)
+    assert found.shape == (n_to, n_of, 7)
+    assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
+
+
 def test_1000_contacts_are_the_dense_solve():
     oscillators, to, of, at, s = system(1000, 3)
     s = s[:1]

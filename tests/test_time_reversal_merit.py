@@ -22,6 +22,7 @@ from tactometry.stimuli.time_reversal.merit import (
     MINUS_3_DB,
     area_m2,
     contrast_far_of,
+    contrast_temporal_of,
     contrast_whole_of,
     deformation_energy_estimate_j,
     temporal_width_s,
@@ -36,6 +37,7 @@ from tactometry.stimuli.time_reversal.sound import (
     a_weighting_db,
     coincidence_frequency_hz,
     noise,
+    radiation_efficiency,
     velocity_spectrum,
 )
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited, inaudible
@@ -61,6 +63,24 @@ def test_area_of_a_gaussian_counts_one_island():
     expected = math.pi * 2 * SIGMA**2 * math.log(2)
     assert area_m2(gaussian_field(), (X, X)) == pytest.approx(expected, rel=0.02)
     assert area_m2(field, (X, X)) <= expected * 1.02 + 400 * (X[1] - X[0]) ** 2
+
+
+def test_area_counts_cells_of_their_two_sides_and_leaves_out_what_is_not_connected():
+    x, y = np.arange(5) * 1e-3, np.arange(7) * 3e-3
+    field = np.zeros((5, 7))
+    field[1:3, 1:4] = -1.0
+    field[4, 6] = -1.0
+    assert area_m2(field, (x, y)) == pytest.approx(6 * 1e-3 * 3e-3)
+
+
+def test_contrast_of_a_negative_focus_is_positive():
+    field = np.array([[3.0, -4.0]])
+    assert contrast_whole_of(-10.0, field) == pytest.approx(10 / math.sqrt(12.5))
+
+
+def test_temporal_contrast_counts_from_its_start_to_its_stop():
+    signal = np.array([9.0, 0.0, -8.0, 100.0, 3.0, 4.0, 50.0])
+    assert contrast_temporal_of(signal, 2, 1e3, 2e-3, 4e-3) == pytest.approx(8 / math.sqrt(12.5))
 
 
 def test_contrasts_of_a_known_field():
@@ -158,6 +178,24 @@ def test_velocity_spectrum_is_the_time_integral_of_the_velocity():
         16 / 100e3
     )
     assert np.sum(energy) * (f[1] - f[0]) == pytest.approx(direct, rel=0.03)
+
+
+def test_efficiency_of_radiation_above_and_below_coincidence():
+    f_c = coincidence_frequency_hz(A4_SCREEN)
+    assert radiation_efficiency(A4_SCREEN, [f_c / 2, 2 * f_c, 1e9]) == pytest.approx([0.01, 2**0.5, 1], rel=1e-5)
+
+
+def test_sound_is_the_radiated_power_over_a_hemisphere():
+    """W = rho c S sigma <v^2>, p^2 = W rho c / (2 pi r^2), averaged over the drive and five tau."""
+    screen = Screen(A4_SCREEN, (PointForce(0.08, 0.13),), Attenuation(2e-3))
+    signal = Signal(np.hanning(60)[None], 50e3, "V")
+    found = noise(screen, signal, 20e3, distance_m=0.5)
+    f, energy = velocity_spectrum(screen, signal, 20e3)
+    watt = 1.204 * 343 * A4_SCREEN.area_m2 * radiation_efficiency(A4_SCREEN, f) * energy / (60 / 50e3 + 5 * 2e-3)
+    assert found.pressure_pa2_per_hz == pytest.approx(watt * 1.204 * 343 / (2 * math.pi * 0.5**2))
+    assert noise(screen, signal, 20e3, distance_m=1.0).a_weighted_db == pytest.approx(
+        found.a_weighted_db - 6.02, abs=0.01
+    )
 
 
 def test_filtering_lowers_the_a_weighted_level_and_one_bit_keeps_some():

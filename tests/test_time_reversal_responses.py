@@ -2,6 +2,7 @@
 
 import math
 import os
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.load import Receptances
 from tactometry.stimuli.time_reversal.modes import laplacians, values
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
@@ -211,6 +212,19 @@ def test_transducer_as_large_as_the_plate_is_the_exact_integral():
     assert np.isfinite(
         impulse_responses(Screen(A4_SCREEN, (whole,), Attenuation(3e-3)), [(0.1, 0.1)], **FAST).samples
     ).all()
+
+
+def test_border_begins_half_a_step_from_a_corner_and_goes_round_in_equal_steps():
+    n, (a, b) = 10, (0.297 - 0.024, 0.21 - 0.024)
+    patches = border(A4_SCREEN, n)
+    assert (patches[0].x_m, patches[0].y_m) == pytest.approx((12e-3 + (a + b) / n, 12e-3))
+    steps = [abs(p.x_m - q.x_m) + abs(p.y_m - q.y_m) for p, q in pairwise(patches)]
+    assert steps == pytest.approx([2 * (a + b) / n] * (n - 1))
+
+
+def test_a_duration_is_rounded_to_the_nearest_sample():
+    assert 0.29 * 100.0 < 29
+    assert samples_in("duration_s", 0.29, 100.0) == 29
 
 
 def test_border_layout_keeps_its_distance_from_the_edges():
