@@ -45,8 +45,8 @@ help: ## what can be made
 demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo/
 	@$(BIN)/tactometry demo --out demo
 
-test: system $(VENV)/.test ## all tests with branch coverage; slow ones in reduced form
-	@$(BIN)/python -m pytest $(ARGS) --cov
+test: system $(VENV)/.test ## all tests on all cores with branch coverage; slow ones in reduced form
+	@$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup $(ARGS) --cov
 
 soak: system $(VENV)/.test ## all tests at full size: hours
 	@TACTOMETRY_SOAK=1 $(BIN)/python -m pytest --timeout 14400 $(ARGS)

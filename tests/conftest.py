@@ -65,6 +65,13 @@ def pytest_report_header():
     return f"draws: TACTOMETRY_TEST_SEED={SEED}"
 
 
+def pytest_collection_modifyitems(items):
+    """Of several processes one has the display; each other file stays whole, as its tests share what it sets up."""
+    for item in items:
+        group = "display" if "display" in item.fixturenames else item.nodeid.partition("::")[0]
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item, nextitem):
     """A generator without a seed draws by the test's name, so that a failure can be seen again; another
@@ -211,7 +218,8 @@ def output(log):
 
 
 class Participant:
-    """Acts in the background once a page is shown: taps a key (str), touches a place (x, y), pauses (seconds)."""
+    """Acts in the background once a page is shown: taps a key (str), touches a place (x, y), pauses (seconds), waits
+    until something is seen (Event)."""
 
     def __init__(self, watched, hands, in_background):
         self._watched, self._hands, self._in_background = watched, hands, in_background
@@ -230,6 +238,8 @@ class Participant:
                     self._hands.tap(act)
                 case (x, y):
                     self._hands.touch(x, y)
+                case threading.Event():
+                    assert act.wait(LONGEST_WAIT_S), "what the participant waits for was not seen"
                 case _:
                     time.sleep(act)
 
