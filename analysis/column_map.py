@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
-from tactometry.strict import build
+from tactometry.strict import read_toml
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,7 @@ def read_column_map(path: Path) -> ColumnMap:
     InvalidFile
         If the file cannot be read, is no TOML, or holds something else.
     """
-    import tomllib
-
-    try:
-        return build(ColumnMap, tomllib.loads(path.read_text(encoding="utf-8")), "")
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{path}: found no valid TOML ({damage})") from None
-    except InvalidParameter as wrong:
-        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None
+    return read_toml(ColumnMap, path, "a column map")
 
 
 def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

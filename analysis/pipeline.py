@@ -8,11 +8,13 @@ import pandas as pd
 
 from tactometry.analysis import cells, group, words
 from tactometry.analysis.amplitude_loss import loss_table, losses
+from tactometry.analysis.bradley_terry import preference_table
 from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
 from tactometry.analysis.outcomes import Outcome, outcome
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings, ratings
+from tactometry.analysis.same_different import same_different_table
 from tactometry.analysis.table import Trials, read_trials
 from tactometry.analysis.together import Together, together
 from tactometry.analysis.tracks import tracks
@@ -62,6 +64,8 @@ class Analysis:
             "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
             "loss": words.plain_rows(self.tables.get("loss", pd.DataFrame())),
             "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
+            "same_different": words.plain_rows(self.tables.get("same_different", pd.DataFrame())),
+            "preference": words.plain_rows(self.tables.get("preference", pd.DataFrame())),
             "excluded": words.plain_rows(self.tables.get("excluded", pd.DataFrame())),
             "report": None if self.report is None else str(self.report),
             "tables": None if self.tables_folder is None else str(self.tables_folder),
@@ -147,10 +151,11 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     plan.check(everything.factors)
     trials, excluded = applied(everything, plan.exclusion)
     found, forms, lost = cells.cells(trials), ratings(trials), losses(trials)
-    if not found and not forms and lost.empty:
+    choices = _choice_tables(trials)
+    if not found and not forms and not choices and lost.empty:
         raise InvalidFile(
-            f"{trials.path}: found no valid answer of a yes/no, forced-choice or comparison task nor to a known "
-            "questionnaire, and no measured level, expected some to analyse"
+            f"{trials.path}: found no valid answer of a yes/no, forced-choice, comparison, same-different or "
+            "preference task nor to a known questionnaire, and no measured level, expected some to analyse"
         )
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
@@ -177,10 +182,13 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         plan=plan,
         tables=_tables(table, outcomes, found, trials, quality)
         | _together_tables(fits)
+        | choices
         | _other_tables(forms, forces, trials.factors, excluded)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
-        methods=words.methods(table, n_choices, forms, plan, is_hierarchical=any(each.fit for each in fits)),
+        methods=words.methods(
+            table, n_choices, forms, plan, is_hierarchical=any(each.fit for each in fits), choices=tuple(choices)
+        ),
     )
 
 
@@ -193,6 +201,11 @@ def _other_tables(
     if forces is not None:
         found |= {"force_participants": forces, "force": force_table(forces, factors)}
     return found | ({"excluded": excluded} if len(excluded) else {})
+
+
+def _choice_tables(trials: Trials) -> dict[str, pd.DataFrame]:
+    found = {"same_different": same_different_table(trials), "preference": preference_table(trials)}
+    return {name: table for name, table in found.items() if len(table)}
 
 
 def _together_tables(fits: Sequence[Together]) -> dict[str, pd.DataFrame]:

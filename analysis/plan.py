@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tactometry.analysis.compliance import Exclusion
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
-from tactometry.strict import build
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.strict import read_toml
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,4 @@ def read_plan(path: Path) -> Plan:
     InvalidFile
         If it cannot be read, or holds anything else.
     """
-    import tomllib
-
-    try:
-        return build(Plan, tomllib.loads(path.read_text(encoding="utf-8")), "")
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected a plan of analysis") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{path}: found no valid TOML ({damage}), expected a plan of analysis") from None
-    except InvalidParameter as wrong:
-        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None
+    return read_toml(Plan, path, "a plan of analysis")

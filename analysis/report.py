@@ -92,13 +92,17 @@ def render(found: Analysis) -> str:
         forms=[(form, _summary_grid(form), form.sentences()) for form in found.forms],
         loss=_grid(_cross(found, "loss")) if "loss" in tables else None,
         force=_grid(_cross(found, "force")) if "force" in tables else None,
+        choices={name: _grid(tables[name]) for name in words.CHOICES if name in tables},
         excluded=_grid(tables["excluded"]) if "excluded" in tables else None,
         quality=_grid(tables["quality"]),
         thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: _grid(each.participants) for each in found.together},
         references=words.references(
-            tables.get("thresholds", pd.DataFrame()), found.plan, is_hierarchical=any(t.fit for t in found.together)
+            tables.get("thresholds", pd.DataFrame()),
+            found.plan,
+            is_hierarchical=any(t.fit for t in found.together),
+            choices=[name for name in words.CHOICES if name in tables],
         ),
         notes=list(dict.fromkeys(note for outcome in found.outcomes for note in outcome.notes)),
     )

@@ -39,6 +39,9 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
     for form in found.forms:
         compared = next(iter(form.sentences().values())) if form.crossed is not None else []
         yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared
+    for name in ("preference", "same_different"):
+        if name in found.tables:
+            yield text_table(found.tables[name].round(3), name.replace("_", " ")), ()
     if "loss" in found.tables:
         cross = cross_table(found.tables["loss"], found.trials.factors)
         yield text_table(cross, "loss of amplitude (mean, 95 % interval)"), ()

@@ -105,7 +105,7 @@ def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> lis
 
 def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
-    known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK))
+    known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK, *CHOICES))
     if "procedure" in rows.columns:
         known |= (rows["task"] == "rating") & rows["procedure"].isin(shipped())
     other = rows[~known]
@@ -131,12 +131,22 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
 CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (in decibels; Weibull of the amplitude)"}
 
 
+CHOICES = {
+    "same_different": "Sensitivity in same-different trials is given under the differencing and the "
+    "independent-observation rule (Macmillan & Creelman 2005), with the log-linear correction.",
+    "preference": "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & "
+    "Terry 1952), with 95 % intervals that from five participants on count that a person's answers are alike.",
+}
 HIERARCHICAL = (
     "All participants were also fitted at once by a hierarchical psychometric model (thresholds and logarithms of the "
     "width with normal effects of participants, rates the same for all; maximum likelihood by Laplace's approximation; "
     "compare Moscatelli, Mezzetti & Lacquaniti 2012)."
 )
 REFERENCES = {
+    "same_different": "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide "
+    "(2nd ed.). Erlbaum.",
+    "preference": "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
+    "paired comparisons. Biometrika, 39, 324-345.",
     "hierarchical": "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
     "fits": "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
@@ -161,9 +171,11 @@ def methods(
     plan: Plan | None = None,
     *,
     is_hierarchical: bool = False,
+    choices: Sequence[str] = (),
 ) -> str:
     """A paragraph for the methods section, with versions."""
     parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
+    parts += [CHOICES[name] for name in choices]
     parts += _plan_methods(plan or Plan())
     if len(table) or forms:
         parts.append(
@@ -179,10 +191,13 @@ def methods(
     return " ".join(parts)
 
 
-def references(table: pd.DataFrame, plan: Plan | None = None, *, is_hierarchical: bool = False) -> list[str]:
+def references(
+    table: pd.DataFrame, plan: Plan | None = None, *, is_hierarchical: bool = False, choices: Sequence[str] = ()
+) -> list[str]:
     """The works that the methods paragraph names."""
     left_out = set() if plan is not None and plan.equivalence else {"tost"}
     left_out |= set() if is_hierarchical else {"hierarchical"}
+    left_out |= set(CHOICES) - set(choices)
     left_out |= set() if len(table) else {"fits"}
     return sorted(text for name, text in REFERENCES.items() if name not in left_out)
 

@@ -2,14 +2,16 @@
 
 import dataclasses
 import re
+import tomllib
 import types
 import typing
 from collections.abc import Collection, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
 
 T = TypeVar("T")
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
@@ -42,6 +44,24 @@ def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (),
         return kind(**values, **given)
     except InvalidParameter as error:
         raise InvalidParameter(_relocated(str(error), kind.__name__, path)) from None
+
+
+def read_toml(kind: type[T], path: Path, what: str) -> T:
+    """A `kind` from a TOML file; `what` says in an error what was expected.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, is no TOML, or `build` refuses it.
+    """
+    try:
+        return build(kind, tomllib.loads(path.read_text(encoding="utf-8")), "")
+    except OSError as failure:
+        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
+        raise InvalidFile(f"{path}: found no valid TOML ({damage}), expected {what}") from None
+    except InvalidParameter as wrong:
+        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None
 
 
 def convert(kind: Any, value: object, path: str) -> Any:

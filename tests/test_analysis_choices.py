@@ -1,0 +1,141 @@
+"""Same-different and paired preferences: published values, known observers, what has no answer."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.special import expit
+
+from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.same_different import differencing_sensitivity, independent_sensitivity
+from tactometry.errors import InvalidParameter
+
+N = 200_000
+TEAMS = ("Milwaukee", "Detroit", "Toronto", "New York", "Boston", "Cleveland", "Baltimore")
+WINS = """
+- 7 9 7 7 9 11  6 - 7 5 11 9 9  4 6 - 7 7 8 12  6 8 6 - 6 7 10  6 2 6 7 - 7 12  4 4 5 6 6 - 6  2 4 1 3 1 7 -
+"""
+
+
+def counts(d_prime, differ, rng) -> tuple[int, int, int, int]:
+    """Hits and false alarms of an observer; the stimuli at -d'/2 and d'/2."""
+    side = np.where(rng.random(N) < 0.5, 0.5, -0.5) * d_prime
+    x, y, z = (mean + rng.standard_normal(N) for mean in (side, -side, side))
+    return int(differ(x, y).sum()), N, int(differ(x, z).sum()), N
+
+
+@pytest.mark.parametrize("d_prime", [0.8, 1.5, 3.0])
+def test_d_prime_of_known_observers_is_found_by_their_rule(d_prime) -> None:
+    """Its standard error is below 0.02 at these numbers of trials."""
+    rng = np.random.default_rng()
+    for criterion in (1.0, 2.5):
+        seen = counts(d_prime, lambda x, y, k=criterion: np.abs(x - y) > k, rng)
+        assert differencing_sensitivity(*seen) == pytest.approx(d_prime, abs=0.08)
+    seen = counts(d_prime, lambda x, y: (x > 0) != (y > 0), rng)
+    assert independent_sensitivity(*seen) == pytest.approx(d_prime, abs=0.08)
+
+
+def test_no_more_hits_than_false_alarms_is_no_sensitivity() -> None:
+    for rule in (differencing_sensitivity, independent_sensitivity):
+        assert rule(10, 50, 30, 50) == 0.0
+        assert rule(0, 50, 0, 50) == 0.0
+        assert np.isfinite(rule(50, 50, 0, 50))
+
+
+def test_impossible_counts_are_refused() -> None:
+    with pytest.raises(InvalidParameter, match="n_hits: found 51, expected a count from 0 to n_different, 50"):
+        differencing_sensitivity(51, 50, 0, 50)
+    with pytest.raises(InvalidParameter, match="n_same: found 0, expected at least 1"):
+        independent_sensitivity(5, 50, 0, 0)
+
+
+def league() -> tuple[list[str], list[str], list[int]]:
+    """American League East 1987, the place of the game left out: each pair in either order alike."""
+    wins = np.array([0 if word == "-" else int(word) for word in WINS.split()]).reshape(7, 7)
+    rows = [(a, b) for i, a in enumerate(TEAMS) for j, b in enumerate(TEAMS) for _ in range(wins[i, j])]
+    both = [(a, b, 1) for a, b in rows] + [(b, a, 2) for a, b in rows]
+    first, second, preferred = zip(*both, strict=True)
+    return list(first), list(second), list(preferred)
+
+
+def test_published_worths_of_baseball_teams() -> None:
+    """Agresti, Categorical Data Analysis (2002), table 10.10, against Baltimore."""
+    found = bradley_terry(*league())
+    worth = found.worths.set_index("item")["worth"]
+    against = (worth - worth["Baltimore"])[["Milwaukee", "Detroit", "Toronto", "New York", "Cleveland"]]
+    np.testing.assert_allclose(against, [1.581, 1.436, 1.294, 1.248, 0.684], atol=6e-4)
+    assert worth.mean() == pytest.approx(0, abs=1e-12)
+    assert found.order["worth"][0] == pytest.approx(0, abs=1e-9)
+    assert found.chance("Milwaukee", "Baltimore") == pytest.approx(expit(1.581), abs=1e-4)
+
+
+def compared(rng, n_participants, n_each, worths, order=0.4) -> pd.DataFrame:
+    """All ordered pairs, `n_each` times by each participant."""
+    names = list(worths)
+    pairs = [(a, b) for a in names for b in names if a != b]
+    rows = [(f"P{p + 1:02d}", *pair) for p in range(n_participants) for pair in pairs for _ in range(n_each)]
+    table = pd.DataFrame(rows, columns=["participant", "item", "item_b"])
+    chance = expit(table["item"].map(worths) - table["item_b"].map(worths) + order)
+    return table.assign(response=np.where(rng.random(len(table)) < chance, 1, 2))
+
+
+TRUTH = {"P0": -1.0, "P1": 0.0, "P2": 0.3, "P3": 0.7}
+
+
+@pytest.mark.parametrize("n_participants", [3, 12])
+def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> None:
+    table = compared(np.random.default_rng(), n_participants, 120 // n_participants, TRUTH)
+    people = table["participant"].tolist()
+    found = bradley_terry(table["item"], table["item_b"], table["response"], people)
+    errors = (found.worths["worth"] - list(TRUTH.values())) / found.worths["standard_error"]
+    assert np.abs(errors).max() < 8
+    assert abs(found.order["worth"][0] - 0.4) < 8 * found.order["standard_error"][0]
+    alone = bradley_terry(table["item"], table["item_b"], table["response"])
+    np.testing.assert_allclose(found.worths["worth"], alone.worths["worth"], rtol=1e-9)
+    same = np.allclose(found.worths["standard_error"], alone.worths["standard_error"], rtol=1e-9)
+    assert same == (n_participants < 5)
+
+
+def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None:
+    found = bradley_terry(["a", "a", "b", "b"], ["b", "c", "c", "a"], [1, 1, 1, 1])
+    assert (found.status, found.note) == (WorthStatus.DISCONNECTED, "c never preferred to a, b: no finite worths")
+    assert found.worths["worth"].isna().all()
+    assert found.worths["n_preferred"].tolist() == [2, 2, 0]
+    with pytest.raises(InvalidParameter, match=r"item: found 'a' \(disconnected\), expected an item with a worth"):
+        found.chance("a", "b")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "preferred", "message"),
+    [
+        (["a"], ["b"], [3], "preferred, row 0: found 3, expected 1"),
+        (["a"], ["a"], [1], "row 0: found a against itself"),
+        (["a"], ["b", "c"], [1], "found 1, 2 values, expected one a trial each"),
+        ([], [], [], "found 0 values"),
+    ],
+)
+def test_what_is_no_comparison_is_refused(first, second, preferred, message) -> None:
+    with pytest.raises(InvalidParameter, match=message):
+        bradley_terry(first, second, preferred)
+
+
+def test_both_are_analysed_and_reported(tmp_path) -> None:
+    rng = np.random.default_rng()
+    table = compared(rng, 6, 8, TRUTH).assign(task="preference", level="", catch="", session=1)
+    rows = [("P01", 1 if rng.random() < (0.8 if c == 0 else 0.04) else 0, c) for c in (0, 1) for _ in range(50)]
+    same = pd.DataFrame(rows, columns=["participant", "response", "catch"])
+    same = same.assign(task="same_different", level=np.where(same["catch"] == 1, "", "20"), item="", item_b="")
+    whole = pd.concat([table, same], ignore_index=True)
+    whole = whole.assign(trial=range(1, len(whole) + 1), procedure="constant_stimuli")
+    columns = ["participant", "trial", "procedure", "level", "task", "response", "catch", "item", "item_b"]
+    whole[columns].to_csv(tmp_path / "t.csv", index=False)
+    found = analyse(tmp_path / "t.csv", report=tmp_path / "r.html")
+    assert found.warnings == ()
+    assert found.tables["same_different"]["n_same"].tolist() == [50]
+    assert 1.5 < found.tables["same_different"]["d_prime_differencing"][0] < 6
+    assert found.tables["preference"]["item"].tolist() == [*TRUTH, "first of the pair"]
+    assert found.tables["preference"]["low"].notna().all()
+    page = found.report.read_text()
+    for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
+        assert text in page
+    assert found.summary()["preference"][0]["item"] == "P0"
