@@ -23,8 +23,10 @@ from tactometry.stimuli.time_reversal import (
     n_held,
 )
 from tactometry.stimuli.time_reversal.closed_forms import repetition_amplitude_ratio
+from tactometry.stimuli.time_reversal.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.design import Design, amplitude_over_reversal
 from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
@@ -96,3 +98,22 @@ def test_below_the_first_mode_nothing_moves_and_a_load_changes_nothing():
 def test_more_modes_than_a_machine_holds_are_refused():
     with pytest.raises(InvalidParameter, match="number of modes below f_max_hz: found .*, expected at most 1e"):
         A4_SCREEN.frequencies_hz(1e9)
+
+
+@pytest.mark.parametrize("tau_s", [1e-3, 1.0, 1e4, math.inf])
+@pytest.mark.parametrize("reversal_s", [1e-5, 1e-3, 8e-3, 1.0])
+def test_the_factored_overlap_is_that_of_one_exponential_per_pair(tau_s, reversal_s):
+    """Equal modes, near ones and far ones, from nearly nothing to a long reversal."""
+    omega = np.array([1e4, 1e4, 1e4 + 1e-3, 1.001e4, 2e4, 1.5e5])
+    both = Oscillators(omega, np.full(6, 1 / tau_s))
+    pole = -both.decay_per_s + 1j * both.split_rad_per_s
+
+    def grown(z):
+        safe = np.where(z == 0, 1.0, z)
+        return np.where(z == 0, reversal_s, np.expm1(safe * reversal_s) / safe)
+
+    apart, together = grown(pole[:, None] + np.conj(pole)), grown(pole[:, None] + pole)
+    expected = (apart - together).real / (2 * np.outer(pole.imag, pole.imag))
+    found = overlap(both, reversal_s)
+    np.testing.assert_array_equal(found, found.T)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())

@@ -127,8 +127,23 @@ def rule_of(hint: Any) -> Rule:
         each, words = rule_of(inner[1])
         return lambda value: isinstance(value, Mapping) and all(map(each, value.values())), f"a mapping to {words}"
     if isinstance(hint, type):
-        return lambda value: isinstance(value, hint), f"a {hint.__name__}"
+        return _of_class(hint)
     return (callable, "a function") if origin is Callable else (lambda _: True, "anything")
+
+
+def _of_class(hint: type) -> Rule:
+    """A class is looked at once: whether it has what a protocol asks for takes longer than many a call."""
+    known: set[type] = set()
+
+    def fits(value: Any) -> bool:
+        if type(value) in known:
+            return True
+        if not isinstance(value, hint):
+            return False
+        known.add(type(value))
+        return True
+
+    return fits, f"a {hint.__name__}"
 
 
 def _either(rules: Sequence[Rule]) -> Rule:
@@ -191,11 +206,19 @@ def _are_numbers(value: Any, kinds: str = "iuf") -> bool:
     found = _as_array(value)
     if found is None or (found.dtype.kind not in kinds and found.size):
         return False
-    return bool(np.all(_fit(found)))
+    return _in_range(found) or bool(np.all(_fit(found)))
 
 
 def _are_finite(value: Any) -> bool:
-    return _are_numbers(value) and bool(np.all(np.isfinite(np.asarray(value))))
+    found = _as_array(value)
+    return found is not None and (found.size == 0 or found.dtype.kind in "iuf") and _in_range(found)
+
+
+def _in_range(found: NDArray[Any]) -> bool:
+    """Without a copy; NaN is not."""
+    if found.dtype.kind == "c":
+        return _in_range(found.real) and _in_range(found.imag)
+    return found.size == 0 or bool(found.min() >= -LARGEST and found.max() <= LARGEST)
 
 
 def _fit(found: Any) -> NDArray[np.bool_]:
