@@ -94,7 +94,7 @@ def bradley_terry(
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
     >>> found.worths["worth"].round(2).tolist(), round(found.chance("a", "c"), 2)
-    ([0.7, 0.07, -0.77], 0.81)
+    ([0.76, -0.0, -0.76], 0.82)
     """
     a, b, answer = np.asarray(first, dtype=str), np.asarray(second, dtype=str), np.asarray(preferred)
     _check(a, b, answer, participants)

@@ -36,8 +36,8 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     >>> round(found.d_prime, 4), round(found.criterion, 12)
     (3.9615, 0.0)
     """
-    z_hit = rate_z("n_hits", n_hits, "n_signals", n_signals)
-    z_false_alarm = rate_z("n_false_alarms", n_false_alarms, "n_noises", n_noises)
+    z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
+    z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
     return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)
 
 
@@ -59,17 +59,17 @@ def two_interval_sensitivity(n_correct_first: int, n_first: int, n_correct_secon
     >>> [round(x, 3) for x in (fair.d_prime, fair.criterion, biased.d_prime, biased.criterion)]
     [1.161, 0.0, 1.345, 0.703]
     """
-    z_hit = rate_z("n_correct_first", n_correct_first, "n_first", n_first)
+    z_hit = z_score("n_correct_first", n_correct_first, "n_first", n_first)
     n_false_alarms = n_second - n_correct_second
     if not 0 <= n_correct_second <= n_second:
         raise InvalidParameter(
             f"n_correct_second: found {n_correct_second}, expected a count from 0 to n_second, {n_second}"
         )
-    z_false_alarm = rate_z("n_correct_second", n_false_alarms, "n_second", n_second)
+    z_false_alarm = z_score("n_correct_second", n_false_alarms, "n_second", n_second)
     return Sensitivity((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
 
 
-def rate_z(name: str, k: int, of: str, n: int) -> float:
+def z_score(name: str, k: int, of: str, n: int) -> float:
     if n < 1:
         raise InvalidParameter(f"{of}: found {n}, expected at least 1")
     if not 0 <= k <= n:

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.cells import is_catch
-from tactometry.analysis.detection import LARGEST_D_PRIME, rate_z
+from tactometry.analysis.detection import LARGEST_D_PRIME, z_score
 from tactometry.analysis.table import Trials, parsed, used_rows
 
 TASK = "same_different"
@@ -30,7 +30,7 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
         If a count is negative or above its number of trials, or there are no trials.
 
     >>> round(differencing_sensitivity(30, 50, 10, 50), 3)
-    2.101
+    2.13
     """
     hit, false_alarm = (ndtr(z) for z in _rates(n_hits, n_different, n_false_alarms, n_same))
     if hit <= false_alarm:
@@ -49,7 +49,7 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
         As `differencing_sensitivity`.
 
     >>> round(independent_sensitivity(30, 50, 10, 50), 3)
-    1.604
+    1.823
     """
     hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
     correct = ndtr((hit - false_alarm) / 2)
@@ -59,8 +59,8 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
 def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> tuple[float, float]:
     """As standard normal deviates."""
     return (
-        rate_z("n_hits", n_hits, "n_different", n_different),
-        rate_z("n_false_alarms", n_false_alarms, "n_same", n_same),
+        z_score("n_hits", n_hits, "n_different", n_different),
+        z_score("n_false_alarms", n_false_alarms, "n_same", n_same),
     )
 
 
