@@ -51,6 +51,7 @@ STIMULI: Mapping[str, StimulusKind] = {
     "measured_focus": StimulusKind(
         FOCUSING.stimulus, "tactometry.stimuli.time_reversal.reading:FocusReading", FOCUSING.shared
     ),
+    "hybrid": StimulusKind("tactometry.stimuli.hybrid:Hybrid", "tactometry.stimuli.hybrid:HybridSensation", ("setup",)),
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 

@@ -64,6 +64,7 @@ from tactometry.stimuli.electrovibration import (
     WithOffset,
 )
 from tactometry.stimuli.electrovibration.played_texture import straight_path_m
+from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.time_reversal.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.setup import Setup
@@ -95,6 +96,10 @@ STIMULI = {
     ),
     "focus_train": FocusTrain(
         Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3), pattern="P1", f_max_hz=10e3, voltage_max_v=1e9
+    ),
+    "hybrid": Hybrid(
+        FocusTrain(Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3), f_max_hz=10e3, voltage_max_v=1e9),
+        AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=25e3),
     ),
 }
 

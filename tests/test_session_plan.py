@@ -176,8 +176,8 @@ def test_conditions_that_share_a_posterior_run_interleaved():
 def test_a_dry_run_counts_trials_items_and_time():
     made = wire(load("hybrid-button")[0], "hybrid-button")
     blocks = plan(made, 1)
-    assert [(block.n_trials_at_most, block.n_items) for block in blocks] == [(4, 12), (4, 12), (0, 6)]
-    assert duration_s(made, blocks) == 8 * 8.0 + 30 * 5.0
+    assert [(block.n_trials_at_most, block.n_items) for block in blocks] == [(4, 12), (4, 12), (4, 12), (0, 6)]
+    assert duration_s(made, blocks) == 12 * 8.0 + 42 * 5.0
 
 
 def test_practice_comes_first_and_is_marked():

@@ -1,0 +1,150 @@
+"""A click and a friction at once, on one screen: foci by time reversal, and electrovibration of a finger that slides.
+
+The outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one surface.
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import inf
+
+import numpy as np
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
+from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
+from tactometry.stimuli.time_reversal.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.sensation import Keyed, TimeReversalSensation
+from tactometry.stimuli.time_reversal.setup import Setup
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """Foci and friction that begin together; the level is that of the foci.
+
+    The channels are those of the transducers, then that of the electrode. The electrode's level (dB re 1 V) is the
+    level of the foci (dB re 1 um) plus `electrode_offset_db`, so that both grow together.
+
+    Parameters
+    ----------
+    focus : FocusTrain
+        Its level in dB re 1 um.
+    friction : AmplitudeModulated
+        Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
+    electrode_offset_db : float
+        Finite; 6 dB is an unverified default.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> focus = FocusTrain(setup, f_max_hz=20e3)
+    >>> both = Hybrid(focus, AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=50e3))
+    >>> both.at(20.0).samples.shape, both.level_unit
+    ((9, 25000), 'dB re 1 um')
+    """
+
+    focus: FocusTrain
+    friction: AmplitudeModulated
+    electrode_offset_db: float = 6.0
+
+    def __post_init__(self) -> None:
+        pairs = {
+            "focus.level_unit": (self.focus.level_unit, "dB re 1 um"),
+            "friction.level_unit": (self.friction.level_unit, "dB re 1 V"),
+            "friction.rate_hz": (self.friction.rate_hz, self.setup.rate_hz),
+            "friction.duration_s": (self.friction.duration_s, self.focus.duration_s),
+        }
+        for name, (found, expected) in pairs.items():
+            if found != expected:
+                raise InvalidParameter(f"Hybrid.{name}: found {found}, expected {expected}, so that both play as one")
+        if not np.isfinite(self.electrode_offset_db):
+            raise InvalidParameter(
+                f"Hybrid.electrode_offset_db: found {self.electrode_offset_db}, expected a finite number"
+            )
+
+    @property
+    def setup(self) -> Setup:
+        return self.focus.setup
+
+    @property
+    def duration_s(self) -> float:
+        return self.focus.duration_s
+
+    @property
+    def level_unit(self) -> str:
+        return self.focus.level_unit
+
+    def at(self, level: float) -> Signal:
+        """(n_transducers + 1, n_samples) volt.
+
+        Raises
+        ------
+        InvalidParameter
+            If the level is not finite.
+        LimitExceeded
+            If the foci need more than `focus.voltage_max_v`.
+        """
+        foci, friction = self.focus.at(level), self.friction.at(level + self.electrode_offset_db)
+        samples = np.zeros((foci.samples.shape[0] + 1, friction.samples.shape[1]))
+        samples[:-1, : foci.samples.shape[1]] = foci.samples
+        samples[-1] = friction.samples[0]
+        return Signal(samples, friction.rate_hz, "V")
+
+
+@dataclass(frozen=True)
+class HybridSensation:
+    """Sensation level of foci and friction together: that of the stronger one.
+
+    Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus, the
+    friction only while it slides.
+
+    Parameters
+    ----------
+    setup : Setup
+        The screen and focus, the same as the stimulus has.
+    friction : ElectrovibrationSensation
+    reference_m : float
+        As in `TimeReversalSensation`; unverified default.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> focus = FocusTrain(setup, f_max_hz=20e3)
+    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3)).at(20.0)
+    >>> felt = HybridSensation(setup)
+    >>> at_rest, sliding = (felt.sensation_db(signal, Contact(1.0, speed)) for speed in (0.0, 0.05))
+    >>> at_rest < 0 < sliding
+    True
+    """
+
+    setup: Setup = field(default_factory=Setup)
+    friction: ElectrovibrationSensation = field(default_factory=ElectrovibrationSensation)
+    reference_m: float = 10e-6
+
+    def sensation_db(self, signal: Signal, contact: Contact) -> float:
+        """Sensation level (dB) of a drive of all transducers and the electrode under a finger; ``-inf`` for nothing.
+
+        Raises
+        ------
+        InvalidParameter
+            If the signal is not in volt, or its rate or channels are not those of the setup and one electrode.
+        """
+        foci, friction = _parts(Keyed(signal))
+        felt = TimeReversalSensation(self.setup, self.reference_m).sensation_db(foci, contact)
+        slid = self.friction.sensation_db(friction, contact) if friction.peak else -inf
+        return max(felt, slid)
+
+
+@lru_cache(maxsize=32)
+def _parts(keyed: Keyed) -> tuple[Signal, Signal]:
+    """What the transducers play, until they are silent, and what the electrode does."""
+    signal = keyed.signal
+    n_driven = int(np.flatnonzero(np.any(signal.samples[:-1], axis=0)).max(initial=0)) + 1
+    foci, friction = signal.samples[:-1, :n_driven], signal.samples[-1:]
+    return Signal(foci, signal.rate_hz, signal.unit), Signal(friction, signal.rate_hz, signal.unit)
