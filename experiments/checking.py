@@ -27,8 +27,8 @@ from tactometry.signal import Signal
 
 LISTEN_S = 2.0
 N_FRAMES = 60
-LATE_AT_MOST = 0.01
-"""Part of the frames that may be late (unverified default)."""
+DROPPED_AT_MOST = 0.01
+"""Part of the frames that may be dropped (unverified default)."""
 RATE_TOLERANCE = 0.02
 """Of a sensor's nominal rate (unverified default)."""
 MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
@@ -149,6 +149,7 @@ def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
 
 
 def _display(screen: Screen) -> Iterator[Finding]:
+    from tactometry.rigs.frames import timing_of
     from tactometry.rigs.layout import marker_page
     from tactometry.rigs.window import Window
 
@@ -158,7 +159,7 @@ def _display(screen: Screen) -> Iterator[Finding]:
         window.present(page)
         for _ in range(N_FRAMES):
             window.refresh(page)
-        facts, timing = window.facts(), window.timing()
+        facts, timing = window.facts(), timing_of(window.frame_intervals_s(), window.period_s)
     finally:
         window.close()
     size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
@@ -168,9 +169,11 @@ def _display(screen: Screen) -> Iterator[Finding]:
     period_s = facts["frame_period_s"]
     paced = ", in software: there is no vertical blank" if facts["frames_paced_in_software"] else ""
     yield Finding("display", "frame period", f"{1e3 * float(period_s or 0):.2f} ms{paced}")
-    n_late, n_frames = int(timing["n_late_frames"] or 0), int(timing["n_frames"] or 0)
-    fine = n_late <= LATE_AT_MOST * n_frames
-    yield Finding("display", "late frames", f"{n_late} of {n_frames}", f"at most {LATE_AT_MOST:.0%}", fine)
+    interval_ms = [f"{1e3 * float(timing[f'frame_interval_{name}_s'] or 0):.1f}" for name in ("median", "p99", "max")]
+    yield Finding("display", "frame interval", f"{interval_ms[0]} ms, p99 {interval_ms[1]}, longest {interval_ms[2]}")
+    n_dropped, n_frames = int(timing["n_dropped_frames"] or 0), int(timing["n_frames"] or 0)
+    fine = n_dropped <= DROPPED_AT_MOST * n_frames
+    yield Finding("display", "dropped frames", f"{n_dropped} of {n_frames}", f"at most {DROPPED_AT_MOST:.0%}", fine)
     yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from tactometry.dataset import Design, OpenSession, Session
 from tactometry.errors import InvalidParameter
+from tactometry.event import EventLog, Fact
 from tactometry.experiments.wiring import Experiment
-from tactometry.journal import Fact, Head
+from tactometry.journal import Head
 from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
 from tactometry.rigs.rig import Rig
@@ -55,13 +56,13 @@ class Recorded:
 
 @dataclass(frozen=True)
 class RigKind:
-    """How a rig is made for a participant and a seed, and what of the participant is known (a simulated one's truth).
+    """How a rig is made for a seed and a log, and what is known of the participant (a simulated one's truth).
 
     `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
     """
 
     name: str
-    make: Callable[[int], Rig]
+    make: Callable[[int, EventLog], Rig]
     observer: Callable[[int], dict[str, Fact]] = lambda seed: {}
     simulated_time: bool = False
 
@@ -70,7 +71,7 @@ def simulated(experiment: Experiment, who: Who) -> RigKind:
     """The simulated rig of this participant."""
     return RigKind(
         "simulated",
-        lambda seed: experiment.simulated_rig(who.participant, who.session, seed),
+        lambda seed, log: experiment.simulated_rig(who.participant, who.session, seed),
         lambda seed: experiment.simulated_participant(who.participant, seed).facts(),
         simulated_time=True,
     )
@@ -93,7 +94,7 @@ def record(
     keeper = OpenSession(root, design, session, resume=resume)
     try:
         seed = _agreed(keeper.head, who, kind)
-        n_resumed, rig = keeper.n_trials, kind.make(seed)
+        n_resumed, rig = keeper.n_trials, kind.make(seed, keeper)
         if keeper.head is None:
             keeper.begin(_head(design, who, seed, kind, rig))
         course = experiment.course(who.participant, who.session, number, seed)

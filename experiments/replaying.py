@@ -55,7 +55,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
-    recorded = Replay(recording.entries, str(journal), first_line=2)
+    recorded = Replay(recording.entries, str(journal), recording.lines)
     replay(course, recorded, complete=recording.complete)
     found = trials.read_bytes() if trials.is_file() else b""
     row = first_difference(found, derived_csv(recording, experiment))

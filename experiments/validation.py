@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tactometry.dataset import Session, sessions, trials_csv
 from tactometry.errors import InvalidFile, TactometryError
+from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.journal import Recording, read
@@ -147,6 +148,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         yield Defect(name, 1, "found the digest of another study.toml, expected that of this data set")
     else:
         yield from _agreement(root, journal, recording, experiment)
+        yield from _events(journal, recording)
 
 
 def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
@@ -176,6 +178,21 @@ def _agreement(root: Path, journal: Path, recording: Recording, experiment: Expe
     row = first_difference(_content(file), derived_csv(recording, experiment))
     if row is not None:
         yield Defect(f"data/{file.name}", row, "found another row than the journal holds, expected the same")
+
+
+def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
+    """Whether the events file is what the journal says."""
+    file = journal.with_name(f"{journal.stem}_events.tsv")
+    name = f"journals/{file.name}"
+    if not file.is_file():
+        if recording.events:
+            yield Defect(name, None, "found no such file, expected the events of the journal; use --resume")
+        return
+    row = first_difference(_content(file), events_tsv(recording.events))
+    if row is not None:
+        yield Defect(name, row, "found another row than the journal holds, expected the same; use --resume")
+    if not file.with_suffix(".json").is_file():
+        yield Defect(name, None, "found no description of its columns beside it, expected a JSON file; use --resume")
 
 
 def derived_csv(recording: Recording, experiment: Experiment) -> bytes:

@@ -8,6 +8,7 @@ import csv
 import io
 import os
 import re
+import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ import msgspec
 
 from tactometry.columns import FIRST, Column
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+from tactometry.event import COLUMNS, Event, events_tsv
 from tactometry.journal import Head, Journal, write_atomically, write_whole
 from tactometry.request import Record, Request
 from tactometry.rigs.replay import Replay
@@ -70,6 +72,9 @@ class Session:
 
     def interruptions(self, root: Path) -> Path:
         return root / "journals" / f"{self.stem}_interruptions.jsonl"
+
+    def events(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}_events.tsv"
 
     def trials(self, root: Path) -> Path:
         return root / "data" / f"{self.stem}_data.csv"
@@ -142,6 +147,11 @@ def sidecar_json(design: Design) -> bytes:
     return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in design.columns})
 
 
+def events_json() -> bytes:
+    """The description of every column of an events file."""
+    return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in COLUMNS})
+
+
 def prepare(root: Path, design: Design) -> None:
     """Make the folders and the files that all sessions share.
 
@@ -181,13 +191,15 @@ class OpenSession:
 
     def __init__(self, root: Path, design: Design, session: Session, *, resume: bool) -> None:
         prepare(root, design)
-        self._design = design
-        self._session = session
+        self._root, self._design, self._session = root, design, session
+        self._file = self._events_file = -1
+        self.recorded_s: float | None = None
+        """When the last trial was on the disk, on `time.perf_counter`."""
         self.journal = Journal(session.journal(root), resume=resume)
         try:
             self.n_trials = len(self.journal.recording.trials)
             self.repaired = self._keep_cut(root, self.journal.cut)
-            self._file = self._rebuild(root)
+            self._rebuild()
         except BaseException:
             self.journal.close()
             raise
@@ -212,9 +224,18 @@ class OpenSession:
     def begin(self, head: Head) -> None:
         self.journal.begin(head)
 
+    def note(self, event: Event) -> None:
+        """Keep what happened unasked, in the journal and in the events file."""
+        self.journal.note(event)
+        if self._events_file < 0:
+            self._events_file = self._new_events(())
+        line = events_tsv([event]).partition(b"\n")[2]
+        write_whole(self._events_file, line, self._session.events(self._root), durable=False)
+
     def append(self, request: Request, answer: object) -> None:
         self.journal.append(request, answer)
         if isinstance(request, Record):
+            self.recorded_s = time.perf_counter()
             line = csv_bytes([row(request.trial, self._session, self._design.columns)])
             write_whole(self._file, line, self._trials, durable=False)
             self.n_trials += 1
@@ -224,19 +245,23 @@ class OpenSession:
 
     def close(self) -> None:
         self.journal.close()
-        if self._file >= 0:
-            os.fsync(self._file)
-            os.close(self._file)
-            self._file = -1
+        for file in (self._file, self._events_file):
+            if file >= 0:
+                os.fsync(file)
+                os.close(file)
+        self._file = self._events_file = -1
 
-    def _rebuild(self, root: Path) -> int:
-        self._trials = self._session.trials(root)
-        write_atomically(self._session.sidecar(root), sidecar_json(self._design))
-        content = trials_csv(self.journal.recording.trials, self._session, self._design.columns)
-        write_atomically(self._trials, content)
-        file = os.open(self._trials, os.O_WRONLY)
-        os.lseek(file, 0, os.SEEK_END)
-        return file
+    def _rebuild(self) -> None:
+        self._trials, recording = self._session.trials(self._root), self.journal.recording
+        write_atomically(self._session.sidecar(self._root), sidecar_json(self._design))
+        self._file = _written(self._trials, trials_csv(recording.trials, self._session, self._design.columns))
+        if recording.events:
+            self._events_file = self._new_events(recording.events)
+
+    def _new_events(self, events: Sequence[Event]) -> int:
+        path = self._session.events(self._root)
+        write_atomically(path.with_suffix(".json"), events_json())
+        return _written(path, events_tsv(events))
 
     def _keep_cut(self, root: Path, cut: bytes) -> str | None:
         if not cut:
@@ -250,6 +275,14 @@ class OpenSession:
             f"the last sitting was cut off after trial {self.n_trials}; {len(cut)} bytes of the trial that was under "
             f"way are kept in {path.name}, and that trial is asked again"
         )
+
+
+def _written(path: Path, content: bytes) -> int:
+    """A file with this content, open at its end."""
+    write_atomically(path, content)
+    file = os.open(path, os.O_WRONLY)
+    os.lseek(file, 0, os.SEEK_END)
+    return file
 
 
 def _cut_line(n_trials: int, cut: bytes) -> bytes:

@@ -1,14 +1,15 @@
-"""The journal of a session: every request with its answer, in order, append-only, one JSON line each.
+"""The journal of a session: every request with its answer, and every event, in order, append-only, one JSON line each.
 
 Each line ends with the CRC-32 of all that stands before it in the file, so that a damaged line, and a missing one, is
 found and named. A trial (a `Record`) is
 flushed and fsynced before `append` returns; an unfinished last line is what a crash leaves, and is cut off on resume.
 """
 
+import math
 import os
 import zlib
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,12 @@ import msgspec
 import portalocker
 
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
+from tactometry.event import Event, Fact, decode_event
 from tactometry.request import REQUESTS, Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.trial import Trial
 
 FORMAT = 1
-Fact = str | int | float | bool | None
 Entry = tuple[Request, Any]
 
 
@@ -45,12 +46,18 @@ class Head:
 
 @dataclass(frozen=True)
 class Recording:
-    """A journal as it was read: `entries` up to the last whole line; `n_torn_bytes` of an unfinished last line."""
+    """A journal as it was read: `entries` up to the last whole line; `n_torn_bytes` of an unfinished last line.
+
+    `lines` are the numbers of the entries' lines, `events` what happened unasked, `event_lines` their lines.
+    """
 
     head: Head | None
     entries: tuple[Entry, ...]
     complete: bool
     n_torn_bytes: int = 0
+    lines: tuple[int, ...] = ()
+    events: tuple[Event, ...] = ()
+    event_lines: tuple[int, ...] = ()
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -78,6 +85,12 @@ def encode_entry(request: Request, answer: object, before: int = 0) -> bytes:
             "value that is not a number: check it, then go on with --resume"
         )
     return line
+
+
+def encode_event(event: Event, before: int = 0) -> bytes:
+    """One line of an event."""
+    told: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
+    return encode({**told, "facts": event.facts}, before)
 
 
 def _reads_back(line: bytes, request: Request, answer: object) -> bool:
@@ -122,7 +135,8 @@ def read(path: Path) -> Recording:
     """
     *whole, torn = path.read_bytes().split(b"\n")
     head: Head | None = None
-    entries: list[Entry] = []
+    entries: dict[int, Entry] = {}
+    events: dict[int, Event] = {}
     complete = False
     for number, value in _lines(whole, path):
         where = f"{path}, line {number}"
@@ -133,14 +147,18 @@ def read(path: Path) -> Recording:
                 head = msgspec.convert(value, Head)
             elif "end" in value:
                 complete = True
+            elif "event" in value:
+                events[number] = decode_event(value)
             else:
-                entries.append(decode_entry(value))
+                entries[number] = decode_entry(value)
         except (KeyError, msgspec.ValidationError) as error:
             raise InvalidFile(
-                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request'} of a journal of "
+                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal of "
                 f"format {FORMAT}; read it with the version that wrote it"
             ) from None
-    return Recording(head, tuple(entries), complete, len(torn))
+    return Recording(
+        head, tuple(entries.values()), complete, len(torn), tuple(entries), tuple(events.values()), tuple(events)
+    )
 
 
 def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
@@ -154,7 +172,7 @@ class Journal:
     """A journal that is open for writing, and locked: a second process is refused.
 
     With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds; what was cut
-    (the torn line, and the requests of the trial that was under way) is returned by `cut`.
+    (the torn line, and the requests of the trial that was under way) is returned by `cut`. Events stay.
     """
 
     def __init__(self, path: Path, *, resume: bool) -> None:
@@ -173,18 +191,20 @@ class Journal:
         recording = read(self.path)
         content = self.path.read_bytes()
         kept = recording if recording.complete else _until_last_trial(recording)
-        n_lines = 0 if kept.head is None else 1 + len(kept.entries) + kept.complete
-        n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[:n_lines])
-        if n_bytes < len(content):
-            os.ftruncate(self._file, n_bytes)
-            os.fsync(self._file)
+        n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[: _n_lines(kept)])
         os.lseek(self._file, n_bytes, os.SEEK_SET)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
-        return kept, content[n_bytes:]
+        cut_off = recording.events[len(kept.events) :]
+        if n_bytes < len(content):
+            os.ftruncate(self._file, n_bytes)
+            for event in cut_off:
+                self.note(event)
+            os.fsync(self._file)
+        return replace(kept, events=recording.events), content[n_bytes:]
 
     @property
     def replay(self) -> Replay:
-        return Replay(self.recording.entries, str(self.path), first_line=2)
+        return Replay(self.recording.entries, str(self.path), self.recording.lines)
 
     def begin(self, head: Head) -> None:
         """Write the first line of a new journal."""
@@ -194,6 +214,9 @@ class Journal:
 
     def append(self, request: Request, answer: object) -> None:
         self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
+
+    def note(self, event: Event) -> None:
+        self._write(encode_event(event, self._before), durable=False)
 
     def finish(self) -> None:
         """Write the last line, once."""
@@ -211,8 +234,23 @@ class Journal:
 
 
 def _until_last_trial(recording: Recording) -> Recording:
+    """Up to the last trial, with the events that follow it before anything else is asked."""
     n_kept = max((n for n, (request, _) in enumerate(recording.entries, 1) if isinstance(request, Record)), default=0)
-    return Recording(recording.head, recording.entries[:n_kept], complete=False)
+    end = recording.lines[n_kept] if n_kept < len(recording.lines) else math.inf
+    n_events = sum(line < end for line in recording.event_lines)
+    return Recording(
+        recording.head,
+        recording.entries[:n_kept],
+        complete=False,
+        lines=recording.lines[:n_kept],
+        events=recording.events[:n_events],
+        event_lines=recording.event_lines[:n_events],
+    )
+
+
+def _n_lines(recording: Recording) -> int:
+    head = recording.head is not None
+    return head + len(recording.entries) + len(recording.events) + recording.complete
 
 
 def _open(path: Path) -> int:

@@ -443,7 +443,7 @@ def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(co
     experiment = wire(study, "tutorial")
     recording = read(next((copied / "journals").glob("*P01*")))
     with pytest.raises(Diverged, match=r"line \d+: .*the recording holds .*, the protocol asks for"):
-        replay(experiment.course("P01", 1, 1, 4), Replay(recording.entries, "journal", 2))
+        replay(experiment.course("P01", 1, 1, 4), Replay(recording.entries, "journal", recording.lines))
 
 
 def test_resuming_with_another_seed_is_refused(copied, capsys):

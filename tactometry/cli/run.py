@@ -1,5 +1,6 @@
 """`tactometry run`."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -10,6 +11,7 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
+    from tactometry.event import EventLog
     from tactometry.experiments.bench_file import BenchFile
     from tactometry.experiments.recording import Recorded, RigKind, Who
     from tactometry.experiments.wiring import Experiment
@@ -67,11 +69,12 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     from tactometry.experiments.bench_file import device_facts
     from tactometry.experiments.recording import RigKind
     from tactometry.rigs.bench import Bench, open_bench
+    from tactometry.rigs.desk import Desk
 
     del who
     screen, study = bench.screen, experiment.study
 
-    def make(seed: int) -> Bench:
+    def make(seed: int, log: "EventLog") -> Bench:
         del seed
         devices = bench.devices(study.limits, date.today())
         return open_bench(
@@ -87,6 +90,8 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             display_height_m=screen.height_m,
             ramp_s=bench.output.ramp_s,
             device_facts=partial(device_facts, bench, devices),
+            log=log,
+            desk=Desk(sys.stdin, sys.stderr),
         )
 
     return RigKind("bench", make)
@@ -100,7 +105,7 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
     limits = bench.limits_with(experiment.study.limits)
-    return RigKind("console", lambda seed: Console(experiment.bank, limits, texts))
+    return RigKind("console", lambda seed, log: Console(experiment.bank, limits, texts))
 
 
 def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":

@@ -2,12 +2,11 @@
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from tactometry.devices.reader import Told
 
 
-class ForceSensor(Protocol):
-    """A stream of force samples, each stamped where it was taken.
+class ForceSensor(Told, Protocol):
+    """A stream of forces, N, (n_samples,), each stamped where it was taken.
 
     A driver reads its device in a thread of its own, so that drawing never starves it. Stamps are seconds on
     `time.perf_counter`; a sample that the device knows to be lost is NaN.
@@ -22,9 +21,6 @@ class ForceSensor(Protocol):
 
     def open(self) -> None:
         """Begin to collect. Raises `DeviceFailed`."""
-
-    def read(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The stamps (s) and forces (N) since the last call, both (n_samples,), in order; never waits."""
 
     def close(self) -> None:
         """Let go of the device; may be called more than once."""

@@ -1,5 +1,6 @@
 """The guard before every driver: nothing reaches a load that its limits do not allow."""
 
+import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
@@ -58,6 +59,7 @@ class Guarded:
     ) -> None:
         self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
         self._exposure = Exposure(self.clock())
+        self._counting = threading.Lock()
         self._checked: tuple[Signal, Signal] | None = None
 
     @property
@@ -98,6 +100,7 @@ class Guarded:
         self._stated()
         self.driver.open()
         self._exposure = Exposure(self.clock())
+        self._counting = threading.Lock()
 
     def play(self, signal: Signal) -> float:
         """Check all limits on the final samples, then begin to emit.
@@ -110,7 +113,8 @@ class Guarded:
         limits, final = self.check(signal)
         limits.check_exposure(self._exposure, self.clock(), final.duration_s)
         onset_s = self.driver.play(signal)
-        self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
+        with self._counting:
+            self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
@@ -136,7 +140,8 @@ class Guarded:
 
     def stop(self) -> None:
         self.driver.stop()
-        self._exposure = self._exposure.stopped(self.clock())
+        with self._counting:
+            self._exposure = self._exposure.stopped(self.clock())
 
     def close(self) -> None:
         self.driver.close()

@@ -3,18 +3,16 @@
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tactometry.devices.reader import FloatArray, Told
 from tactometry.errors import InvalidParameter
-
-FloatArray = NDArray[np.float64]
 
 MEAN_S = 0.02
 """Positions are averaged over this time before distances are summed, so that noise is no way (unverified default)."""
 
 
-class PositionSensor(Protocol):
-    """A stream of positions on the surface, stamped as those of a `ForceSensor`; one may be both."""
+class PositionSensor(Told, Protocol):
+    """A stream of positions on the surface, m, (n_samples, n_axes), stamped as those of a `ForceSensor`."""
 
     @property
     def name(self) -> str: ...
@@ -24,9 +22,6 @@ class PositionSensor(Protocol):
 
     def open(self) -> None:
         """Begin to collect. Raises `DeviceFailed`."""
-
-    def read(self) -> tuple[FloatArray, FloatArray]:
-        """The stamps (n_samples,) in s and positions (n_samples, n_axes) in m since the last call; never waits."""
 
     def close(self) -> None:
         """May be called more than once."""
@@ -74,13 +69,3 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     means_m = np.add.reduceat(positions_m, first, axis=0) / n_each[:, None]
     way_m = np.linalg.norm(np.diff(means_m, axis=0), axis=1).sum()
     return float(way_m / (mean_times_s[-1] - mean_times_s[0]))
-
-
-def speed_during_m_per_s(sensor: PositionSensor | None, begin_s: float, end_s: float) -> float | None:
-    """How fast the finger was from `begin_s` to `end_s` by what the sensor collected; None where nobody measured it."""
-    if sensor is None:
-        return None
-    times_s, positions_m = sensor.read()
-    during = (times_s >= begin_s) & (times_s <= end_s) & np.isfinite(positions_m).all(axis=1)
-    times_s, positions_m = times_s[during], positions_m[during]
-    return mean_speed_m_per_s(times_s, positions_m) if np.all(np.diff(times_s) >= 0) else None

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -25,6 +26,20 @@ class Block:
 
     times_s: FloatArray
     values: FloatArray
+
+
+Hear = Callable[[FloatArray, FloatArray], None]
+"""What is told samples: their times (n_samples,) in s on `time.perf_counter`, and their values."""
+
+
+class Told(Protocol):
+    """What tells samples as they come."""
+
+    def listen(self, hear: Hear) -> Callable[[], None]:
+        """Call `hear` with all samples from now on, in the thread that collects them, until the result is called.
+
+        A device that says nothing for about 0.1 s tells no samples: both arrays are empty.
+        """
 
 
 class Source(Protocol):
@@ -60,6 +75,8 @@ class Listener:
         self._blocks: deque[Block] = deque()
 
     def put(self, block: Block) -> None:
+        if block.times_s.size == 0:
+            return
         self._blocks.append(block)
         while self._blocks[0].times_s[-1] < block.times_s[-1] - KEPT_S:
             self._blocks.popleft()
@@ -77,7 +94,7 @@ class Reader:
 
     def __init__(self, source: Source) -> None:
         self.source = source
-        self._listeners: list[Listener] = []
+        self._hearers: tuple[Callable[[Block], None], ...] = ()
         self._n_open = 0
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
@@ -91,8 +108,20 @@ class Reader:
 
     def listen(self) -> Listener:
         """Another listener; it hears what comes from now on."""
-        self._listeners = [*self._listeners, Listener()]
-        return self._listeners[-1]
+        listener = Listener()
+        self.tell(listener.put)
+        return listener
+
+    def tell(self, hear: Callable[[Block], None]) -> Callable[[], None]:
+        """Call `hear` in the reader's thread with each block from now on, an empty one where nothing came.
+
+        It ends when the function that is returned is called.
+        """
+        self._hearers = (*self._hearers, hear)
+        return lambda: self._forget(hear)
+
+    def _forget(self, hear: Callable[[Block], None]) -> None:
+        self._hearers = tuple(each for each in self._hearers if each is not hear)
 
     def open(self) -> None:
         """Begin to read; the second of two that share a reader changes nothing.
@@ -129,15 +158,20 @@ class Reader:
                 self._find_again()
 
     def _take(self, block: Block | None) -> None:
-        if block is None or block.times_s.size == 0:
-            return
-        self._n_samples += block.times_s.size
-        self._failure = None
-        for listener in self._listeners:
-            listener.put(block)
+        if block is not None and block.times_s.size:
+            self._n_samples += block.times_s.size
+            self._failure = None
+        self._say(block)
+
+    def _say(self, block: Block | None) -> None:
+        said = Block(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block
+        for hear in self._hearers:
+            hear(said)
 
     def _find_again(self) -> None:
+        self._say(None)
         while not self._ending.wait(RETRY_S):
+            self._say(None)
             try:
                 self.source.open()
             except DeviceFailed as error:

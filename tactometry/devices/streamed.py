@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.reader import Reader
+from tactometry.devices.reader import Hear, Reader
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +39,9 @@ class StreamedSensor:
     def read(self) -> tuple[FloatArray, FloatArray]:
         block = self._listener.read(self._reader.source.n_channels)
         return block.times_s, self._convert(block.values)
+
+    def listen(self, hear: Hear) -> Callable[[], None]:
+        return self._reader.tell(lambda block: hear(block.times_s, self._convert(block.values)))
 
     def close(self) -> None:
         if self._is_open:

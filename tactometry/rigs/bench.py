@@ -12,7 +12,8 @@ from datetime import UTC, datetime, timedelta
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.output import NullOutput, Output
-from tactometry.devices.position_sensor import PositionSensor, speed_during_m_per_s
+from tactometry.devices.position_sensor import PositionSensor
+from tactometry.event import EventLog
 from tactometry.limits import Limits
 from tactometry.request import (
     Adjust,
@@ -34,9 +35,11 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.rigs import entry, form, layout
+from tactometry.rigs import adjusting, entry, form, layout
+from tactometry.rigs.attendant import Attendant
+from tactometry.rigs.desk import Desk
 from tactometry.rigs.emitter import RAMP_S, Emitter
-from tactometry.rigs.glide import MOVING_S, Glide
+from tactometry.rigs.logbook import CLOCK, Logbook
 from tactometry.rigs.page import Answer, Page, Screen
 from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
@@ -44,7 +47,6 @@ from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
-from tactometry.speed_gate import SpeedGate
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -68,14 +70,18 @@ class Bench:
         display_height_m: float | None = None,
         ramp_s: float = RAMP_S,
         device_facts: Callable[[], Facts] = dict,
+        log: EventLog | None = None,
+        desk: Desk | None = None,
     ) -> None:
         self._screen, self._output, self._sensor, self._position = screen, output, sensor, position
-        self._stage = Stage(screen)
         self._emitter = Emitter(bank, output, limits, ramp_s)
-        self._device_facts = device_facts
-        self._texts = texts
-        self._display_height_m = display_height_m
-        self._zero_s = time.perf_counter()
+        self._device_facts, self._texts, self._display_height_m = device_facts, texts, display_height_m
+        pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
+        self._desk = Desk() if desk is None else desk
+        self._attendant = Attendant(screen, self._desk, log, self._emitter.mute, pausing)
+        self._stage = Stage(screen, self._attendant.attend)
+        self._logbook = Logbook(self._attendant, screen, self._clocks)
+        self._n_trials = 0
         self.closed = False
         self._open()
 
@@ -104,13 +110,16 @@ class Bench:
             "utc_minus_clock_s": round(time.time() - time.perf_counter(), 6),
         }
 
-    def timing(self) -> Facts:
-        """What became of the frames, and of the devices and their clocks, up to now."""
-        return {**self._screen.timing(), **self._device_facts()}
+    def _clocks(self) -> Facts:
+        keyboard_s, utc_s = self._screen.clock_offset_s(), time.perf_counter() - time.time()
+        return {**self._device_facts(), f"keyboard{CLOCK}": keyboard_s, f"utc{CLOCK}": utc_s}
 
     def resume(self, n_trials: int, elapsed_s: float) -> None:
-        del n_trials
-        self._zero_s = time.perf_counter() - elapsed_s
+        self._n_trials = n_trials
+        self._attendant.zero_s = time.perf_counter() - elapsed_s
+
+    def turn(self) -> None:
+        self._logbook.turn()
 
     def close(self) -> None:
         if self.closed:
@@ -125,7 +134,7 @@ class Bench:
             last_first.callback(self._output.stop)
 
     def _session_s(self, clock_s: float) -> float:
-        return round(clock_s - self._zero_s, 6)
+        return round(clock_s - self._attendant.zero_s, 6)
 
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))
@@ -134,9 +143,13 @@ class Bench:
     def play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         page = layout.marker_page(request.interval, playing=True)
-        self._stage.present(page)
-        onset_s = self._emitter.emit(signal)
-        self._stage.hold(onset_s + request.duration_s, page)
+        begin_s = self._stage.present(page)
+        while True:
+            onset_s = self._emitter.emit(signal)
+            self._stage.hold(onset_s + request.duration_s, page)
+            if self._stage.paused_until_s < begin_s:
+                break
+            begin_s = self._stage.present(page)
         return Played(self._session_s(onset_s), request.level, "" if signal is None else signal.digest())
 
     @safely
@@ -149,27 +162,20 @@ class Bench:
         return self._touch(request, "slide", moving_cue(request, height_m))
 
     def _touch(self, request: Press | Slide, words: str, dress: Dress) -> Touched:
+        self._attendant.under_way = True
+        level = "blank" if request.level is None else f"{request.level:g}"
+        self._desk.add(f"trial {self._n_trials + 1}: {request.stimulus} {level}")
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        measured = f"{words}_force" if self._sensor is not None else words
-        glide = self._glide(request)
-        touch = Touch(request, self._stage, self._emitter, self._texts.message(measured), dress, glide)
-        if glide is None and self._position is not None:
-            self._position.read()
-        touched = touch.unmeasured(signal) if self._sensor is None else touch.held(signal, self._sensor)
-        during_s = touched.onset_s, touched.onset_s + request.duration_s
-        speed_m_per_s = (
-            speed_during_m_per_s(self._position, *during_s) if glide is None else glide.speed_m_per_s(*during_s)
-        )
-        return replace(touched, onset_s=self._session_s(touched.onset_s), speed_mean_m_per_s=speed_m_per_s)
+        measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
+        parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
+        felt = Touch(request, *parts).felt(signal)
+        self._logbook.decided(felt.gate_delay_s)
+        touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
+        return replace(touched, valid=touched.valid and not self._attendant.repeat)
 
-    def _glide(self, request: Press | Slide) -> Glide | None:
-        """What gates the speed of a slide: where it is asked for, and both force and position are measured."""
-        measured = self._position is not None and self._sensor is not None
-        if not measured or isinstance(request, Press) or request.speed_tolerance is None:
-            return None
-        assert self._position is not None
-        gate = SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S)
-        return Glide(self._position, gate, time.perf_counter())
+    def _pause(self, by: str, over: Callable[[], bool]) -> None:
+        self._attendant.pause(by, over)
+        self._stage.paused()
 
     @safely
     def choose(self, request: Choose) -> Chosen:
@@ -183,7 +189,14 @@ class Bench:
         option, onset_s, end_s = self._stage.converse(
             request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
-        return Chosen(option, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+        valid = not self._attendant.repeat
+        return Chosen(option, *self._answered(onset_s, end_s), valid=valid)
+
+    def _answered(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
+        """Onset in the session, latency and time of day of an answer."""
+        self._logbook.answered(end_s)
+        self._desk.add(f"answered in {end_s - onset_s:.2f} s")
+        return self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s)
 
     @safely
     def rate(self, request: Rate) -> Rated:
@@ -193,7 +206,7 @@ class Bench:
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
-        return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+        return Rated(value, *self._answered(onset_s, end_s))
 
     @safely
     def enter(self, request: Enter) -> Rated:
@@ -206,7 +219,7 @@ class Bench:
 
         typed, onset_s, end_s = self._stage.converse("", view, lambda typed, key: entry.after(typed, key, low, high))
         value = entry.value_of(typed, low, high)
-        return Rated(value, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+        return Rated(value, *self._answered(onset_s, end_s))
 
     @safely
     def fill(self, request: Fill) -> Filled:
@@ -220,7 +233,7 @@ class Bench:
             None if place is None else value_at(place, page.n_positions, request.low, request.high)
             for place in marks.places
         )
-        return Filled(values, self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s))
+        return Filled(values, *self._answered(onset_s, end_s))
 
     def _form(self, request: Fill) -> form.Form:
         return form.Form(
@@ -247,25 +260,13 @@ class Bench:
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
         n_steps, onset_s, end_s = self._stage.converse(
-            0, lambda n_steps: page, functools.partial(_stepped, request), self._repeated(request)
+            0,
+            lambda n_steps: page,
+            functools.partial(adjusting.stepped, request),
+            adjusting.repeated(request, self._emitter),
         )
         self._emitter.stop()
-        latency_s = round(end_s - onset_s, 6)
-        return Adjusted(request.level(n_steps), self._session_s(onset_s), latency_s, _utc(end_s))
-
-    def _repeated(self, request: Adjust) -> Callable[[int], None]:
-        """Plays the level of so many steps again and again; another level begins at once."""
-        playing: int | None = None
-        end_s = 0.0
-
-        def keep_playing(n_steps: int) -> None:
-            nonlocal playing, end_s
-            if n_steps != playing or time.perf_counter() >= end_s:
-                signal = self._emitter.final(request.stimulus, request.level(n_steps))
-                self._emitter.stop()
-                playing, end_s = n_steps, self._emitter.emit(signal) + signal.duration_s
-
-        return keep_playing
+        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s))
 
     @safely
     def wait(self, request: Wait) -> Done:
@@ -288,7 +289,12 @@ class Bench:
 
     @safely
     def record(self, request: Record) -> Done:
-        del request
+        trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
+        self._n_trials += 1
+        response = "no answer" if trial.response is None else f"{trial.response}"
+        self._desk.add(f"{response}, {'valid' if trial.valid else 'not valid'}")
+        self._desk.end_line()
+        self._logbook.trial(trial)
         return self._done()
 
 
@@ -306,6 +312,8 @@ def open_bench(
     display_height_m: float | None = None,
     ramp_s: float = RAMP_S,
     device_facts: Callable[[], Facts] = dict,
+    log: EventLog | None = None,
+    desk: Desk | None = None,
 ) -> Bench:
     """A bench with a PsychoPy window.
 
@@ -330,10 +338,14 @@ def open_bench(
     ramp_s : float
         Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
     device_facts : callable
-        What the head of the journal says of the devices, once they are open, and `Bench.timing` at any time.
+        What the head of the journal says of the devices, once they are open, and their clocks at any time.
     display_height_m : float, optional
         Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
         `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
+    log : EventLog, optional
+        Where pauses, remarks, clocks and the timing of each trial are kept.
+    desk : Desk, optional
+        The experimenter's terminal.
 
     Raises
     ------
@@ -356,6 +368,8 @@ def open_bench(
         display_height_m=display_height_m,
         ramp_s=ramp_s,
         device_facts=device_facts,
+        log=log,
+        desk=desk,
     )
 
 
@@ -368,11 +382,3 @@ def _utc(clock_s: float) -> str:
 def _option(answer: Answer) -> int:
     assert isinstance(answer, int)
     return answer
-
-
-def _stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
-    """The steps from the start that follow an answer, within the bounds, and whether it settles them."""
-    if answer == layout.CONFIRM:
-        return n_steps, True
-    wanted = n_steps + (1 if answer == layout.UP else -1)
-    return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False

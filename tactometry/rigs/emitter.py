@@ -1,5 +1,6 @@
 """From the name and level of a stimulus to an output, with every check on the final samples."""
 
+import threading
 import time
 from collections.abc import Mapping
 
@@ -20,6 +21,8 @@ class Emitter:
         self, bank: Mapping[str, Stimulus], output: Output, limits: Limits | None, ramp_s: float = RAMP_S
     ) -> None:
         self._bank, self._output, self._limits, self._ramp_s = bank, output, limits, ramp_s
+        self._playing = threading.Lock()
+        self._muted = False
 
     def final(self, name: str, level: float) -> Signal:
         """The final samples of a stimulus.
@@ -65,6 +68,18 @@ class Emitter:
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""
         return time.perf_counter() if signal is None else self._output.play(signal)
+
+    def emit_if_allowed(self, signal: Signal | None) -> float | None:
+        """As `emit`, from any thread; None while it is muted."""
+        with self._playing:
+            return None if self._muted else self.emit(signal)
+
+    def mute(self, *, on: bool) -> None:
+        """Zero now, and (`on`) nothing from another thread until it is off."""
+        self._output.stop()
+        with self._playing:
+            self._muted = on
+            self._output.stop()
 
     def stop(self) -> None:
         """Zero now."""

@@ -7,7 +7,6 @@ import numpy as np
 
 PERIOD_WITHOUT_BLANK_S = 1 / 60
 SHORTEST_PERIOD_S = 1 / 250
-LATE_PERIODS = 1.5
 
 
 class Pacer:
@@ -30,17 +29,14 @@ class Pacer:
             self._due_s = max(self._due_s, now_s) + self.period_s
 
 
-def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, str | int | float | bool | None]:
-    """Median, 99th percentile and maximum of the intervals (s), and how many were longer than 1.5 periods.
+def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, int | float | None]:
+    """Number of frames, how many were dropped (whole periods that intervals were too long), and quantiles, s.
 
-    >>> timing_of([0.016, 0.017, 0.040], 1 / 60)["n_late_frames"]
-    1
+    >>> timing_of([0.016, 0.017, 0.050], 1 / 60)["n_dropped_frames"]
+    2
     """
-    n_late = sum(interval > LATE_PERIODS * period_s for interval in intervals_s)
-    facts: dict[str, str | int | float | bool | None] = {
-        "n_frames": len(intervals_s),
-        "n_late_frames": n_late,
-    }
+    n_dropped = sum(max(0, round(interval / period_s) - 1) for interval in intervals_s)
+    facts: dict[str, int | float | None] = {"n_frames": len(intervals_s), "n_dropped_frames": n_dropped}
     quantiles = np.quantile(intervals_s, [0.5, 0.99, 1.0]).round(6).tolist() if intervals_s else [None] * 3
     names = ("frame_interval_median_s", "frame_interval_p99_s", "frame_interval_max_s")
     return facts | dict(zip(names, quantiles, strict=True))

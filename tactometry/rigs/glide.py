@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from tactometry.devices.position_sensor import FloatArray, PositionSensor, mean_speed_m_per_s
+from tactometry.devices.reader import FloatArray
+from tactometry.rigs.trace import Trace
 from tactometry.speed_gate import SpeedGate, motion
 
 MOVING_S = 0.1
@@ -12,51 +13,41 @@ HALT_S = 0.15
 
 
 class Glide:
-    """Reads a sensor for one slide, whose path lies along its first axis; older samples are dropped."""
+    """Hears the samples of one slide, from `now_s` on; its path lies along the sensor's first axis.
 
-    def __init__(self, sensor: PositionSensor, gate: SpeedGate, now_s: float) -> None:
-        sensor.read()
-        self._sensor = sensor
+    `opened_s` is the stamp of the sample that opened the gate.
+    """
+
+    def __init__(self, gate: SpeedGate, now_s: float) -> None:
         self._gate = gate
-        self._times_s: list[float] = []
-        self._positions_m: list[list[float]] = []
-        self._moved_s = now_s
+        self._trace = Trace()
+        self._moved_s = self._expected_s = now_s
+        self.opened_s: float | None = None
 
     @property
     def open(self) -> bool:
         """Whether the finger has moved at its speed long enough."""
         return self._gate.open
 
-    def read(self) -> None:
-        """Take in what the sensor has collected."""
-        times_s, positions_m = self._sensor.read()
+    def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
+        self._trace.hear(times_s, positions_m)
         for time_s, place_m in zip(times_s.tolist(), positions_m.tolist(), strict=True):
-            self._gate = self._gate.after(time_s, place_m[0])
+            was_open, self._gate = self._gate.open, self._gate.after(time_s, place_m[0])
+            self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
             self._moved_s = max(self._moved_s, time_s) if self._gate.moving else self._moved_s
-        self._times_s += times_s.tolist()
-        self._positions_m += positions_m.tolist()
+
+    def excuse(self, now_s: float) -> None:
+        """A halt counts from now: the thread that listens was held up."""
+        self._expected_s = now_s
 
     def stopped(self, now_s: float) -> bool:
         """Whether the finger has left its band of speed, or the sensor is silent."""
-        return now_s - self._moved_s > HALT_S
+        return now_s - max(self._moved_s, self._expected_s) > HALT_S
 
     def in_band(self, begin_s: float, end_s: float) -> float | None:
         """The part of the time that the speed was in its band; None where it was not measured."""
-        times_s, positions_m = self._between(begin_s, end_s)
-        if times_s.size < 2:
+        times_s, positions_m = self._trace.between(begin_s, end_s)
+        if times_s.size < 2 or np.any(np.diff(times_s) == 0):
             return None
         gate = self._gate
         return motion(times_s, positions_m[:, 0], gate.target_m_per_s, gate.tolerance).in_band
-
-    def speed_m_per_s(self, begin_s: float, end_s: float) -> float | None:
-        """The mean speed; None where it was not measured."""
-        return mean_speed_m_per_s(*self._between(begin_s, end_s))
-
-    def _between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
-        """Finite samples of an interval, each later than the one before; none where stamps go back."""
-        times_s = np.array(self._times_s)
-        positions_m = np.array(self._positions_m, dtype=np.float64).reshape(len(times_s), -1)
-        kept = (times_s >= begin_s) & (times_s <= end_s) & np.isfinite(positions_m).all(axis=1)
-        times_s, positions_m = times_s[kept], positions_m[kept]
-        whole = bool(np.all(np.diff(times_s) > 0))
-        return (times_s, positions_m) if whole else (times_s[:0], positions_m[:0])

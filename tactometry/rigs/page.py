@@ -132,7 +132,14 @@ class Screen(Protocol):
 
     def facts(self) -> dict[str, str | int | float | bool | None]: ...
 
-    def timing(self) -> dict[str, str | int | float | bool | None]:
-        """The frame intervals up to now."""
+    @property
+    def period_s(self) -> float:
+        """From frame to frame."""
+
+    def frame_intervals_s(self) -> list[float]:
+        """Those since the last call."""
+
+    def clock_offset_s(self) -> float:
+        """Our clock minus that of the keyboard."""
 
     def close(self) -> None: ...

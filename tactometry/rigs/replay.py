@@ -35,7 +35,7 @@ A = TypeVar("A")
 class Replay:
     """A rig that answers from `entries`, pairs of (request, answer) in their order.
 
-    `where` names the recording in errors, `first_line` the line of its first entry.
+    `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ...
 
     Raises
     ------
@@ -43,10 +43,12 @@ class Replay:
         From every method, if the request is not the recorded one, with its line and what differs.
     """
 
-    def __init__(self, entries: Sequence[tuple["Request", Any]], where: str = "recording", first_line: int = 1) -> None:
+    def __init__(
+        self, entries: Sequence[tuple["Request", Any]], where: str = "recording", lines: Sequence[int] = ()
+    ) -> None:
         self._entries = entries
         self._where = where
-        self._first_line = first_line
+        self._lines = lines or range(1, len(entries) + 1)
         self._next = 0
 
     @property
@@ -74,7 +76,7 @@ class Replay:
 
     @property
     def _line(self) -> int:
-        return self._first_line + self._next
+        return self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
 
     def _answer(self, request: "Request", kind: type[A]) -> A:
         if not self.n_left:

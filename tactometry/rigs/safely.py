@@ -20,6 +20,9 @@ class Closing(Protocol):
 
     def close(self) -> None: ...
 
+    def turn(self) -> None:
+        """What is due before anything else is asked."""
+
 
 B = TypeVar("B", bound=Closing)
 
@@ -32,6 +35,7 @@ def safely(method: Callable[Concatenate[B, P], R]) -> Callable[Concatenate[B, P]
         if bench.closed:
             raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
         try:
+            bench.turn()
             return method(bench, *args, **kwargs)
         except SystemExit as end:
             bench.close()

@@ -10,6 +10,8 @@ from tactometry.rigs.page import Answer, Event, KeyDown, Page, Screen
 S = TypeVar("S")
 Dress = Callable[[Page, float], Page]
 """What is added to a page at a moment (s on `time.perf_counter`)."""
+Attend = Callable[[tuple[Event, ...]], bool]
+"""Looks at what was pressed in a frame, and at what else is wanted: True if the session was paused meanwhile."""
 
 
 def as_it_is(page: Page, now_s: float) -> Page:
@@ -17,11 +19,28 @@ def as_it_is(page: Page, now_s: float) -> Page:
     return page
 
 
-class Stage:
-    """Shows pages on a screen; the Escape key raises `Stopped` whatever is shown."""
+def escaped(events: tuple[Event, ...]) -> bool:
+    """Whether the Escape key is among what was pressed."""
+    return any(isinstance(event, KeyDown) and event.name == "escape" for event in events)
 
-    def __init__(self, screen: Screen) -> None:
+
+def stop_at_escape(events: tuple[Event, ...]) -> bool:
+    """Raises `Stopped` where the Escape key was pressed."""
+    if escaped(events):
+        raise Stopped("Escape was pressed; what was recorded is safe: go on with --resume")
+    return False
+
+
+class Stage:
+    """Shows pages on a screen; in each frame `attend` may stop or pause the session.
+
+    `paused_until_s` is the end of the last pause on `time.perf_counter`.
+    """
+
+    def __init__(self, screen: Screen, attend: Attend = stop_at_escape) -> None:
         self.screen = screen
+        self.paused_until_s = -float("inf")
+        self._attend = attend
 
     def present(self, page: Page) -> float:
         """Show a page for the first time: the time of its first frame."""
@@ -33,9 +52,11 @@ class Stage:
         self._events()
 
     def hold(self, end_s: float, page: Page, dress: Dress = as_it_is) -> None:
-        """Show frames until `end_s`."""
+        """Show frames until `end_s`; a pause puts it off."""
         while (now_s := time.perf_counter()) < end_s:
             self.frame(dress(page, now_s))
+            if self.paused_until_s > now_s:
+                end_s += self.paused_until_s - now_s
 
     def converse(
         self,
@@ -46,7 +67,7 @@ class Stage:
     ) -> tuple[S, float, float]:
         """Show the view of a state that answers change until one settles it: the state, onset and end.
 
-        What was pressed before the onset is no answer.
+        What was pressed before the onset is no answer; after a pause the page comes again, with another onset.
         """
         onset_s = self.screen.present(view(state))
         while True:
@@ -57,10 +78,17 @@ class Stage:
                     state, settled = after(state, answer)
                     if settled:
                         return state, onset_s, event.at_s
+            if self.paused_until_s > onset_s:
+                onset_s = self.screen.present(view(state))
             self.screen.refresh(view(state))
 
     def _events(self) -> tuple[Event, ...]:
         events = self.screen.events()
-        if any(isinstance(event, KeyDown) and event.name == "escape" for event in events):
-            raise Stopped("Escape was pressed; what was recorded is safe: go on with --resume")
-        return events
+        if not self._attend(events):
+            return events
+        self.paused()
+        return ()
+
+    def paused(self) -> None:
+        """A pause ends now."""
+        self.paused_until_s = time.perf_counter()

@@ -1,18 +1,27 @@
 """One touch of the finger while a stimulus plays, with and without a force sensor."""
 
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 
 from tactometry.devices.force_sensor import ForceSensor
+from tactometry.devices.position_sensor import PositionSensor
 from tactometry.force_gate import VALID_PART, ForceGate
 from tactometry.request import Press, Slide, Touched
 from tactometry.rigs import layout
 from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.glide import Glide
+from tactometry.rigs.glide import MOVING_S, Glide
 from tactometry.rigs.grip import Grip
 from tactometry.rigs.page import Page
 from tactometry.rigs.stage import Dress, Stage
+from tactometry.rigs.trace import Trace, speed_m_per_s
+from tactometry.rigs.trigger import Trigger, hearing
 from tactometry.signal import Signal
+from tactometry.speed_gate import SpeedGate
+
+SILENT = "the force sensor is silent"
+TOLD_EVERY_S = 1.0
 
 
 def moving_cue(request: Slide, display_height_m: float) -> Dress:
@@ -27,97 +36,177 @@ def moving_cue(request: Slide, display_height_m: float) -> Dress:
     return dressed
 
 
+class Held:
+    """What the sensors of one held touch say: force, and speed where it is gated; all from `now_s` on."""
+
+    def __init__(self, request: Press | Slide, now_s: float, *, moving: bool) -> None:
+        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s), now_s)
+        self.glide: Glide | None = None
+        if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
+            self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S), now_s)
+
+    @property
+    def open(self) -> bool:
+        return self.grip.open and (self.glide is None or self.glide.open)
+
+    @property
+    def opened_s(self) -> float:
+        """The stamp of the sample that opened the last gate."""
+        stamps_s = (self.grip.opened_s, None if self.glide is None else self.glide.opened_s)
+        return max(stamp_s for stamp_s in stamps_s if stamp_s is not None)
+
+    @property
+    def lost(self) -> bool:
+        """Whether a sensor is silent, or the finger has left or stopped."""
+        now_s = time.perf_counter()
+        return self.grip.lost(now_s) or (self.glide is not None and self.glide.stopped(now_s))
+
+    def excuse(self) -> None:
+        """The threads that listen were held up until now."""
+        now_s = time.perf_counter()
+        self.grip.excuse(now_s)
+        if self.glide is not None:
+            self.glide.excuse(now_s)
+
+    def kept_speed(self, begin_s: float, end_s: float) -> bool:
+        if self.glide is None:
+            return True
+        in_band = self.glide.in_band(begin_s, end_s)
+        return in_band is not None and in_band >= VALID_PART
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What came of a touch (its onset on `time.perf_counter`), and how late the gate's decision was, s."""
+
+    touched: Touched
+    gate_delay_s: float | None = None
+
+
 @dataclass(frozen=True)
 class Touch:
-    """A request to press or slide, with what carries it out; `onset_s` is on `time.perf_counter`."""
+    """A request to press or slide, with what carries it out.
+
+    `pause` is called with a reason and what tells that it is over; `say` tells the experimenter.
+    """
 
     request: Press | Slide
     stage: Stage
     emitter: Emitter
     words: str
     dress: Dress
-    glide: Glide | None = None
+    sensor: ForceSensor | None
+    position: PositionSensor | None
+    pause: Callable[[str, Callable[[], bool]], None]
+    say: Callable[[str], None]
 
-    def unmeasured(self, signal: Signal | None) -> Touched:
+    def felt(self, signal: Signal | None) -> Felt:
+        """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
+        places = Trace()
+        with hearing(self.position, places.hear):
+            felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
+        touched = felt.touched
+        speed = speed_m_per_s(places, touched.onset_s, touched.onset_s + self.request.duration_s)
+        return replace(felt, touched=replace(touched, speed_mean_m_per_s=speed))
+
+    def _unmeasured(self, signal: Signal | None) -> Felt:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
         )
         begin_s = self._present(ready)
         self.stage.hold(begin_s + self.request.hold_s, ready, self.dress)
-        self._present(playing)
+        begin_s = self._present(playing)
         onset_s = self.emitter.emit(signal)
         self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
-        return Touched(onset_s, self.request.level, _digest(signal))
+        whole = self.stage.paused_until_s < begin_s
+        return Felt(Touched(onset_s, self.request.level, _digest(signal), valid=whole))
 
-    def held(self, signal: Signal | None, sensor: ForceSensor) -> Touched:
-        """Play once the force is held in motion, and stop at once when the finger stops or leaves, or a sensor is lost.
+    def _held(self, signal: Signal | None, sensor: ForceSensor) -> Felt:
+        """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
-        A sensor that says nothing before the stimulus is waited for: the time limit counts while it speaks.
+        The threads of the sensors decide; here it is shown what they hear.
         """
-        request = self.request
-        gate = ForceGate(request.target_n, request.tolerance, request.hold_s)
-        begin_s = time.perf_counter()
-        grip = Grip(sensor, gate, begin_s)
-        self._present(self._bar(grip, playing=False))
-        while not (grip.open and self._moving):
-            now_s = time.perf_counter()
-            begin_s = now_s if grip.silent(now_s) else begin_s
-            if now_s > begin_s + request.timeout_s:
-                return Touched(now_s, None, None, valid=False)
-            self._watch(grip, playing=False)
-        self._present(self._bar(grip, playing=True))
-        onset_s = self.emitter.emit(signal)
-        lost = self._lost_before(onset_s + request.duration_s, grip)
+        held = Held(self.request, time.perf_counter(), moving=self.position is not None)
+
+        def fire() -> float | None:
+            onset_s = self.emitter.emit_if_allowed(signal)
+            held.excuse()
+            return onset_s
+
+        trigger = Trigger(lambda: held.open, lambda: held.lost, fire, self.emitter.stop)
+        with ExitStack() as last_first:
+            last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
+            if held.glide is not None:
+                last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))
+            last_first.callback(trigger.disarm)
+            begun = self._begun(held, trigger)
+            if begun is None:
+                return Felt(Touched(time.perf_counter(), None, None, valid=False))
+            whole = self._whole(held, trigger, *begun)
         self.emitter.stop()
-        return self._judged(signal, grip, onset_s, lost=lost)
+        decided_s, onset_s = begun
+        touched = self._judged(signal, held, onset_s, whole=whole)
+        mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
+        self.say(f"played, {mean}{'' if touched.valid else ', not valid'}")
+        return Felt(touched, decided_s - held.opened_s)
 
-    def _lost_before(self, end_s: float, grip: Grip) -> bool:
-        while time.perf_counter() < end_s:
-            self._watch(grip, playing=True)
-            if grip.lost(time.perf_counter()) or self._stopped:
-                return True
-        return False
+    def _begun(self, held: Held, trigger: Trigger) -> tuple[float, float] | None:
+        """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
 
-    @property
-    def _moving(self) -> bool:
-        return self.glide is None or self.glide.open
+        A silent sensor pauses the session; no time counts in a pause.
+        """
+        begin_s = said_s = self._present(self._bar(held, playing=False))
+        while trigger.begun is None:
+            said_s = self._said(held, said_s)
+            if held.grip.silent(time.perf_counter()):
+                self.pause(SILENT, lambda: not held.grip.silent(time.perf_counter()))
+            if time.perf_counter() > max(begin_s, self.stage.paused_until_s) + self.request.timeout_s:
+                trigger.disarm()
+                break
+            self._frame(held, playing=False)
+        return trigger.begun
 
-    @property
-    def _stopped(self) -> bool:
-        return self.glide is not None and self.glide.stopped(time.perf_counter())
+    def _said(self, held: Held, said_s: float) -> float:
+        """Tell the experimenter the force, once in a while: when it was told last."""
+        now_s, force_n = time.perf_counter(), held.grip.force_n
+        if now_s < said_s + TOLD_EVERY_S or force_n is None:
+            return said_s
+        self.say(f"{force_n:.2f} N")
+        return now_s
 
-    def _kept_speed(self, onset_s: float) -> bool:
-        if self.glide is None:
-            return True
-        self.glide.read()
-        in_band = self.glide.in_band(onset_s, onset_s + self.request.duration_s)
-        return in_band is not None and in_band >= VALID_PART
+    def _whole(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> bool:
+        """Show the force while the stimulus plays: whether it played to its end."""
+        self._present(self._bar(held, playing=True))
+        while time.perf_counter() < onset_s + self.request.duration_s:
+            trigger.consider()
+            if trigger.broken or self.stage.paused_until_s > decided_s:
+                return False
+            self._frame(held, playing=True)
+        return not trigger.broken and self.stage.paused_until_s < decided_s
 
-    def _watch(self, grip: Grip, *, playing: bool) -> None:
-        self.stage.frame(self.dress(self._bar(grip, playing=playing), time.perf_counter()))
-        grip.read()
-        if self.glide is not None:
-            self.glide.read()
+    def _frame(self, held: Held, *, playing: bool) -> None:
+        self.stage.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
 
     def _present(self, page: Page) -> float:
         return self.stage.present(self.dress(page, time.perf_counter()))
 
-    def _bar(self, grip: Grip, *, playing: bool) -> Page:
+    def _bar(self, held: Held, *, playing: bool) -> Page:
         request = self.request
         marker = layout.marker_page(request.interval, playing=playing, words=self.words)
-        return layout.force_page(marker, grip.force_n, request.target_n, request.tolerance)
+        return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
 
-    def _judged(self, signal: Signal | None, grip: Grip, onset_s: float, *, lost: bool) -> Touched:
-        held = grip.compliance(onset_s, onset_s + self.request.duration_s)
+    def _judged(self, signal: Signal | None, held: Held, onset_s: float, *, whole: bool) -> Touched:
+        during_s = onset_s, onset_s + self.request.duration_s
+        kept = held.grip.compliance(*during_s)
         return Touched(
             onset_s=onset_s,
             level_delivered=self.request.level,
             digest=_digest(signal),
-            force_mean_n=None if held is None else held.mean_n,
-            force_sd_n=None if held is None else held.sd_n,
-            force_in_band=None if held is None else held.in_band,
-            valid=not lost and held is not None and held.in_band >= VALID_PART and self._kept_speed(onset_s),
+            force_mean_n=None if kept is None else kept.mean_n,
+            force_sd_n=None if kept is None else kept.sd_n,
+            force_in_band=None if kept is None else kept.in_band,
+            valid=whole and kept is not None and kept.in_band >= VALID_PART and held.kept_speed(*during_s),
         )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tactometry.errors import DeviceFailed
-from tactometry.rigs.frames import Pacer, timing_of
+from tactometry.rigs.frames import Pacer
 from tactometry.rigs.keys import FreshPresses
 from tactometry.rigs.page import PAPER, Box, Click, Disc, Event, Item, KeyDown, Page, Text
 
@@ -157,7 +157,7 @@ class Window:
         ask: Callable[..., list[Any]] = self._keyboard.getKeys
         reported = [(key.name, key.tDown) for released in (False, True) for key in ask(waitRelease=released)]
         now_s = time.perf_counter()
-        ahead_s = now_s - self._psychopy.clock.getTime()
+        ahead_s = self.clock_offset_s()
         return [KeyDown(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
 
     def facts(self) -> Facts:
@@ -174,8 +174,16 @@ class Window:
             "keyboard": str(self._keyboard.getBackend()),
         }
 
-    def timing(self) -> Facts:
-        return timing_of(self._intervals_s, self._pacer.period_s)
+    @property
+    def period_s(self) -> float:
+        return self._pacer.period_s
+
+    def frame_intervals_s(self) -> list[float]:
+        intervals_s, self._intervals_s = self._intervals_s, []
+        return intervals_s
+
+    def clock_offset_s(self) -> float:
+        return time.perf_counter() - float(self._psychopy.clock.getTime())
 
     def close(self) -> None:
         if not self._closed:

@@ -1,0 +1,111 @@
+"""The experimenter's side: what is typed in the terminal while a session runs, and what is told there."""
+
+import os
+import queue
+import threading
+from dataclasses import dataclass
+from typing import Final, Literal, TextIO
+
+from tactometry.errors import InvalidParameter, nearest
+
+Wish = Literal["pause", "go", "repeat", "note", "stop", "help"]
+WORDS: Final[dict[str, Wish]] = {
+    "p": "pause",
+    "g": "go",
+    "r": "repeat",
+    "n": "note",
+    "s": "stop",
+    "?": "help",
+    **{word: word for word in ("pause", "go", "repeat", "note", "stop", "help")},
+}
+HELP: Final = "p pause   g go on   r repeat this trial   n TEXT remark   s stop   (then return)"
+
+
+@dataclass(frozen=True)
+class Order:
+    """What the experimenter wants; `text` of a note."""
+
+    wish: Wish
+    text: str = ""
+
+
+def order_of(line: str) -> Order:
+    """The order of a typed line.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is none.
+
+    Examples
+    --------
+    >>> order_of("n moved the hand"), order_of(" P ")
+    (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
+    """
+    word, _, text = line.strip().partition(" ")
+    wish = WORDS.get(word.casefold())
+    if wish is None or bool(text.strip()) != (wish == "note"):
+        raise InvalidParameter(f"found {line.strip()!r}, expected one of: {HELP}{nearest(word, WORDS)}")
+    return Order(wish, text.strip())
+
+
+class Desk:
+    """Reads orders from a terminal in a thread of its own, and writes to it; without terminals it is silent.
+
+    Parameters
+    ----------
+    source, output : text file or None
+        Used where they are terminals.
+    """
+
+    def __init__(self, source: TextIO | None = None, output: TextIO | None = None) -> None:
+        self._output = output if output is not None and output.isatty() else None
+        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._fresh_line = True
+        if self._output is not None and source is not None and source.isatty():
+            threading.Thread(target=self._read, args=(source.fileno(),), name="desk", daemon=True).start()
+            self.tell(HELP)
+
+    def _read(self, file: int) -> None:
+        rest = b""
+        while data := _available(file):
+            *lines, rest = (rest + data).split(b"\n")
+            for line in lines:
+                self._lines.put(line.decode("utf-8", "replace"))
+
+    def orders(self) -> list[Order]:
+        """What was typed since the last call; a line that is no order is answered with what would be one."""
+        found = []
+        while not self._lines.empty():
+            line = self._lines.get()
+            try:
+                found.append(order_of(line))
+            except InvalidParameter as error:
+                self.tell(str(error))
+        return found
+
+    def add(self, words: str) -> None:
+        """Some more words on the line of this trial."""
+        self._write(words if self._fresh_line else f" | {words}")
+        self._fresh_line = False
+
+    def end_line(self) -> None:
+        """What follows stands on a new line."""
+        self._write("" if self._fresh_line else "\n")
+        self._fresh_line = True
+
+    def tell(self, words: str) -> None:
+        """A line of its own."""
+        self.end_line()
+        self._write(f"{words}\n")
+
+    def _write(self, words: str) -> None:
+        if self._output is not None:
+            print(words, end="", file=self._output, flush=True)
+
+
+def _available(file: int) -> bytes:
+    try:
+        return os.read(file, 4096)
+    except OSError:
+        return b""
