@@ -2,10 +2,12 @@
 
 Printed for each way in (serial line, LSL, UDP), in one run:
 
-- arrival: from the sample's own stamp to the reader's thread, where a gate may decide (p50, p99, max);
-- decision: from the sample that opens the gate to the moment at which the drawing loop knows it, once a frame, and the
-  same for PsychoPy's usual way of reading the newest sample in each frame, which is the peer (p50, p99);
-- samples lost.
+- arrival: from the moment at which the source took a sample to the reader's thread (p50, p99, max);
+- decision: from the moment at which the source took the sample that opens the gate to the decision in the reader's
+  thread, by the same `Grip` and `Trigger` that a touch has (p50, p99, max); the limit is 10 ms at p99;
+- frame: the same for a decision that the drawing loop takes once a frame from all samples, as it was before;
+- peer: the same for PsychoPy's usual way of reading the newest sample in each frame;
+- samples lost, decisions too early by the source's own samples, and frames that were dropped.
 
 Needs a display, or Xvfb, and the extras window, serial and lsl.
 """
@@ -39,28 +41,54 @@ def with_display():
         os.environ["DISPLAY"] = f":{answer.readline().strip()}"
 
 
-class Arrivals:
-    """A listener that notes when each block came, in the reader's thread."""
+class Gated:
+    """Notes in the reader's thread when each sample came and when a gate on them fired, each opening anew."""
 
     def __init__(self, reader):
-        self.listener = reader.listen()
-        self.late_s, self.counters = [], []
-        put = self.listener.put
+        self.late_s, self.counters, self.decisions_s, self.n_early = [], [], [], 0
+        self._taken_s = self._since_s = 0.0
+        self._arm()
+        reader.tell(self._hear)
 
-        def noted(block):
-            now_s = time.perf_counter()
-            taken_s = block.values[:, 1] * 1e-6
-            self.late_s += ((now_s - taken_s + 2**30 * 1e-6) % (2**31 * 1e-6) - 2**30 * 1e-6).tolist()
-            self.counters += block.values[:, 0].tolist()
-            put(block)
+    def _arm(self):
+        from tactometry.force_gate import ForceGate
+        from tactometry.rigs.grip import Grip
+        from tactometry.rigs.trigger import Trigger
 
-        self.listener.put = noted
+        self.grip = Grip(ForceGate(1.0, 0.2, HOLD_S))
+        self.trigger = Trigger(lambda: self.grip.open, lambda: not self.grip.open, self._fire, self._arm)
+
+    def _fire(self):
+        now_s = time.perf_counter()
+        self.decisions_s.append(now_s - self._since_s - HOLD_S)
+        self.n_early += now_s < self._since_s + HOLD_S
+        return now_s
+
+    def _hear(self, block):
+        now_s = time.perf_counter()
+        late_s = age_s(now_s, block.values[:, 1])
+        for taken_s, counts in zip((now_s - late_s).tolist(), block.values[:, 2].tolist(), strict=True):
+            held = abs(0.01 * counts - 1.0) <= 0.2
+            self._since_s = (
+                (self._since_s if self._held and taken_s - self._taken_s < 0.02 else taken_s) if held else 0.0
+            )
+            self._held, self._taken_s = held, taken_s
+        self.late_s += late_s.tolist()
+        self.counters += block.values[:, 0].tolist()
+        self.grip.hear(block.times_s, 0.01 * block.values[:, 2])
+        self.trigger.consider()
+
+    _held = False
 
     def begin(self):
         """Forget what came up to now: what had waited for the reader to open is no measure of it."""
-        self.listener.read(3)
-        self.late_s.clear()
-        self.counters.clear()
+        for each in (self.late_s, self.counters, self.decisions_s):
+            each.clear()
+
+
+def age_s(now_s, taken_us):
+    """How old samples are whose times are microseconds modulo 2**31 of the clock that all processes share."""
+    return (now_s - taken_us * 1e-6 + 2**30 * 1e-6) % (2**31 * 1e-6) - 2**30 * 1e-6
 
 
 def busy(work_s):
@@ -69,27 +97,28 @@ def busy(work_s):
         sum(range(50))
 
 
-def decisions_s(window, page, listener, work_s):
-    """How late the drawing loop knew of each opening: by every sample, and by the newest of a frame alone."""
+def drawn(window, page, listener, work_s):
+    """How late a drawing loop knows of each opening: by every sample, and by the newest of a frame alone."""
     from tactometry.force_gate import ForceGate
 
     gate = newest = ForceGate(1.0, 0.2, HOLD_S)
-    every, peer, end_s = [], [], time.perf_counter() + LISTENED_S
+    every, peer, opened_s, end_s = [], [], None, time.perf_counter() + LISTENED_S
+    window.frame_intervals_s()
     while time.perf_counter() < end_s:
         busy(work_s)
         window.refresh(page)
         block = listener.read(3)
         now_s = time.perf_counter()
-        for time_s, counts in zip(block.times_s.tolist(), block.values[:, 2].tolist(), strict=True):
-            was, gate = gate.open, gate.after(time_s, 0.01 * counts)
+        for taken_s, counts in zip(now_s - age_s(now_s, block.values[:, 1]), block.values[:, 2], strict=True):
+            was, gate = gate.open, gate.after(float(taken_s), 0.01 * counts)
             if gate.open and not was:
-                every.append(now_s - time_s)
-                opened_s = time_s
+                opened_s = gate.since_s + HOLD_S
+                every.append(now_s - opened_s)
         if block.times_s.size:
             was, newest = newest.open, newest.after(now_s, 0.01 * block.values[-1, 2])
-            if newest.open and not was and every:
+            if newest.open and not was and opened_s is not None:
                 peer.append(now_s - opened_s)
-    return every, peer
+    return every, peer, window.frame_intervals_s()
 
 
 def shown(values_s):
@@ -101,25 +130,30 @@ def main():
     with_display()
     from test_device_sensors import Emulator
 
+    from tactometry.rigs.frames import timing_of
     from tactometry.rigs.layout import marker_page
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=False, size=(1280, 800))
     page = marker_page(None, playing=True)
-    print("ms (p50, p99, max)        arrival in the thread     known to the loop         peer: newest sample      lost")
+    columns = ("arrival", "decision in the thread", "decision by frame", "peer: newest sample")
+    print(f"ms (p50, p99, max){'':<4}" + "".join(f"{name:<26}" for name in columns) + "lost, early, dropped")
     for kind in sys.argv[1:] or ("serial", "lsl", "udp"):
         for work_s in (0.0, 0.008):
             with tempfile.TemporaryDirectory() as folder:
                 device = Emulator(kind, Path(folder), profile=PROFILE)
-                arrivals = Arrivals(device.reader)
+                gated, listener = Gated(device.reader), device.reader.listen()
                 device.reader.open()
                 time.sleep(SETTLING_S)
-                arrivals.begin()
-                every, peer = decisions_s(window, page, arrivals.listener, work_s)
+                gated.begin()
+                listener.read(3)
+                every, peer, intervals_s = drawn(window, page, listener, work_s)
                 device.close()
-            lost = int(np.sum(np.diff(arrivals.counters) - 1))
-            name, n = f"{kind}, busy {1e3 * work_s:.0f} ms", len(arrivals.counters)
-            print(f"{name:<18}{shown(arrivals.late_s)}  {shown(every)}  {shown(peer)}  {lost:5d} of {n}")
+            lost, n = int(np.sum(np.diff(gated.counters) - 1)), len(gated.counters)
+            dropped = timing_of(intervals_s, window.period_s)["n_dropped_frames"]
+            figures = "  ".join(shown(each) for each in (gated.late_s, gated.decisions_s, every, peer))
+            name = f"{kind}, busy {1e3 * work_s:.0f} ms"
+            print(f"{name:<18}{figures}  {lost} of {n}, {gated.n_early}, {dropped} of {len(intervals_s)}")
     window.close()
 
 

@@ -1,5 +1,6 @@
 """What happened in a session unasked: pauses, remarks, clocks, and how the frames of each trial went."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, Protocol, get_args
@@ -48,7 +49,7 @@ class Event:
     Raises
     ------
     InvalidParameter
-        If a fact has another name.
+        If a fact has another name, or a number is not finite.
 
     Examples
     --------
@@ -62,11 +63,14 @@ class Event:
     facts: Mapping[str, Fact] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        unknown = sorted(set(self.facts) - {column.name for column in FACTS})
-        if unknown:
-            raise InvalidParameter(
-                f"event {self.kind!r}: found the facts {', '.join(unknown)}, expected those of FACTS"
-            )
+        names = {column.name for column in FACTS}
+        wrong = {
+            name: value
+            for name, value in self.facts.items()
+            if name not in names or (isinstance(value, float) and not math.isfinite(value))
+        }
+        if wrong:
+            raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names of FACTS, with finite numbers")
 
     def cells(self) -> list[str]:
         """Its row of an events file; what is not known is n/a."""

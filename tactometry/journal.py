@@ -153,8 +153,8 @@ def read(path: Path) -> Recording:
                 entries[number] = decode_entry(value)
         except (KeyError, msgspec.ValidationError) as error:
             raise InvalidFile(
-                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal of "
-                f"format {FORMAT}; read it with the version that wrote it"
+                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal "
+                f"of format {FORMAT}; read it with the version that wrote it"
             ) from None
     return Recording(
         head, tuple(entries.values()), complete, len(torn), tuple(entries), tuple(events.values()), tuple(events)

@@ -12,6 +12,7 @@ import pytest
 from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.counted import SLEW
 from tactometry.devices.streamed import streamed_force, streamed_position
 from tactometry.force_gate import ForceGate
 from tactometry.request import Press, Slide
@@ -61,18 +62,21 @@ class Loop:
     def press(self, request=PRESS):
         """A touch, with its onset on the clock."""
         touched = self.bench.press(request)
-        return touched, touched.onset_s + self.bench._zero_s
+        return touched, touched.onset_s + self.bench._attendant.zero_s
 
     def truth(self):
-        """The times (s) at which the samples were taken, and their forces (N), by the source."""
-        block = self.everything.read(3)
-        base_s = block.times_s[-1] - block.values[-1, 1] * 1e-6
-        return block.values[:, 0], block.values[:, 1] * 1e-6 + base_s, block.values[:, 2] * 0.01
+        """The times (s) at which the samples were taken, and their forces (N), by the source.
+
+        Its clock is ours, in microseconds modulo 2**31.
+        """
+        block, now_s = self.everything.read(3), time.perf_counter()
+        ages_s = (now_s * 1e6 - block.values[:, 1]) % 2**31 * 1e-6
+        return block.values[:, 0], now_s - ages_s, block.values[:, 2] * 0.01
 
 
 def openings(times_s, forces_n):
-    """When a gate on the true samples opens, each time anew."""
-    found, gate, was_open = [], ForceGate(PRESS.target_n, PRESS.tolerance, PRESS.hold_s), False
+    """When a gate on the true samples opens, each time anew; stamps stretch a hold by at most `SLEW`."""
+    found, gate, was_open = [], ForceGate(PRESS.target_n, PRESS.tolerance, PRESS.hold_s * (1 - SLEW)), False
     for time_s, force_n in zip(times_s, forces_n, strict=True):
         gate = gate.after(time_s, force_n)
         if gate.open and not was_open:

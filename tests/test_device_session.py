@@ -17,6 +17,7 @@ from test_window_session import any_keys, sit, tactometry
 from tactometry.devices.audio import AudioSettings
 from tactometry.devices.gain import Gain
 from tactometry.experiments.study import load
+from tactometry.experiments.validation import validate
 from tactometry.experiments.wiring import wire
 
 N_TRIALS = 3
@@ -79,20 +80,37 @@ def study_in(folder):
 
 
 def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):  # noqa: F811
+    """The experimenter sits at a real terminal, remarks on it, pauses and repeats."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     (tmp_path / "bench.toml").write_text(BENCH.format(stream=device.name), encoding="utf-8")
     command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
+    terminal, process_end = os.openpty()
+    env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
+    process = tactometry(*command, env=env, stdin=process_end, stderr=process_end)
+    os.close(process_end)
+    seen, reader = [], threading.Thread(target=lambda: follow(terminal, seen), daemon=True)
+    reader.start()
     try:
-        status, _, errors = sit(
-            tactometry(*command, env={**alsa, "DISPLAY": os.environ["DISPLAY"]}), display, any_keys(3)
-        )
+        status, _, _ = sit(process, display, any_keys(3))
+        reader.join(10)
     finally:
         device.close()
+    errors = b"".join(seen).decode()
+    for told in (
+        "p pause   g go on",
+        "trial 1: ",
+        "noted",
+        "this trial will be asked again",
+        "it goes on",
+        "not valid",
+    ):
+        assert told in errors
     assert status == 0, errors
     [trials] = (tmp_path / "data" / "data").glob("*_data.csv")
     rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
-    assert len(rows) == N_TRIALS
-    assert {(row["valid"], row["force_mean_n"], row["force_in_band"]) for row in rows} == {("1", "1", "1")}
+    assert [row["valid"] for row in rows] == ["0", *["1"] * N_TRIALS]
+    assert {(row["force_mean_n"], row["force_in_band"]) for row in rows} == {("1", "1")}
+    check_events(tmp_path / "data", rows)
     [journal] = (tmp_path / "data" / "journals").glob("*.jsonl")
     facts = json.dumps(json.loads(journal.read_text().splitlines()[0]))
     for fact in (
@@ -100,10 +118,45 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
         f'"lsl {device.name}"',
         '"2026-11-01 ZG"',
         '"electrode"',
-        '"hand_clock_correction_s"',
+        '"hand_clock_offset_s"',
     ):
         assert fact in facts
-    assert played_signals(tmp_path) == [N_TRIALS, True]
+    assert played_signals(tmp_path) == [N_TRIALS + 1, True]
+
+
+def follow(terminal, seen):
+    """Read what the terminal shows, and type orders in the first trial."""
+    orders = [("trial 1: ", "n the finger is dry\nr\np\n"), ("paused", "g\n")]
+    while True:
+        try:
+            seen.append(os.read(terminal, 4096))
+        except OSError:
+            return
+        if orders and orders[0][0].encode() in b"".join(seen):
+            os.write(terminal, orders.pop(0)[1].encode())
+
+
+def check_events(data, rows):
+    """What the experimenter did, the timing of each trial and the clocks of the block are in a sound data set."""
+    [path] = (data / "journals").glob("*_events.tsv")
+    events = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines(), delimiter="\t", quoting=csv.QUOTE_NONE))
+    kinds = [event["trial_type"] for event in events]
+    assert [(kind, kinds.count(kind)) for kind in ("remark", "repeat", "pause", "resume")] == [
+        ("remark", 1),
+        ("repeat", 1),
+        ("pause", 1),
+        ("resume", 1),
+    ]
+    trials = [event for event in events if event["trial_type"] == "trial"]
+    assert [(each["trial"], each["attempt"]) for each in trials] == [(row["trial"], row["attempt"]) for row in rows]
+    for each in trials:
+        assert float(each["n_frames"]) > 0
+        assert 0 < float(each["frame_interval_median_s"]) <= float(each["frame_interval_max_s"])
+        assert 0 <= float(each["gate_delay_s"]) < 60
+    assert all(0 < float(each["key_to_record_s"]) < 60 for each in trials[1:])
+    clocks = {event["device"]: float(event["clock_offset_s"]) for event in events if event["trial_type"] == "clock"}
+    assert clocks.keys() == {"hand", "output", "keyboard", "utc"}
+    assert validate(data).defects == ()
 
 
 def played_signals(folder):

@@ -17,7 +17,8 @@ PAUSE_S = 0.05
 
 def tactometry(*arguments, **how):
     command = [sys.executable, "-m", "tactometry", *map(str, arguments)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **how)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.Popen(command, text=True, **{**pipes, **how})
 
 
 def sit(process, hands, keys):

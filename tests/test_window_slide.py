@@ -2,9 +2,12 @@
 
 import time
 
-import numpy as np
 import pytest
+from sampled import Sampled
 
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import streamed_force, streamed_position
 from tactometry.request import Slide
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
@@ -16,39 +19,14 @@ SLIDE = Slide("tone", 5.0, 0.6, 1.0, 0.2, 0.1, 1.5, speed_m_per_s=0.05, length_m
 PATH_M = 0.02
 
 
-class Sampled:
-    """A sensor that samples a function of the time since it was opened at 500 Hz, on the real clock."""
-
-    name, rate_hz = "sampled", 500.0
-
-    def __init__(self, value):
-        self._value = value
-
-    def open(self):
-        self._zero_s, self._n_read = time.perf_counter(), 0
-
-    def read(self):
-        n_due = int((time.perf_counter() - self._zero_s) * self.rate_hz)
-        times_s = np.arange(self._n_read, n_due) / self.rate_hz
-        self._n_read = n_due
-        return times_s + self._zero_s, np.array([self._value(time_s) for time_s in times_s])
-
-    def close(self):
-        pass
-
-
-class SampledPlace(Sampled):
-    def read(self):
-        times_s, places_m = super().read()
-        return times_s, places_m.reshape(len(times_s), 1)
-
-
 @pytest.fixture
 def slid(watched, output, log):
     """A slide of a finger that holds its force, at these places."""
 
     def slide(place_m, request=SLIDE):
-        parts = {"sensor": Sampled(lambda time_s: 1.0), "position": SampledPlace(place_m)}
+        force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
+        sensor = streamed_force(force, 0, ForceCalibration(newtons_per_count=1.0))
+        parts = {"sensor": sensor, "position": streamed_position(place, (0,), 1.0)}
         rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), **parts)
         try:
             return rig.slide(request)

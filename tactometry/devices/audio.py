@@ -55,11 +55,17 @@ class AudioOutput:
         self._settings, self._gain = settings, gain
         self._stream: Any = None
         self._course: Course | None = None
-        self._n_underruns = 0
+        self._n_underruns = self._n_frames = 0
+        self._clocks = ClockMap()
+        self._numbered: tuple[Signal, NDArray[np.generic]] | None = None
 
     def facts(self) -> dict[str, str | int | float | None]:
         latency_s = None if self._stream is None else self._stream.latency
-        return {"output_latency_s": latency_s, "n_underruns": self._n_underruns}
+        return {
+            "output_latency_s": latency_s,
+            "n_underruns": self._n_underruns,
+            "clock_offset_s": self._clocks.offset_s,
+        }
 
     def open(self) -> None:
         """Claim the card and play zeros.
@@ -70,6 +76,7 @@ class AudioOutput:
             If there is no PortAudio or no such device, or it does not take the channels or the rate.
         """
         sounddevice, settings = _library(), self._settings
+        self._n_frames, self._clocks = 0, ClockMap()
         try:
             self._stream = sounddevice.OutputStream(
                 device=settings.device,
@@ -91,7 +98,13 @@ class AudioOutput:
         return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
 
     def _numbers(self, signal: Signal) -> NDArray[np.generic]:
-        """What the card gets, (n_channels, n_samples): rounded towards zero, so that no limit is passed by rounding."""
+        """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
+        if self._numbered is None or self._numbered[0] is not signal:
+            self._numbered = signal, self._rounded(signal)
+        return self._numbered[1]
+
+    def _rounded(self, signal: Signal) -> NDArray[np.generic]:
+        """Rounded towards zero, so that no limit is passed by rounding."""
         units = self._gain.to_units(signal)
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
@@ -133,6 +146,8 @@ class AudioOutput:
 
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
         self._n_underruns += bool(status.output_underflow)
+        self._clocks = self._clocks.after(self._n_frames / self.rate_hz, time.perf_counter())
+        self._n_frames += n_frames
         out[:] = 0
         course = self._course
         if course is None or course.finished:
@@ -177,10 +192,11 @@ class AudioInput:
         self.n_channels: int = settings.n_channels
         self._settings = settings
         self._stream: Any = None
-        self._n_overruns = 0
+        self._n_overruns = self._n_frames = 0
+        self._clocks = ClockMap()
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {"n_overruns": self._n_overruns}
+        return {"n_overruns": self._n_overruns, "clock_offset_s": self._clocks.offset_s}
 
     def open(self) -> None:
         sounddevice, settings = _library(), self._settings

@@ -1,7 +1,7 @@
 """A device's clock on ours: the least delayed of the recent samples tells the difference."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from tactometry.errors import InvalidParameter
 
@@ -22,8 +22,6 @@ class ClockMap:
     ----------
     smallest_s : tuple of (bin, difference)
         The smallest difference in each of the last bins of `BIN_S`.
-    first : (device time, difference), optional
-        Of the first whole bin, to tell the drift.
 
     Examples
     --------
@@ -35,8 +33,6 @@ class ClockMap:
     """
 
     smallest_s: tuple[tuple[int, float], ...] = ()
-    first: tuple[float, float] | None = None
-    last: tuple[float, float] | None = None
 
     def after(self, device_s: float, arrival_s: float) -> "ClockMap":
         """With a sample that was taken at `device_s` and arrived at `arrival_s`.
@@ -51,9 +47,8 @@ class ClockMap:
         now, difference_s = math.floor(device_s / BIN_S), arrival_s - device_s
         older = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
         if older and older[-1][0] == now:
-            return replace(self, smallest_s=(*older[:-1], (now, min(older[-1][1], difference_s))))
-        whole = ((older[-1][0] + 1) * BIN_S, older[-1][1]) if older else self.last
-        return ClockMap((*older, (now, difference_s)), self.first or whole, whole)
+            return ClockMap((*older[:-1], (now, min(older[-1][1], difference_s))))
+        return ClockMap((*older, (now, difference_s)))
 
     def ours_s(self, device_s: float) -> float:
         """A device time on our clock.
@@ -63,13 +58,11 @@ class ClockMap:
         InvalidParameter
             Before the first sample.
         """
-        if not self.smallest_s:
+        if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
-        return device_s + min(difference_s for _, difference_s in self.smallest_s)
+        return device_s + self.offset_s
 
     @property
-    def drift(self) -> float | None:
-        """Seconds that our clock gains per second of the device's, since the first bin; None before the third."""
-        if self.first is None or self.last is None or self.first == self.last:
-            return None
-        return (self.last[1] - self.first[1]) / (self.last[0] - self.first[0])
+    def offset_s(self) -> float | None:
+        """Our time minus the device's; None before the first sample."""
+        return min((difference_s for _, difference_s in self.smallest_s), default=None)

@@ -28,8 +28,8 @@ class CountedSamples:
         self._last: tuple[float, float] | None = None
 
     @property
-    def drift(self) -> float | None:
-        return self._clocks.drift
+    def offset_s(self) -> float | None:
+        return self._clocks.offset_s
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> Block:
         """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.

@@ -1,5 +1,6 @@
 """A stream of Lab Streaming Layer (extra: lsl)."""
 
+import contextlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed
 
 LONGEST_SEARCH_S = 5.0
-WAIT_S = 0.05
+WAIT_S = 0.02
 MOST_SAMPLES = 4096
 
 
@@ -38,10 +39,19 @@ class LslSource:
         self._settings = settings
         self._inlet: Any = None
         self._correction_s: float | None = None
+        self._offset_s = 0.0
         self._searched = False
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {"clock_correction_s": self._correction_s}
+        self._correct()
+        return {"clock_offset_s": None if self._correction_s is None else self._correction_s + self._offset_s}
+
+    def _correct(self) -> None:
+        """LSL exchanges clocks in the background every few seconds; the last correction is at hand at once."""
+        inlet, pylsl = self._inlet, _library()
+        if inlet is not None:
+            with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError):
+                self._correction_s = inlet.time_correction(timeout=WAIT_S)
 
     def open(self) -> None:
         pylsl = _library()

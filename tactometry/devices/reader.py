@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 
 RETRY_S = 0.2
 """A device that went away is looked for this often."""
+SAY_S = 0.02
+"""That nothing came is said this often."""
 KEPT_S = 60.0
 """A listener that does not read loses what is older."""
 
@@ -38,7 +40,7 @@ class Told(Protocol):
     def listen(self, hear: Hear) -> Callable[[], None]:
         """Call `hear` with all samples from now on, in the thread that collects them, until the result is called.
 
-        A device that says nothing for about 0.1 s tells no samples: both arrays are empty.
+        A device that says nothing is told about every `SAY_S`, with empty arrays.
         """
 
 
@@ -59,7 +61,7 @@ class Source(Protocol):
         """Raises `DeviceFailed` if the device is not there."""
 
     def receive(self) -> Block | None:
-        """The next samples; waits for at most about 0.1 s, then None. Raises `DeviceFailed` if the device went away."""
+        """The next samples; waits for about `SAY_S`, then None. Raises `DeviceFailed` if the device went away."""
 
     def close(self) -> None:
         """May be called more than once."""
@@ -158,9 +160,11 @@ class Reader:
                 self._find_again()
 
     def _take(self, block: Block | None) -> None:
-        if block is not None and block.times_s.size:
-            self._n_samples += block.times_s.size
-            self._failure = None
+        if block is None or block.times_s.size == 0:
+            self._say(None)
+            return
+        self._n_samples += block.times_s.size
+        self._failure = None
         self._say(block)
 
     def _say(self, block: Block | None) -> None:
@@ -169,9 +173,12 @@ class Reader:
             hear(said)
 
     def _find_again(self) -> None:
-        self._say(None)
-        while not self._ending.wait(RETRY_S):
+        next_s = now_s() + RETRY_S
+        while not self._ending.wait(SAY_S):
             self._say(None)
+            if now_s() < next_s:
+                continue
+            next_s = now_s() + RETRY_S
             try:
                 self.source.open()
             except DeviceFailed as error:

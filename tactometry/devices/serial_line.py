@@ -8,7 +8,7 @@ from tactometry.devices.framing import Framing
 from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed
 
-WAIT_S = 0.05
+WAIT_S = 0.02
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,11 @@ class SerialSource:
         self._n_lost = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
-        skipped, lost, drift = self._n_skipped, self._n_lost, None
+        skipped, lost, offset_s = self._n_skipped, self._n_lost, None
         if self._line is not None:
-            skipped, lost, drift = skipped + self._framing.n_skipped, lost + self._samples.n_lost, self._samples.drift
-        return {"n_bytes_skipped": skipped, "n_lost": lost, "clock_drift": drift}
+            skipped, lost = skipped + self._framing.n_skipped, lost + self._samples.n_lost
+            offset_s = self._samples.offset_s
+        return {"n_bytes_skipped": skipped, "n_lost": lost, "clock_offset_s": offset_s}
 
     def open(self) -> None:
         serial = _library()

@@ -19,7 +19,7 @@ from tactometry.errors import DeviceFailed
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
 RECORD: Final = struct.Struct(">III6i")
-WAIT_S = 0.05
+WAIT_S = 0.02
 RECEIVED_BYTES = 2**22
 """What the system is asked to keep for us, as far as it allows."""
 SILENT_S = 0.5
@@ -75,7 +75,7 @@ class UdpSource:
         self._n_refused = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {"n_lost": self._samples.n_lost, "n_refused": self._n_refused, "clock_drift": self._samples.drift}
+        return {"n_lost": self._samples.n_lost, "n_refused": self._n_refused, "clock_offset_s": self._samples.offset_s}
 
     def open(self) -> None:
         try:

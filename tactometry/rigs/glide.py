@@ -13,15 +13,15 @@ HALT_S = 0.15
 
 
 class Glide:
-    """Hears the samples of one slide, from `now_s` on; its path lies along the sensor's first axis.
+    """Hears the samples of one slide; its path lies along the sensor's first axis.
 
     `opened_s` is the stamp of the sample that opened the gate.
     """
 
-    def __init__(self, gate: SpeedGate, now_s: float) -> None:
+    def __init__(self, gate: SpeedGate) -> None:
         self._gate = gate
         self._trace = Trace()
-        self._moved_s = self._expected_s = now_s
+        self._moved_s: float | None = None
         self.opened_s: float | None = None
 
     @property
@@ -34,15 +34,14 @@ class Glide:
         for time_s, place_m in zip(times_s.tolist(), positions_m.tolist(), strict=True):
             was_open, self._gate = self._gate.open, self._gate.after(time_s, place_m[0])
             self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
-            self._moved_s = max(self._moved_s, time_s) if self._gate.moving else self._moved_s
+            self._moved_s = time_s if self._moved_s is None or self._gate.moving else self._moved_s
 
-    def excuse(self, now_s: float) -> None:
-        """A halt counts from now: the thread that listens was held up."""
-        self._expected_s = now_s
-
-    def stopped(self, now_s: float) -> bool:
+    @property
+    def stopped(self) -> bool:
         """Whether the finger has left its band of speed, or the sensor is silent."""
-        return now_s - max(self._moved_s, self._expected_s) > HALT_S
+        last_s, moved_s = self._trace.last_s, self._moved_s
+        halted = last_s is not None and moved_s is not None and last_s - moved_s > HALT_S
+        return halted or self._trace.quiet(HALT_S)
 
     def in_band(self, begin_s: float, end_s: float) -> float | None:
         """The part of the time that the speed was in its band; None where it was not measured."""

@@ -1,6 +1,6 @@
 """The finger's force during one touch: collected, gated, and judged."""
 
-import numpy as np
+import math
 
 from tactometry.devices.reader import FloatArray
 from tactometry.force_gate import Compliance, ForceGate, compliance
@@ -13,12 +13,12 @@ AWAY_PART = 0.1
 
 
 class Grip:
-    """Hears the samples of one touch, from `now_s` on; `opened_s` is the stamp of the sample that opened the gate."""
+    """Hears the samples of one touch; `opened_s` is the stamp of the sample that opened the gate."""
 
-    def __init__(self, gate: ForceGate, now_s: float) -> None:
+    def __init__(self, gate: ForceGate) -> None:
         self._gate = gate
         self._trace = Trace()
-        self._heard_s = self._expected_s = now_s
+        self._known_s: float | None = None
         self.opened_s: float | None = None
         self.force_n: float | None = None
         """The last force, N; None before the first sample and after a lost one."""
@@ -32,22 +32,21 @@ class Grip:
         for time_s, force_n in zip(times_s.tolist(), forces_n.tolist(), strict=True):
             was_open, self._gate = self._gate.open, self._gate.after(time_s, force_n)
             self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
-            self.force_n = force_n if np.isfinite(force_n) else None
-        heard = times_s[np.isfinite(forces_n)]
-        self._heard_s = max(self._heard_s, float(heard.max(initial=self._heard_s)))
+            self.force_n = force_n if math.isfinite(force_n) else None
+            self._known_s = time_s if self._known_s is None or self.force_n is not None else self._known_s
 
-    def excuse(self, now_s: float) -> None:
-        """Silence counts from now: the thread that listens was held up."""
-        self._expected_s = now_s
+    @property
+    def silent(self) -> bool:
+        """Whether the sensor says nothing, or nothing but lost samples."""
+        last_s, known_s = self._trace.last_s, self._known_s
+        lost = last_s is not None and known_s is not None and last_s - known_s > SILENT_S
+        return lost or self._trace.quiet(SILENT_S)
 
-    def silent(self, now_s: float) -> bool:
-        """Whether the sensor says nothing."""
-        return now_s - max(self._heard_s, self._expected_s) > SILENT_S
-
-    def lost(self, now_s: float) -> bool:
+    @property
+    def lost(self) -> bool:
         """Whether the sensor is silent, or the finger has left."""
         force_n = self.force_n
-        return (force_n is not None and force_n < AWAY_PART * self._gate.target_n) or self.silent(now_s)
+        return (force_n is not None and force_n < AWAY_PART * self._gate.target_n) or self.silent
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
         """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""

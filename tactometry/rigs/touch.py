@@ -37,13 +37,13 @@ def moving_cue(request: Slide, display_height_m: float) -> Dress:
 
 
 class Held:
-    """What the sensors of one held touch say: force, and speed where it is gated; all from `now_s` on."""
+    """What the sensors of one held touch say: force, and speed where it is gated."""
 
-    def __init__(self, request: Press | Slide, now_s: float, *, moving: bool) -> None:
-        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s), now_s)
+    def __init__(self, request: Press | Slide, *, moving: bool) -> None:
+        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s))
         self.glide: Glide | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
-            self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S), now_s)
+            self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
 
     @property
     def open(self) -> bool:
@@ -58,15 +58,7 @@ class Held:
     @property
     def lost(self) -> bool:
         """Whether a sensor is silent, or the finger has left or stopped."""
-        now_s = time.perf_counter()
-        return self.grip.lost(now_s) or (self.glide is not None and self.glide.stopped(now_s))
-
-    def excuse(self) -> None:
-        """The threads that listen were held up until now."""
-        now_s = time.perf_counter()
-        self.grip.excuse(now_s)
-        if self.glide is not None:
-            self.glide.excuse(now_s)
+        return self.grip.lost or (self.glide is not None and self.glide.stopped)
 
     def kept_speed(self, begin_s: float, end_s: float) -> bool:
         if self.glide is None:
@@ -127,14 +119,10 @@ class Touch:
 
         The threads of the sensors decide; here it is shown what they hear.
         """
-        held = Held(self.request, time.perf_counter(), moving=self.position is not None)
-
-        def fire() -> float | None:
-            onset_s = self.emitter.emit_if_allowed(signal)
-            held.excuse()
-            return onset_s
-
-        trigger = Trigger(lambda: held.open, lambda: held.lost, fire, self.emitter.stop)
+        held = Held(self.request, moving=self.position is not None)
+        trigger = Trigger(
+            lambda: held.open, lambda: held.lost, lambda: self.emitter.emit_if_allowed(signal), self.emitter.stop
+        )
         with ExitStack() as last_first:
             last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
             if held.glide is not None:
@@ -159,8 +147,8 @@ class Touch:
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
             said_s = self._said(held, said_s)
-            if held.grip.silent(time.perf_counter()):
-                self.pause(SILENT, lambda: not held.grip.silent(time.perf_counter()))
+            if held.grip.silent:
+                self.pause(SILENT, lambda: not held.grip.silent)
             if time.perf_counter() > max(begin_s, self.stage.paused_until_s) + self.request.timeout_s:
                 trigger.disarm()
                 break

@@ -1,20 +1,34 @@
 """What a sensor told during one touch."""
 
+import time
+
 import numpy as np
 
 from tactometry.devices.position_sensor import mean_speed_m_per_s
 from tactometry.devices.reader import FloatArray
 
+DEAF_S = 0.5
+"""A sensor's thread that tells nothing for longer, not even that nothing came, is held up (unverified default)."""
+
 
 class Trace:
-    """Collects blocks in one thread, and gives them to another."""
+    """Collects blocks in one thread, and gives them to another; `last_s` is the last stamp."""
 
     def __init__(self) -> None:
         self._blocks: list[tuple[FloatArray, FloatArray]] = []
+        self._told_s = self._arrived_s = time.perf_counter()
+        self.last_s: float | None = None
 
     def hear(self, times_s: FloatArray, values: FloatArray) -> None:
+        now_s = time.perf_counter()
         if times_s.size:
             self._blocks.append((times_s, values))
+            self._arrived_s, self.last_s = now_s, float(times_s[-1])
+        self._told_s = now_s
+
+    def quiet(self, longest_s: float) -> bool:
+        """Whether nothing has come for longer. What waits to be read while the process is held up is no silence."""
+        return self._told_s - self._arrived_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
         """Times and values of the finite samples of an interval; none where a stamp goes back."""

@@ -1,0 +1,168 @@
+"""Events of a session: kept in the journal between the requests, skipped by replay, derived into a table, validated."""
+
+import json
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.event import COLUMNS, FACTS, KINDS, Event, events_tsv
+from tactometry.experiments.recording import RigKind, record, simulated
+from tactometry.experiments.replaying import replay_data_set
+from tactometry.experiments.validation import validate
+from tactometry.journal import read
+from tactometry.request import REQUESTS, Record
+
+REMARK = Event("remark", 1.5, "2026-11-21T09:00:00.000+00:00", {"text": 'a "tab"\t and a\nline, said twice'})
+
+
+class Noting:
+    """A rig that notes an event before every request, and fails at a given one."""
+
+    def __init__(self, rig, log, fails_at):
+        self._rig, self._log, self._fails_at, self._n = rig, log, fails_at, count(1)
+
+    def __getattr__(self, name):
+        answers = getattr(self._rig, name)
+        if name.capitalize() not in REQUESTS:
+            return answers
+
+        def noted(request):
+            n = next(self._n)
+            self._log.note(replace(REMARK, at_s=float(n), facts={"text": f"before request {n}", "trial": n}))
+            if n == self._fails_at:
+                raise KeyboardInterrupt
+            return answers(request)
+
+        return noted
+
+
+def noting(fails_at=None):
+    make = simulated(EXPERIMENT, WHO).make
+    return RigKind("simulated", lambda seed, log: Noting(make(seed, log), log, fails_at), simulated_time=True)
+
+
+@pytest.fixture(scope="module")
+def noted(tmp_path_factory):
+    root = tmp_path_factory.mktemp("noted")
+    record(EXPERIMENT, TOML, root, WHO, noting())
+    return root
+
+
+def events_file(root):
+    [path] = (root / "journals").glob("*_events.tsv")
+    return path
+
+
+def test_events_stand_between_the_requests_and_replay_skips_them(noted):
+    recording = read(journal_of(noted))
+    assert recording.complete
+    assert [event.at_s for event in recording.events] == [float(n + 1) for n in range(len(recording.entries))]
+    assert recording.event_lines == tuple(range(2, 2 + 2 * len(recording.entries), 2))
+    assert recording.lines == tuple(range(3, 3 + 2 * len(recording.entries), 2))
+    assert replay_data_set(noted)[0].n_trials == len(recording.trials)
+    assert validate(noted).defects == ()
+
+
+def test_the_table_has_a_row_for_each_event_and_a_description_of_each_column(noted):
+    header, *rows = (line.split("\t") for line in events_file(noted).read_text("utf-8").splitlines())
+    assert header == [column.name for column in COLUMNS]
+    assert header[:3] == ["onset", "duration", "trial_type"]
+    assert len(rows) == len(read(journal_of(noted)).events)
+    first = dict(zip(header, rows[0], strict=True))
+    assert (first["onset"], first["trial_type"], first["trial"], first["device"]) == ("1.0", "remark", "1", "n/a")
+    described = json.loads(events_file(noted).with_suffix(".json").read_text("utf-8"))
+    assert list(described) == header
+    assert all(each["Description"] for each in described.values())
+
+
+@pytest.mark.parametrize("fails_at", [2, 9, 10, 11])
+def test_no_event_is_lost_when_a_session_is_cut_off_and_goes_on(tmp_path, fails_at):
+    with pytest.raises(KeyboardInterrupt):
+        record(EXPERIMENT, TOML, tmp_path, WHO, noting(fails_at))
+    noted = [event.at_s for event in read(journal_of(tmp_path)).events]
+    record(EXPERIMENT, TOML, tmp_path, WHO, noting(), resume=True)
+    recording = read(journal_of(tmp_path))
+    assert noted == [float(n + 1) for n in range(fails_at)]
+    assert [event.at_s for event in recording.events][:fails_at] == noted
+    assert events_file(tmp_path).read_bytes() == events_tsv(recording.events)
+    assert validate(tmp_path).defects == ()
+
+
+def test_events_right_behind_the_last_trial_are_not_cut_off(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        record(EXPERIMENT, TOML, tmp_path, WHO, noting(12))
+    before = read(journal_of(tmp_path))
+    record(EXPERIMENT, TOML, tmp_path, WHO, noting(), resume=True)
+    after = read(journal_of(tmp_path))
+    last = max(
+        line for line, (request, _) in zip(before.lines, before.entries, strict=True) if isinstance(request, Record)
+    )
+    kept = sum(line < last for line in before.event_lines)
+    assert after.events[:kept] == before.events[:kept]
+    assert after.event_lines[:kept] == before.event_lines[:kept]
+
+
+def test_a_session_without_events_has_no_table_of_them(lived):
+    assert not list((lived / "journals").glob("*_events.*"))
+    assert validate(lived).defects == ()
+
+
+def damaged(root, how):
+    path = events_file(root)
+    how(path)
+    return [(each.file, each.row, each.text) for each in validate(root).defects]
+
+
+@pytest.mark.parametrize(
+    ("how", "row", "message"),
+    [
+        (lambda path: path.unlink(), None, "found no such file, expected the events of the journal"),
+        (lambda path: path.write_bytes(path.read_bytes().replace(b"request 3", b"request X")), 4, "another row"),
+        (lambda path: path.with_suffix(".json").unlink(), None, "found no description of its columns"),
+    ],
+    ids=["removed", "changed", "not described"],
+)
+def test_a_defect_of_the_table_is_named(tmp_path, how, row, message):
+    record(EXPERIMENT, TOML, tmp_path, WHO, noting())
+    [found] = damaged(tmp_path, how)
+    assert (found[0], found[1]) == (f"journals/{events_file_name()}", row)
+    assert message in found[2]
+
+
+def events_file_name():
+    return "participant-P01_session-1_study-tutorial_events.tsv"
+
+
+def test_a_line_of_an_event_that_is_changed_or_unknown_is_refused(tmp_path):
+    record(EXPERIMENT, TOML, tmp_path, WHO, noting())
+    path = journal_of(tmp_path)
+    path.write_bytes(path.read_bytes().replace(b"before request 3", b"before request 4"))
+    with pytest.raises(InvalidFile, match="line 6: the line is damaged"):
+        read(path)
+
+
+names = st.sampled_from([column.name for column in FACTS])
+values = st.one_of(
+    st.none(), st.booleans(), st.integers(-(10**9), 10**9), st.floats(allow_nan=False, allow_infinity=False), st.text()
+)
+
+
+@given(kind=st.sampled_from(KINDS), at_s=st.floats(0, 1e6), facts=st.dictionaries(names, values))
+@settings(max_examples=50)
+def test_every_event_is_one_row_of_the_table(kind, at_s, facts):
+    event = Event(kind, at_s, None, facts)
+    header, row = events_tsv([event]).decode().rstrip("\n").split("\n")
+    assert len(row.split("\t")) == len(header.split("\t"))
+    assert all(row.split("\t"))
+
+
+@pytest.mark.parametrize("facts", [{"words": "x"}, {"clock_offset_s": np.inf}], ids=str)
+def test_a_fact_of_another_name_or_without_a_number_is_refused(facts):
+    with pytest.raises(InvalidParameter, match="event 'remark': found .*expected names of FACTS, with finite numbers"):
+        Event("remark", 0.0, None, facts)
