@@ -162,7 +162,7 @@ def test_2000_free_edge_modes_are_all_there_and_right_to_1e_9():
     found_hz = plate.frequencies_hz(f_max_hz)
     assert len(found_hz) >= 2000
     assert np.all(np.diff(found_hz) >= 0)
-    for at_hz in (20e3, 70e3, f_max_hz):
+    for at_hz in (50e3, f_max_hz):
         n_below, near_hz = 0, []
         for stiffness, mass, unit_hz in pencils(plate, f_max_hz, 8):
             n, near = below_and_near(stiffness, mass, (at_hz / unit_hz) ** 2)

@@ -80,13 +80,14 @@ def test_low_rank_update_of_unlike_contacts_between_few_and_many_places(n_to, n_
 
 
 def test_1000_contacts_are_the_dense_solve():
-    oscillators, to, of, at, s = system(1000, 3)
-    s = s[:1]
+    few = slice(0, 30)
+    oscillators, *weights, s = system(1000, 3)
+    to, of, at = (weight[few] for weight in weights)
+    oscillators, s = Oscillators(oscillators.omega_rad_per_s[few], oscillators.decay_per_s[few]), s[:2]
     stiffness = np.repeat((10.0 * s)[:, None], 1000, axis=1) / 1000
     found = loaded_receptance(Receptances.of(oscillators, MASS_KG, s), to, of, at, stiffness)
     expected = dense(oscillators, to, of, at, stiffness, s)
-    size = np.abs(expected).max()
-    hard_case("1000 contacts", (found - expected) / size, 0, 1e-11, against="dense solve", floor=1)
+    assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
 
 
 def test_finger_of_zero_impedance_changes_nothing_at_all():

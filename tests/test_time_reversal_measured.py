@@ -165,6 +165,15 @@ def test_inspection_finds_clipping_silence_and_noise(recorded):
     assert found.noisy == ((1, 7),)
 
 
+def test_a_slow_peak_and_a_peak_that_comes_again_are_not_clipped():
+    t = np.arange(400) / 400
+    slow = np.exp(-6 * t) * np.sin(2 * np.pi * 3 * t)
+    again = np.where(np.arange(400) % 2 == 0, 1.0, 0.2) * (np.arange(400) < 40)
+    assert inspect(Responses(np.stack([slow, again])[None], RATE_HZ)).clipped == ()
+    flat = np.where(np.arange(400) < 10, 1.0, 0.1 * again)
+    assert inspect(Responses(flat[None, None], RATE_HZ)).clipped == ((0, 0),)
+
+
 def test_reciprocity_error():
     h = np.sin(np.arange(100.0))
     assert reciprocity_error(h, h) == 0.0
