@@ -156,7 +156,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Stiffener.weights": {"self": Stiffener(0.1, 0.1, 1.0), "screen": SCREEN, **LOW},
             "Stiffener.dynamic_stiffness": {"self": Stiffener(0.1, 0.1, 1.0), "s": S},
             "Ceramic.added_rigidity_n_m": {"self": Ceramic(), "plate": PLATE},
-            "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True},
+            "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True, "n_parts": 1},
         },
         "closed_forms": {
             "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},

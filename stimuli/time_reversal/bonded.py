@@ -2,10 +2,11 @@
 
 A patch of thickness t on a plate of thickness h adds the mass rho t A and, bent with the plate about the plate's
 middle, the rigidity dD = E / (1 - nu^2) ((h/2 + t)^3 - (h/2)^3) / 3: a little too much, because a patch on one side
-moves the neutral plane towards itself. Both act at the centre of the patch, on its displacement and on its
-curvature, which holds while the patch is short against the wave.
+moves the neutral plane towards itself. Both act on the displacement and the curvature at the centre of the patch, which
+holds while the patch is short against the wave, or of each of its `n_parts` x `n_parts` parts.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -13,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
+from tactometry.stimuli.time_reversal.checks import at_least, not_negative, positive, within
 from tactometry.stimuli.time_reversal.load import Attached, Load
 from tactometry.stimuli.time_reversal.modes import laplacians
 from tactometry.stimuli.time_reversal.plate import Plate
@@ -28,6 +29,9 @@ PATCH_THICKNESS_M: Final = 0.3e-3
 CERAMIC_DENSITY_KG_PER_M3: Final = 7700.0
 CERAMIC_MODULUS_PA: Final = 59e9
 CERAMIC_POISSON_RATIO: Final = 0.3
+
+GOLDEN_RAD: Final = math.pi * (3 - math.sqrt(5))
+"""From point to point of a spiral that covers a disc evenly."""
 
 
 @checked
@@ -83,8 +87,15 @@ def bonded_loads(
     *,
     mass: bool = True,
     stiffness: bool = True,
+    n_parts: int = 1,
 ) -> list[Attached]:
     """The loads of patches, to be passed to `loaded_responses` with those of fingers.
+
+    Parameters
+    ----------
+    n_parts : int
+        Parts of a patch along each side, so that a part stays short against the wave: a side of at most a quarter of
+        the shortest wave. Of a disc, `n_parts`^2 points with equal areas.
 
     Examples
     --------
@@ -96,6 +107,22 @@ def bonded_loads(
     """
     of = ceramic or Ceramic()
     weight, rigidity_n_m = of.density_kg_per_m3 * of.thickness_m, of.added_rigidity_n_m(plate)
-    masses = [Load(each.x_m, each.y_m, mass_kg=weight * each.area_m2) for each in patches if mass]
-    stiffeners = [Stiffener(each.x_m, each.y_m, rigidity_n_m * each.area_m2) for each in patches if stiffness]
+    at_least("n_parts", n_parts, 1)
+    parts = [(x, y, each.area_m2 / n_parts**2) for each in patches for x, y in _parts(each, n_parts)]
+    masses = [Load(x, y, mass_kg=weight * area_m2) for x, y, area_m2 in parts if mass]
+    stiffeners = [Stiffener(x, y, rigidity_n_m * area_m2) for x, y, area_m2 in parts if stiffness]
     return [*masses, *stiffeners]
+
+
+def _parts(patch: Patch | Disc, n: int) -> list[tuple[float, float]]:
+    """Centres of n x n parts of equal area; of a disc on a spiral."""
+    if isinstance(patch, Patch):
+        steps = (np.arange(n) + 0.5) / n - 0.5
+        return [
+            (float(patch.x_m + u * patch.length_m), float(patch.y_m + v * patch.width_m)) for u in steps for v in steps
+        ]
+    k = np.arange(n * n) if n > 1 else np.array([-0.5])
+    r, angle = patch.diameter_m / 2 * np.sqrt((k + 0.5) / n**2), k * GOLDEN_RAD
+    return [
+        (float(patch.x_m + u), float(patch.y_m + v)) for u, v in zip(r * np.cos(angle), r * np.sin(angle), strict=True)
+    ]
