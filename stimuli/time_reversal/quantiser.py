@@ -62,7 +62,8 @@ class SigmaDelta:
     order : int
         1 or 2.
     scale : float
-        Peak of the modulator's input, above 0; 0.7 keeps the second order stable, and up to 1 the first.
+        Peak of the modulator's input, above 0; 0.7 keeps the second order stable up to a 20th of
+        the rate, and up to 1 the first.
 
     Raises
     ------
@@ -89,7 +90,7 @@ class SigmaDelta:
             raise LimitExceeded(
                 f"SigmaDelta(order={self.order}, scale={self.scale}): found a state of "
                 f"{stream.peak_state:.3g}, the limit is {stream.limit:.3g}: the modulator overloads; "
-                "lower scale to 0.7 or less; nothing is emitted"
+                "lower scale (0.7 bears a sine up to a 20th of the rate), or raise the rate; nothing is emitted"
             )
         return stream.bits.astype(float)
 
