@@ -10,7 +10,6 @@ import pytest
 from hard_cases import hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.special import xlogy
 
 from tactometry.analysis.threshold import METHODS, Status, ThresholdFit, fit, fit_many
 from tactometry.errors import InvalidParameter
@@ -107,94 +106,6 @@ def test_palamedes_demonstration() -> None:
     assert found.threshold == pytest.approx(expected["alpha"], abs=expected["tol"]["alpha_abs"])
     assert SHAPES["logistic"].z_width / found.width == pytest.approx(expected["beta"], rel=0.01)
     assert half == pytest.approx(expected["se_alpha"], rel=expected["tol"]["se_rel"])
-
-
-def test_equals_a_probit_regression_on_many_random_sets() -> None:
-    """Without guesses and lapses the model is statsmodels' binomial GLM: same optimum to 1e-6."""
-    import statsmodels.api as sm
-
-    rng = np.random.default_rng()
-    levels = np.arange(-3.0, 4.0)
-    k = rng.binomial(25, 1 / (1 + np.exp(-1.2 * levels + rng.normal(size=(100, 1)))))
-    compared = 0
-    for counts, found in zip(
-        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="ml"), strict=True
-    ):
-        if found.status != Status.OK:
-            continue
-        model = sm.GLM(
-            np.column_stack([counts, 25 - counts]),
-            sm.add_constant(levels),
-            family=sm.families.Binomial(sm.families.links.Probit()),
-        ).fit(tol=1e-12)
-        intercept, slope = model.params
-        assert found.threshold == pytest.approx(-intercept / slope, rel=1e-6, abs=1e-7)
-        assert found.width == pytest.approx(SHAPES["normal"].z_width / slope, rel=1e-6)
-        compared += 1
-    assert compared > 50
-
-
-def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> float:
-    """psignifit 4's unnormalised log posterior in its own words, for two alternatives without overdispersion."""
-    from psignifit import _priors, sigmoids
-
-    m, w, lapse = parameters
-    levels, k, n = np.array(data, dtype=float).T
-    p = 0.5 + (0.5 - lapse) * sigmoids.sigmoid_by_name("norm")(levels, m, w)
-    value = np.sum(xlogy(k, p) + xlogy(n - k, 1 - p))
-    with np.errstate(divide="ignore"):
-        value += np.log(_priors.threshold_prior(np.array([m]), threshold_range))[0]
-        value += np.log(_priors.width_prior(np.array([w]), 0.05, smallest_gap, np.ptp(threshold_range)))[0]
-    return float(value + np.log(_priors.lambda_prior(np.array([lapse])))[0])
-
-
-def test_the_mode_is_at_least_as_probable_as_any_node_of_a_fine_grid() -> None:
-    """Under psignifit's own priors and likelihood."""
-    pytest.importorskip("psignifit")
-    rng = np.random.default_rng()
-    for _ in range(4):
-        k = rng.binomial(20, np.array([0.5, 0.55, 0.6, 0.75, 0.9, 0.95, 0.97]))
-        found = fitted(k, method="map")
-        if found.status != Status.OK:
-            continue
-        data = list(zip(SEVEN, k, [20] * 7, strict=True))
-        best = psignifit_log_posterior(data, (found.threshold, found.width, found.lapse_rate), (1, 7), 1)
-        for m in np.linspace(0, 8, 13):
-            for w in np.geomspace(1.1, 17, 9):
-                for lapse in (0.0, 0.01, 0.05, 0.15):
-                    assert psignifit_log_posterior(data, (m, w, lapse), (1, 7), 1) <= best + 1e-6
-
-
-def test_interval_is_that_of_the_posterior_integrated_on_a_fine_grid() -> None:
-    """Within 1 % of the interval's width; psignifit's priors and likelihood by brute force."""
-    k = np.array([10, 9, 13, 14, 18, 20, 19])
-    m, w = np.linspace(-1.99, 9.99, 240), np.linspace(1.01, 17.99, 120)
-    lapse = np.linspace(0.0, 0.5, 61)
-    posterior = brute_posterior(np.array(SEVEN, float), k, m, w, lapse)
-    cumulated = np.cumsum(posterior.sum(axis=(1, 2)))
-    ends = np.interp([0.025, 0.975], cumulated / cumulated[-1], m + (m[1] - m[0]) / 2)
-    found = fitted(k)
-    assert [found.interval_low, found.interval_high] == pytest.approx(ends.tolist(), abs=0.01 * np.ptp(ends))
-    mean = float((posterior.sum(axis=(1, 2)) * m).sum() / posterior.sum())
-    assert found.threshold == pytest.approx(mean, abs=0.01 * np.ptp(ends))
-
-
-def brute_posterior(levels, k, m, w, lapse):
-    from scipy.special import ndtr
-    from scipy.stats import beta
-
-    z = (levels[:, None, None] - m[:, None]) / w * SHAPES["normal"].z_width
-    p = 0.5 + (0.5 - lapse) * ndtr(z)[..., None]
-    q = lapse + (0.5 - lapse) * ndtr(-z)[..., None]
-    with np.errstate(divide="ignore"):
-        value = sum(xlogy(one, p[i]) + xlogy(20 - one, q[i]) for i, one in enumerate(k))
-    outside = np.maximum(np.abs(m - 4) - 3, 0)
-    prior_m = (1 + np.cos(2 * np.pi * outside / 6)) / 2 * (outside < 3)
-    prior_w = np.where(w < 2, (1 - np.cos(np.pi * (w - 1))) / 2, 1.0)
-    prior_w = np.where(w > 6, (1 + np.cos(np.pi / 2 * (w - 6) / 6)) / 2, prior_w)
-    prior_l = beta.pdf(lapse, 1, 10)
-    prior_l[[0, -1]] /= 2
-    return np.exp(value - value.max()) * prior_m[:, None, None] * prior_w[:, None] * prior_l
 
 
 # Hard cases: a status, and a bound or nothing where the data say no more

@@ -1,0 +1,155 @@
+"""Threshold fits against independent computations: a probit regression, psignifit's posterior node by node and
+integrated on fine grids."""
+
+import os
+
+import numpy as np
+import pytest
+from scipy.special import gammaln, ndtr, xlogy
+
+from tactometry.analysis.threshold import Status, ThresholdFit, fit, fit_many
+from tactometry.psychometric import SHAPES, PsychometricFunction
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+SEVEN = [1, 2, 3, 4, 5, 6, 7]
+
+
+def fitted(n_correct, **options) -> ThresholdFit:
+    return fit(SEVEN, n_correct, 20, **({"shape": "normal", "guess_rate": 0.5} | options))
+
+
+def test_equals_a_probit_regression_on_many_random_sets() -> None:
+    """Without guesses and lapses the model is statsmodels' binomial GLM: same optimum to 1e-6."""
+    import statsmodels.api as sm
+
+    rng = np.random.default_rng()
+    levels = np.arange(-3.0, 4.0)
+    k = rng.binomial(25, 1 / (1 + np.exp(-1.2 * levels + rng.normal(size=(100, 1)))))
+    compared = 0
+    for counts, found in zip(
+        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="ml"), strict=True
+    ):
+        if found.status != Status.OK:
+            continue
+        model = sm.GLM(
+            np.column_stack([counts, 25 - counts]),
+            sm.add_constant(levels),
+            family=sm.families.Binomial(sm.families.links.Probit()),
+        ).fit(tol=1e-12)
+        intercept, slope = model.params
+        assert found.threshold == pytest.approx(-intercept / slope, rel=1e-6, abs=1e-7)
+        assert found.width == pytest.approx(SHAPES["normal"].z_width / slope, rel=1e-6)
+        compared += 1
+    assert compared > 50
+
+
+def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> float:
+    """psignifit 4's unnormalised log posterior in its own words, for two alternatives without overdispersion."""
+    from psignifit import _priors, sigmoids
+
+    m, w, lapse = parameters
+    levels, k, n = np.array(data, dtype=float).T
+    p = 0.5 + (0.5 - lapse) * sigmoids.sigmoid_by_name("norm")(levels, m, w)
+    value = np.sum(xlogy(k, p) + xlogy(n - k, 1 - p))
+    with np.errstate(divide="ignore"):
+        value += np.log(_priors.threshold_prior(np.array([m]), threshold_range))[0]
+        value += np.log(_priors.width_prior(np.array([w]), 0.05, smallest_gap, np.ptp(threshold_range)))[0]
+    return float(value + np.log(_priors.lambda_prior(np.array([lapse])))[0])
+
+
+def test_the_mode_is_at_least_as_probable_as_any_node_of_a_fine_grid() -> None:
+    """Under psignifit's own priors and likelihood."""
+    pytest.importorskip("psignifit")
+    rng = np.random.default_rng()
+    for _ in range(4):
+        k = rng.binomial(20, np.array([0.5, 0.55, 0.6, 0.75, 0.9, 0.95, 0.97]))
+        found = fitted(k, method="map")
+        if found.status != Status.OK:
+            continue
+        data = list(zip(SEVEN, k, [20] * 7, strict=True))
+        best = psignifit_log_posterior(data, (found.threshold, found.width, found.lapse_rate), (1, 7), 1)
+        for m in np.linspace(0, 8, 13):
+            for w in np.geomspace(1.1, 17, 9):
+                for lapse in (0.0, 0.01, 0.05, 0.15):
+                    assert psignifit_log_posterior(data, (m, w, lapse), (1, 7), 1) <= best + 1e-6
+
+
+# Integrated: nodes of each parameter with the weights of a quadrature
+def equidistant(low, high, n) -> tuple[np.ndarray, np.ndarray]:
+    return np.linspace(low, high, n), np.full(n, (high - low) / (n - 1))
+
+
+def legendre(low, high, n) -> tuple[np.ndarray, np.ndarray]:
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return low + (high - low) * (nodes + 1) / 2, weights * (high - low) / 2
+
+
+def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Nodes and masses of threshold and width under psignifit's likelihood, priors and sigmoid."""
+    from psignifit import _priors
+
+    fine = not (free_guess or overdispersed)
+    m, m_weight = equidistant(-1.99, 9.99, 241 if fine else 121)
+    v, v_weight = equidistant(np.log(1.001), np.log(17.99), 121 if fine else 65)
+    w = np.exp(v)
+    lapse, l_weight = legendre(0, 0.5, 20 if fine else 14)
+    guess, g_weight = legendre(0, 0.5, 14) if free_guess else (np.array([0.5]), np.ones(1))
+    eta, e_weight = legendre(0, 0.9, 14) if overdispersed else (np.zeros(1), np.ones(1))
+    with np.errstate(divide="ignore"):
+        prior = np.log(_priors.threshold_prior(m, (1, 7)))[:, None] + np.log(_priors.width_prior(w, 0.05, 1, 6))
+    total = prior[..., None, None, None] + 9 * np.log1p(-lapse)[:, None, None] + 9 * np.log1p(-eta)
+    total = total + (9 * np.log1p(-guess)[:, None] if free_guess else 0.0)
+    for level, count in zip(SEVEN, k, strict=True):
+        z = (level - m[:, None]) / w * SHAPES["normal"].z_width
+        cdf, sf = ndtr(z)[..., None, None], ndtr(-z)[..., None, None]
+        span = 1 - guess - lapse[:, None]
+        yes, no = guess + span * cdf, lapse[:, None] + span * sf
+        total = total + chance_of(count, yes[..., None], no[..., None], eta)
+    mass = np.exp(total - total.max()) * (w * v_weight)[:, None, None, None] * l_weight[:, None, None]
+    mass = mass * g_weight[:, None] * e_weight
+    curve = mass.sum(axis=(2, 3, 4)) * m_weight[:, None]
+    return {"threshold": (m, curve.sum(axis=1)), "width": (v, curve.sum(axis=0))}
+
+
+def chance_of(k, yes, no, eta) -> np.ndarray:
+    """Log likelihood of k of 20 answers: binomial, or beta-binomial with nu = 1 / eta^2 - 1."""
+    if not eta.any():
+        return k * np.log(yes) + (20 - k) * np.log(no)
+    nu = 1 / eta**2 - 1
+    a, b = yes * nu, no * nu
+    rising = gammaln(k + a) - gammaln(a) + gammaln(20 - k + b) - gammaln(b)
+    return rising - (gammaln(20 + nu) - gammaln(nu))
+
+
+def ends_of(nodes, masses) -> np.ndarray:
+    step = nodes[1] - nodes[0]
+    share = np.cumsum(masses) / masses.sum()
+    return np.interp([0.025, 0.975], share, nodes + step / 2)
+
+
+@pytest.mark.parametrize(
+    ("free_guess", "overdispersed", "n_sets"),
+    [(False, False, 6), (True, False, 1), (False, True, 1)],
+    ids=["2AFC", "yes/no", "overdispersed"],
+)
+def test_means_and_ends_are_those_of_the_posterior_integrated_on_a_fine_grid(free_guess, overdispersed, n_sets) -> None:
+    """Within 1 % of the interval's width of psignifit's posterior, integrated; 100 random sets of each in the soak."""
+    pytest.importorskip("psignifit")
+    rng, compared = np.random.default_rng(), 0
+    options = {"guess_rate": None if free_guess else 0.5, "overdispersion": overdispersed}
+    while compared < (100 if SOAK else n_sets):
+        guess = rng.uniform(0, 0.1) if free_guess else 0.5
+        curve = PsychometricFunction("normal", rng.uniform(3, 5), rng.uniform(2.5, 5), guess, rng.uniform(0, 0.05))
+        k = rng.binomial(20, curve.probability(SEVEN))
+        found = fitted(k, **options)
+        if found.status != Status.OK:
+            continue
+        compared += 1
+        along = marginals(k, free_guess=free_guess, overdispersed=overdispersed)
+        ends, widths = ends_of(*along["threshold"]), np.exp(ends_of(*along["width"]))
+        nodes, mass = along["threshold"]
+        assert [found.interval_low, found.interval_high] == pytest.approx(ends.tolist(), abs=0.01 * np.ptp(ends))
+        assert found.threshold == pytest.approx((nodes * mass).sum() / mass.sum(), abs=0.01 * np.ptp(ends))
+        assert [found.width_low, found.width_high] == pytest.approx(widths.tolist(), abs=0.01 * np.ptp(widths))
+        mean = (np.exp(along["width"][0]) * along["width"][1]).sum() / along["width"][1].sum()
+        assert found.width == pytest.approx(mean, abs=0.01 * np.ptp(widths))
