@@ -37,6 +37,7 @@ ZERO_SD = 1e-3
 """A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
 LARGEST_GRADIENT = 1e-2
 START_FACTORS = (1.0, 0.3, 3.0)
+ONE_WIDTH = "widths are taken to be the same in all participants: the answers do not tell how they vary"
 COMPONENTS = ("threshold", "log_width", "threshold_cell", "log_width_cell")
 
 
@@ -160,6 +161,8 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
         return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
     model = mixed_model(told)
     found = _maximised(model, start(told, model, *alone.start(told)))
+    if study.width_varies and not _converged(found):
+        return _fitted(layout, replace(study, width_varies=False), alone, interval)
     status = _status(told, model, found)
     if status == GroupStatus.NOT_CONVERGED:
         return _untold(layout, study, alone, status, interval)
@@ -179,7 +182,7 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
         rates.get(GUESS, study.guess_rate),
         found.log_marginal,
         status,
-        NOTES[status],
+        "; ".join(filter(None, (NOTES[status], "" if study.width_varies else ONE_WIDTH))),
         tuple(layout.conditions.columns),
         n,
         interval,

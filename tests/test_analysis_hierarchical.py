@@ -236,6 +236,18 @@ def test_identical_participants_are_a_singular_fit(study) -> None:
     assert found.components["threshold"] < 0.05
 
 
+def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
+    """Steps between levels: the likelihood of a varying width rises without end."""
+    k = [10, 7, 10, 10, 17, 19, 20, 10, 10, 10, 9, 10, 20, 20]
+    one = study[0][study[0]["participant"] == "P0"].assign(k=k)
+    found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
+    assert found.status == GroupStatus.SINGULAR
+    assert found.note.endswith(
+        "widths are taken to be the same in all participants: the answers do not tell how they vary"
+    )
+    assert "log_width" not in found.components
+
+
 def test_two_participants_have_wide_intervals(study) -> None:
     found = fitted(study[0][study[0]["participant"].isin(["P0", "P1"])])
     first = found.conditions.iloc[0]
