@@ -68,19 +68,31 @@ class ForcePart:
 
 @dataclass(frozen=True)
 class PositionPart:
-    """The finger's position: one channel (from 0) of a sensor of the file for each axis."""
+    """The finger's position: one channel (from 0) of a sensor per axis, which counts `zero_counts` at position 0."""
 
     sensor: str
     channels: tuple[int, ...]
     metres_per_count: float
+    zero_counts: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.channels:
             raise InvalidParameter("PositionPart.channels: found none, expected at least one")
+        if self.zero_counts and len(self.zero_counts) != len(self.channels):
+            raise InvalidParameter(
+                f"PositionPart.zero_counts: found {len(self.zero_counts)}, expected one for each channel, or none"
+            )
         if not 0 < abs(self.metres_per_count) < float("inf"):
             raise InvalidParameter(
                 f"PositionPart.metres_per_count: found {self.metres_per_count}, expected a finite number but 0"
             )
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """Impulse responses of this bench: `responses` is the file that `tactometry calibrate responses` wrote."""
+
+    responses: str
 
 
 @dataclass(frozen=True)
@@ -103,6 +115,7 @@ class BenchFile:
     sensors: Mapping[str, SensorSettings] = field(default_factory=dict)
     force: ForcePart | None = None
     position: PositionPart | None = None
+    time_reversal: Learnt | None = None
 
     def __post_init__(self) -> None:
         for name in ("force", "position"):
@@ -148,7 +161,8 @@ class BenchFile:
             return None
         reader = readers[self.position.sensor]
         _check_channels("position.channels", self.position.channels, reader)
-        return streamed_position(reader, self.position.channels, self.position.metres_per_count)
+        part = self.position
+        return streamed_position(reader, part.channels, part.metres_per_count, part.zero_counts)
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | float | bool | None]:
@@ -255,6 +269,10 @@ def _position(table: dict[str, Any], path: str) -> PositionPart:
     return build(PositionPart, table, path)
 
 
+def _time_reversal(table: dict[str, Any], path: str) -> Learnt:
+    return build(Learnt, table, path)
+
+
 _PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
     "screen": _screen,
     "output": _output,
@@ -262,6 +280,7 @@ _PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
     "sensors": _sensors,
     "force": _force,
     "position": _position,
+    "time_reversal": _time_reversal,
 }
 
 

@@ -19,6 +19,7 @@ from tactometry.devices.reader import Block, Reader
 from tactometry.devices.streamed import StreamedSensor
 from tactometry.errors import TactometryError
 from tactometry.experiments.bench_file import BenchFile, Screen
+from tactometry.experiments.learnt_bank import bank_of
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.force_gate import ForceGate
@@ -185,7 +186,7 @@ def _devices(bench: BenchFile, limits: Limits | None, experiment: Experiment | N
         yield from _guarded("force", partial(_force, devices.force))
     yield from _guarded("output", partial(_output, devices.output, limits))
     if experiment is not None:
-        yield from _guarded("output", partial(_strongest, devices.output, experiment, bench.output.ramp_s))
+        yield from _guarded("output", partial(_strongest, devices.output, experiment, bench))
 
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
@@ -277,9 +278,10 @@ def tone_of(output: Guarded) -> Signal:
     return Signal(np.tile(voltage_v * ramp * np.sin(2 * np.pi * TONE_HZ * times_s), (n_channels, 1)), rate_hz, "V")
 
 
-def _strongest(output: Guarded, experiment: Experiment, ramp_s: float) -> Iterator[Finding]:
+def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
     """The strongest stimulus of each condition against the output: its limits, channels and rate; none is played."""
+    bank = bank_of(experiment, bench.time_reversal)
     for cell in experiment.cells.values():
         level = cell.rule.highest
-        output.check(with_ramps(cell.stimulus.at(level), ramp_s))
+        output.check(with_ramps(bank[cell.condition.stimulus].at(level), bench.output.ramp_s))
         yield Finding("output", f"strongest {cell.condition.stimulus}", f"level {level:g}", "within limits", fine=True)

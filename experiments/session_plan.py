@@ -124,6 +124,7 @@ class Sitting:
             shown.interleaving,
             shown.feedback,
             rest_after=shown.rest_after,
+            rest_s=shown.rest_s,
             longest_s=shown.longest_s,
         )
 

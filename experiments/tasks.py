@@ -32,6 +32,7 @@ class Presenting:
     interleaving: Literal["random", "balanced"] = "random"
     feedback: bool = False
     rest_after: int | None = None
+    rest_s: float | None = None
     longest_s: float | None = None
 
     def __post_init__(self) -> None:
@@ -41,8 +42,10 @@ class Presenting:
             value = getattr(self, name)
             if value is not None and value < 1:
                 raise InvalidParameter(f"Presenting.{name}: found {value}, expected at least 1")
-        if self.longest_s is not None and not 0 < self.longest_s < float("inf"):
-            raise InvalidParameter(f"Presenting.longest_s: found {self.longest_s:g}, expected above 0")
+        for name in ("rest_s", "longest_s"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < float("inf"):
+                raise InvalidParameter(f"Presenting.{name}: found {value:g}, expected above 0")
 
 
 @dataclass(frozen=True)

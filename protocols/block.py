@@ -74,6 +74,8 @@ class Block:
         Mark the rows as practice.
     rest_after : int or None
         So many valid trials lie between two rests.
+    rest_s : float or None
+        A rest lasts at least so long, counted down.
     longest_s : float or None
         A block that lasts longer ends; what is unfinished is aborted.
     """
@@ -86,6 +88,7 @@ class Block:
     feedback: bool = False
     practice: bool = False
     rest_after: int | None = None
+    rest_s: float | None = None
     longest_s: float | None = None
 
     @property
@@ -239,6 +242,8 @@ def run_block(
         outcome = yield from _presented(block, number, asked, standing.tracks[index], rng)
         standing = standing.after(asked, outcome)
         if block.rest_after and outcome.valid and standing.open() and standing.n_valid % block.rest_after == 0:
+            if block.rest_s is not None:
+                yield Show("resting", duration_s=block.rest_s)
             yield Show("rest")
     return standing.tracks, standing.next_trial
 

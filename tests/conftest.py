@@ -163,14 +163,20 @@ class Watched:
         self._window = window
         self._log = log
         self.shown = queue.Queue()
+        self.pages, self.drawn = [], []
 
     def __getattr__(self, name):
         return getattr(self._window, name)
 
     def present(self, page):
         flipped_s = self._window.present(page)
+        self.pages.append(page)
         self.shown.put(flipped_s)
         return flipped_s
+
+    def refresh(self, page):
+        self.drawn.append(page)
+        return self._window.refresh(page)
 
     def close(self):
         self._log.append("screen.close")

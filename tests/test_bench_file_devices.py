@@ -14,7 +14,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
 from tactometry.devices.lsl import LslSettings
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import RAMP_S, BenchFile, load_bench, parse_bench
+from tactometry.experiments.bench_file import RAMP_S, BenchFile, Learnt, load_bench, parse_bench
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
@@ -67,6 +67,10 @@ max_age_days = 60
 sensor = "hand"
 channels = [0, 1]
 metres_per_count = 1e-6
+zero_counts = [100, 0]
+
+[time_reversal]
+responses = "learnt.npz"
 """
 
 
@@ -87,7 +91,8 @@ def test_a_whole_bench_is_read_with_its_units(tmp_path):
     assert bench.force.calibration == ForceCalibration(
         polynomial=(-0.5, 0.01), measured_on=date(2026, 10, 1), measured_by="ZG", max_age_days=60
     )
-    assert bench.position.channels == (0, 1)
+    assert (bench.position.channels, bench.position.zero_counts) == ((0, 1), (100.0, 0.0))
+    assert bench.time_reversal == Learnt("learnt.npz")
 
 
 def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
@@ -157,6 +162,10 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: found 'soon'"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
         (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
+        (
+            ("zero_counts = [100, 0]", "zero_counts = [1]"),
+            "position.zero_counts: found 1, expected one for each channel",
+        ),
         (("metres_per_count = 1e-6", "metres_per_count = 0"), "position.metres_per_count: found 0.0, expected"),
         (
             ("channels = [0, 1]\nmetres", "channels = []\nmetres"),

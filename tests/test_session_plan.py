@@ -273,6 +273,12 @@ def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
     assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
 
 
+def test_a_rest_is_counted_down_before_it_can_be_ended():
+    _, memory = lived(run_block(two_tracks(rest_after=10, rest_s=30.0), 1, 1, np.random.default_rng(1)))
+    shown = [(request.message, request.duration_s) for request, _ in memory.entries if isinstance(request, Show)]
+    assert shown == [("resting", 30.0), ("rest", None)] * 3
+
+
 def test_a_block_that_lasts_too_long_ends():
     (first, second), memory = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))[0][0], None
     del memory
@@ -376,6 +382,7 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
             "task.n_intervals: found an unknown key, expected one of kind, catch_rate",
         ),
         ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected at least 1"),
+        ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0, expected above 0"),
         ('kind = "rating"\nform = "sus"\ncatch_rate = 0.1', "task.catch_rate: found 0.1 with rating, expected 0"),
     ],
 )

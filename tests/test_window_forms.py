@@ -7,13 +7,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from learnt_file import write_responses
 
+from tactometry.devices.output import with_ramps
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.bench_file import RAMP_S, Learnt
+from tactometry.experiments.learnt_bank import bank_of
 from tactometry.experiments.replaying import replay_data_set
+from tactometry.experiments.study import load as load_study
 from tactometry.experiments.validation import validate
+from tactometry.experiments.wiring import wire
+from tactometry.journal import read
 from tactometry.protocols.rating import pages
 from tactometry.questionnaire import load
-from tactometry.request import Enter, Show
+from tactometry.request import Enter, Press, Show
 from tactometry.rigs import entry, form
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
@@ -144,6 +151,7 @@ def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
 
 # --- studies from start to end
 
+LEARNT = "time-reversal-threshold"
 SHORT = {
     "time-reversal-threshold": (
         ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
@@ -200,12 +208,34 @@ def shortened(name):
     return text
 
 
+def learnt(name, folder):
+    """What a bench file says of the responses that were learnt on it."""
+    if name != LEARNT:
+        return ""
+    write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
+    return f'[time_reversal]\nresponses = "{folder / "learnt.npz"}"\n'
+
+
+def check_played(folder):
+    """What was played came from the learnt responses."""
+    [journal] = (folder / "d" / "journals").glob("*.jsonl")
+    recording = read(journal)
+    assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
+    bank = bank_of(wire(load_study(str(folder / "s.toml"))[0], "s.toml"), Learnt(str(folder / "learnt.npz")))
+    felt = [(request, answer) for request, answer in recording.entries if isinstance(request, Press) and answer.digest]
+    assert felt
+    for request, answer in felt:
+        assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
+
+
 @pytest.mark.parametrize("name", SHORT)
 def test_a_shortened_study_is_completed_in_the_window_and_replays(display, tmp_path, name):
     (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
-    (tmp_path / "bench.toml").write_text("[screen]\nfullscreen = false\n", "utf-8")
+    (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")
     status, errors = sit(tactometry(*run, "--out", tmp_path / "d"), display)
     assert (status, errors) == (0, "")
     assert validate(tmp_path / "d").defects == ()
     assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
+    if name == LEARNT:
+        check_played(tmp_path)

@@ -37,6 +37,14 @@ def test_a_message_is_left_by_a_key_or_a_touch(bench, participant, leave):
     assert bench.show(Show("block", {"block": 1, "n_blocks": 3})).at_s > 0
 
 
+def test_a_rest_counts_its_seconds_down(bench, watched, log):
+    begin_s = time.perf_counter()
+    bench.show(Show("resting", duration_s=1.3))
+    assert time.perf_counter() - begin_s >= 1.3
+    said = [next(item.words for item in page.items if "s." in getattr(item, "words", "")) for page in watched.pages]
+    assert [words.rsplit("in ", 1)[1] for words in said] == ["2 s.", "1 s."]
+
+
 @pytest.mark.parametrize(
     ("question", "act", "option"),
     [
@@ -296,9 +304,21 @@ def test_frames_are_counted_and_paced(bench, screen):
 
 def message_pages(texts, aspect):
     values = {"block": 2, "n_blocks": 21}
-    names = ["welcome", "instructions_yes_no", "instructions_forced_choice", "block", "practice", "rest", "end"]
+    names = [
+        "welcome",
+        "instructions_yes_no",
+        "instructions_forced_choice",
+        "block",
+        "practice",
+        "rest",
+        "end",
+    ]
     hint = texts.message("hint_continue")
-    return {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
+    pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
+    resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
+    progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
+    pause = layout.message_page(texts.message("pause"), "", aspect)
+    return pages | {"resting": resting, "block": progress, "pause": pause}
 
 
 def question_pages(texts, aspect):
@@ -336,7 +356,7 @@ def marker_pages(texts):
         "ready": layout.marker_page(1, playing=False, words=texts.message("press")),
         "playing": layout.marker_page(None, playing=True, words=texts.message("slide")),
         "force_low": low,
-        "force_held": layout.track_page(held, 0.4, 1 / 3),
+        "force_held": layout.track_page(held, 0.4, 1 / 3, finger=0.2),
         "waiting": layout.waiting_page(),
     }
 

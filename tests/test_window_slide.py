@@ -9,7 +9,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import streamed_force, streamed_position
 from tactometry.request import Slide
-from tactometry.rigs.bench import Bench
+from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
 from tactometry.rigs.texts import texts_in
 from tactometry.speed_gate import triangle
 from tactometry.stimuli.electrovibration import Sine
@@ -69,3 +69,14 @@ def test_without_a_band_the_speed_is_measured_and_not_gated(slid):
     touched = slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M)), replace(SLIDE, speed_tolerance=None))
     assert touched.valid
     assert touched.speed_mean_m_per_s == pytest.approx(0.1, rel=0.2)
+
+
+def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):
+    """Both go out and back at the same speed; the finger begins a fifth of the path late."""
+    slid(lambda time_s: triangle(0.05 * max(0.0, time_s - 0.08), PATH_M))
+    tracks = [[item for item in page.items if getattr(item, "y", 0) == -0.36] for page in watched.drawn]
+    dots, rings = zip(*[(track[1].x, track[2].x) for track in tracks if len(track) == 3], strict=True)
+    half = 0.5 * PATH_M / ASSUMED_DISPLAY_HEIGHT_M
+    assert len(rings) > 10
+    assert min(rings) < -0.5 * half < 0.5 * half < max(rings)
+    assert max(map(abs, [*dots, *rings])) <= 1.1 * half

@@ -1,6 +1,6 @@
 """A focus, or a pattern of foci, as a stimulus of a study file: kinds `focus` and `pattern`."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Final, Literal
 
@@ -17,7 +17,7 @@ from tactometry.stimuli.time_reversal.pattern import (
     Sinc,
 )
 from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import samples_in
+from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.setup import Setup
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
@@ -135,16 +135,54 @@ class FocusTrain:
         return _family(self).level_max
 
 
+def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
+    """The same foci from responses that were measured on a bench, in place of those of the model.
+
+    Parameters
+    ----------
+    train : FocusTrain
+        Its pattern, drive, band, reversal time and voltage hold; its setup does not.
+    heard : Responses
+        Displacement at the one point that is touched, at least `train.emission_s` long.
+
+    Raises
+    ------
+    InvalidParameter
+        If the responses are of several points, no displacements, too short, or sampled too slowly for the band.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> train = FocusTrain(setup, f_max_hz=20e3)
+    >>> found = measured(train, setup.responses_at(*setup.focus_m))
+    >>> found.voltage_v(0.0) == train.voltage_v(0.0)
+    True
+    """
+    n_points, _, n_samples = heard.samples.shape
+    n_learnt = samples_in("reversal_s", train.emission_s, heard.rate_hz)
+    if n_points != 1 or n_samples < n_learnt:
+        raise InvalidParameter(
+            f"responses: found {n_points} points of {n_samples} samples, expected 1 point of at least {n_learnt} (the "
+            f"{train.emission_s:g} s that are reversed); learn them longer, or shorten reversal_s"
+        )
+    n_filtered = max(n_learnt, samples_in("learnt_s", train.setup.learnt_s, heard.rate_hz))
+    return _reversed(train, replace(heard, samples=heard.samples[..., :n_filtered]), heard)
+
+
 @lru_cache(maxsize=32)
 def _family(train: FocusTrain) -> TimeReversalStimulus:
+    return _reversed(train, train.setup.learnt(), train.setup.responses_at(*train.setup.focus_m))
+
+
+def _reversed(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeReversalStimulus:
     return TimeReversalStimulus(
-        band_limited(train.setup.learnt(), Band(train.f_min_hz, train.f_max_hz)),
+        band_limited(learnt, Band(train.f_min_hz, train.f_max_hz)),
         train.foci,
         DRIVES[train.drive],
         train.emission_s,
         train.voltage_max_v,
         train.level_unit,
-        train.setup.responses_at(*train.setup.focus_m),
+        heard,
     )
 
 

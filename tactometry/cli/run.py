@@ -64,9 +64,9 @@ def command(
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
     from datetime import date
-    from functools import partial
 
     from tactometry.experiments.bench_file import device_facts
+    from tactometry.experiments.learnt_bank import bank_of, learnt_facts
     from tactometry.experiments.recording import RigKind
     from tactometry.rigs.bench import Bench, open_bench
     from tactometry.rigs.desk import Desk
@@ -76,9 +76,9 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
-        devices = bench.devices(study.limits, date.today())
+        devices, learnt = bench.devices(study.limits, date.today()), learnt_facts(bench.time_reversal)
         return open_bench(
-            experiment.bank,
+            bank_of(experiment, bench.time_reversal),
             bench.limits_with(study.limits),
             study.texts,
             language=screen.language,
@@ -89,7 +89,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             position=devices.position,
             display_height_m=screen.height_m,
             ramp_s=bench.output.ramp_s,
-            device_facts=partial(device_facts, bench, devices),
+            device_facts=lambda: device_facts(bench, devices) | learnt,
             log=log,
             desk=Desk(sys.stdin, sys.stderr),
         )

@@ -54,6 +54,9 @@ def streamed_force(reader: Reader, channel: int, calibration: ForceCalibration) 
     return StreamedSensor(reader, lambda counts: calibration.force_n(counts[:, channel]))
 
 
-def streamed_position(reader: Reader, channels: tuple[int, ...], metres_per_count: float) -> StreamedSensor:
-    """A position sensor on one channel per axis."""
-    return StreamedSensor(reader, lambda counts: counts[:, list(channels)] * metres_per_count)
+def streamed_position(
+    reader: Reader, channels: tuple[int, ...], metres_per_count: float, zero_counts: tuple[float, ...] = ()
+) -> StreamedSensor:
+    """A position sensor on one channel per axis; `zero_counts` (default 0) is where a position is 0."""
+    zero = np.array(zero_counts or (0.0,) * len(channels))
+    return StreamedSensor(reader, lambda counts: (counts[:, list(channels)] - zero) * metres_per_count)

@@ -4,6 +4,7 @@ Whatever goes wrong, or is stopped with Escape, the output is at zero before any
 """
 
 import functools
+import math
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -45,6 +46,7 @@ from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
+from tactometry.rigs.trace import Trace
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
 
@@ -154,21 +156,22 @@ class Bench:
 
     @safely
     def press(self, request: Press) -> Touched:
-        return self._touch(request, "press", as_it_is)
+        return self._touch(request, "press", as_it_is, Trace())
 
     @safely
     def slide(self, request: Slide) -> Touched:
         height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
-        return self._touch(request, "slide", moving_cue(request, height_m))
+        places = Trace()
+        return self._touch(request, "slide", moving_cue(request, height_m, places), places)
 
-    def _touch(self, request: Press | Slide, words: str, dress: Dress) -> Touched:
+    def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
         self._attendant.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._desk.add(f"trial {self._n_trials + 1}: {request.stimulus} {level}")
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
         parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
-        felt = Touch(request, *parts).felt(signal)
+        felt = Touch(request, *parts, places).felt(signal)
         self._logbook.decided(felt.gate_delay_s)
         touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
         return replace(touched, valid=touched.valid and not self._attendant.repeat)
@@ -276,16 +279,24 @@ class Bench:
 
     @safely
     def show(self, request: Show) -> Done:
-        page = layout.message_page(
-            self._texts.message(request.message, request.values),
-            self._texts.message("hint_continue") if request.duration_s is None else "",
-            self._screen.aspect,
-        )
+        self._desk.tell(f"page: {request.message}")
         if request.duration_s is None:
+            page = self._message(request, self._texts.message("hint_continue"))
             self._stage.converse(None, lambda state: page, lambda state, answer: (state, True))
-        else:
-            self._stage.hold(self._stage.present(page) + request.duration_s, page)
+            return self._done()
+        n_seconds = math.ceil(request.duration_s)
+        for left_s in range(n_seconds, 0, -1):
+            page = self._message(request, "", left_s)
+            shown_s = request.duration_s - n_seconds + 1 if left_s == n_seconds else 1.0
+            self._stage.hold(self._stage.present(page) + shown_s, page)
         return self._done()
+
+    def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
+        """A text with its progress; a page that ends by itself may say how many seconds are left."""
+        block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
+        progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
+        words = self._texts.message(request.message, {**request.values, "left_s": left_s})
+        return layout.message_page(words, hint, self._screen.aspect, progress)
 
     @safely
     def record(self, request: Record) -> Done:

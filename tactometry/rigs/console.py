@@ -179,7 +179,8 @@ class Console:
         return Done(self._now_s())
 
     def show(self, request: Show) -> Done:
-        self._say(self._texts.message(request.message, request.values).strip())
+        values = {**request.values, "left_s": math.ceil(request.duration_s or 0)}
+        self._say(self._texts.message(request.message, values).strip())
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:

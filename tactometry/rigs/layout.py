@@ -32,16 +32,25 @@ CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 
 
-def message_page(words: str, hint: str, aspect: float) -> Page:
-    """A text that is left by the space bar, return or a click anywhere."""
+def message_page(words: str, hint: str, aspect: float, progress: float | None = None) -> Page:
+    """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar."""
     width = min(WIDEST, MARGIN * aspect)
     heading, _, body = words.strip().partition("\n\n")
     items = (
         Text(heading, 0, 0.33 if body else 0.05, HEADING, wrap_width=width),
         *([Text(body.strip(), 0, 0, BODY, wrap_width=width)] if body else []),
+        *([] if progress is None else _progress_bar(progress)),
         Text(hint, 0, -0.42, HINT, QUIET, width),
     )
     return Page(items, (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
+
+
+def _progress_bar(progress: float) -> list[Item]:
+    length, done = 0.8, 0.8 * min(max(progress, 0.0), 1.0)
+    return [
+        Box((done - length) / 2, -0.26, done, 0.02, fill=ACCENT),
+        Box(0, -0.26, length, 0.02, line=EDGE),
+    ]
 
 
 def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
@@ -119,12 +128,17 @@ def _bar(force_n: float | None, target_n: float, tolerance: float, *, held: bool
     return [*bar, Disc(x + 0.16, middle, 0.03, fill=GOOD)] if held else bar
 
 
-def track_page(page: Page, cue: float, length: float) -> Page:
-    """`page` with a track of `length` (screen heights) on which a cue moves; `cue` (-1..1) is its place."""
-    track = (
+def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
+    """`page` with a track of `length` (screen heights) on which a dot moves, to be followed by a ring: the finger.
+
+    `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end.
+    """
+    track: list[Item] = [
         Box(0, -0.36, length, 0.006, fill=EDGE),
-        Disc(cue * length / 2, -0.36, 0.03, fill=ACCENT, line=INK),
-    )
+        Disc(cue * length / 2, -0.36, 0.022, fill=ACCENT),
+    ]
+    if finger is not None:
+        track.append(Disc(min(max(finger, -1.1), 1.1) * length / 2, -0.36, 0.036, line=GOOD))
     return Page((*page.items, *track), page.buttons)
 
 

@@ -1,9 +1,10 @@
 """One touch of the finger while a stimulus plays, with and without a force sensor."""
 
+import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.position_sensor import PositionSensor
@@ -24,16 +25,22 @@ SILENT = "the force sensor is silent"
 TOLD_EVERY_S = 1.0
 
 
-def moving_cue(request: Slide, display_height_m: float) -> Dress:
-    """Adds a cue that goes out and back along the path of a slide, at its speed."""
+def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
+    """Adds a cue that goes out and back along the path of a slide, at its speed, and the measured finger."""
     begin_s = time.perf_counter()
     length = request.length_m / display_height_m
 
     def dressed(page: Page, now_s: float) -> Page:
         phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
-        return layout.track_page(page, layout.sweep(phase), length)
+        return layout.track_page(page, layout.sweep(phase), length, _finger(places, request.length_m))
 
     return dressed
+
+
+def _finger(places: Trace, length_m: float) -> float | None:
+    """The place of the finger on its path (-1..1), whose beginning is position 0 on the sensor's first axis."""
+    place_m = None if places.last is None else float(places.last[0])
+    return None if place_m is None or not math.isfinite(place_m) else 2 * place_m / length_m - 1
 
 
 class Held:
@@ -91,14 +98,14 @@ class Touch:
     position: PositionSensor | None
     pause: Callable[[str, Callable[[], bool]], None]
     say: Callable[[str], None]
+    places: Trace = field(default_factory=Trace)
 
     def felt(self, signal: Signal | None) -> Felt:
         """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
-        places = Trace()
-        with hearing(self.position, places.hear):
+        with hearing(self.position, self.places.hear):
             felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
         touched = felt.touched
-        speed = speed_m_per_s(places, touched.onset_s, touched.onset_s + self.request.duration_s)
+        speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(felt, touched=replace(touched, speed_mean_m_per_s=speed))
 
     def _unmeasured(self, signal: Signal | None) -> Felt:

@@ -12,18 +12,19 @@ DEAF_S = 0.5
 
 
 class Trace:
-    """Collects blocks in one thread, and gives them to another; `last_s` is the last stamp."""
+    """Collects blocks in one thread, and gives them to another; `last_s` is the last stamp, `last` its value."""
 
     def __init__(self) -> None:
         self._blocks: list[tuple[FloatArray, FloatArray]] = []
         self._told_s = self._arrived_s = time.perf_counter()
         self.last_s: float | None = None
+        self.last: FloatArray | None = None
 
     def hear(self, times_s: FloatArray, values: FloatArray) -> None:
         now_s = time.perf_counter()
         if times_s.size:
             self._blocks.append((times_s, values))
-            self._arrived_s, self.last_s = now_s, float(times_s[-1])
+            self._arrived_s, self.last_s, self.last = now_s, float(times_s[-1]), values[-1]
         self._told_s = now_s
 
     def quiet(self, longest_s: float) -> bool:

@@ -1,0 +1,52 @@
+"""The stimuli of a study on a bench whose impulse responses were learnt."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter, TactometryError
+from tactometry.experiments.bench_file import Learnt
+from tactometry.experiments.wiring import Experiment
+from tactometry.signal import Stimulus
+
+
+def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
+    """The stimuli by name; those of the kinds `focus` and `pattern` from the learnt responses, where there are any.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read.
+    InvalidParameter
+        If the responses do not suit a stimulus, or its highest level needs more than the amplifier has.
+    """
+    if learnt is None:
+        return experiment.bank
+    from tactometry.stimuli.time_reversal.focus_train import FocusTrain, measured
+    from tactometry.stimuli.time_reversal.measured import read
+
+    heard = read([Path(learnt.responses)])
+    bank: dict[str, Stimulus] = {}
+    for name, stimulus in experiment.bank.items():
+        try:
+            bank[name] = measured(stimulus, heard) if isinstance(stimulus, FocusTrain) else stimulus
+            bank[name].at(experiment.highest_level(name))
+        except TactometryError as error:
+            raise InvalidParameter(f"time_reversal.responses, {learnt.responses}, {name}: {error}") from None
+    return bank
+
+
+def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
+    """What a journal says of the responses: their file, its digest, when and by whom they were measured."""
+    if learnt is None:
+        return {}
+    from tactometry.provenance import sha256
+    from tactometry.stimuli.time_reversal.learning import read_provenance
+
+    path = Path(learnt.responses)
+    said = read_provenance(path) if path.suffix == ".npz" else {}
+    when = " ".join(str(said[key]) for key in ("measured_on", "measured_by") if key in said)
+    return {
+        "responses": path.name,
+        "responses_sha256": sha256(path.read_bytes()),
+        "responses_measured": when or None,
+    }

@@ -1,0 +1,82 @@
+"""A study on a bench whose impulse responses were learnt: its stimuli are made from them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from learnt_file import PROVENANCE, true_responses, write_responses
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.bench_file import Learnt, parse_bench
+from tactometry.experiments.learnt_bank import bank_of, learnt_facts
+from tactometry.experiments.study import load
+from tactometry.experiments.wiring import wire
+from tactometry.provenance import sha256
+from tactometry.stimuli.time_reversal.focusing import emitted
+
+
+@pytest.fixture(scope="module")
+def experiment():
+    return wire(load("time-reversal-threshold")[0], "time-reversal-threshold")
+
+
+@pytest.fixture
+def learnt(tmp_path):
+    return Learnt(str(tmp_path / "learnt.npz"))
+
+
+def test_without_a_file_the_stimuli_are_those_of_the_model(experiment):
+    assert bank_of(experiment, parse_bench({}).time_reversal) == experiment.bank
+
+
+def test_true_responses_give_the_samples_of_the_model(experiment, learnt):
+    write_responses(learnt.responses)
+    bank = bank_of(experiment, parse_bench({"time_reversal": {"responses": learnt.responses}}).time_reversal)
+    assert bank.keys() == experiment.bank.keys()
+    for name, stimulus in bank.items():
+        assert np.allclose(stimulus.at(20.0).samples, experiment.bank[name].at(20.0).samples, rtol=1e-9)
+
+
+def test_the_responses_of_the_bench_and_not_of_the_model_say_what_a_level_needs(experiment, learnt):
+    write_responses(learnt.responses, factor=2.0)
+    for name, stimulus in bank_of(experiment, learnt).items():
+        assert stimulus.at(20.0).peak == pytest.approx(experiment.bank[name].at(20.0).peak / 2, rel=1e-9)
+
+
+def test_responses_learnt_through_noise_at_40_db_deliver_the_level_within_5_percent(experiment, learnt):
+    write_responses(learnt.responses, noise_db=40.0)
+    true = true_responses()
+    [stimulus, *_] = bank_of(experiment, learnt).values()
+    moved_m = np.abs(emitted(stimulus.at(20.0), true)).max()
+    assert moved_m == pytest.approx(10e-6, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"n_points": 2}, r"responses: found 2 points of \d+ samples, expected 1 point of at least"),
+        ({"n_samples": 100}, "responses: found 1 points of 100 samples, .*learn them longer, or shorten reversal_s"),
+        ({"factor": 1e-3}, "level: found 34.0 dB re 1 um, which needs .* above the 200 V of the amplifier"),
+    ],
+)
+def test_responses_that_do_not_suit_the_study_are_refused_before_anything_is_played(
+    experiment, learnt, change, message
+):
+    write_responses(learnt.responses, **change)
+    with pytest.raises(InvalidParameter, match=rf"^time_reversal.responses, .*learnt.npz, focus: {message}"):
+        bank_of(experiment, learnt)
+
+
+def test_a_file_that_is_not_there_is_named(experiment, learnt):
+    with pytest.raises(InvalidFile, match=r"learnt.npz"):
+        bank_of(experiment, learnt)
+
+
+def test_the_journal_says_which_responses_they_were(learnt):
+    write_responses(learnt.responses)
+    assert learnt_facts(learnt) == {
+        "responses": "learnt.npz",
+        "responses_sha256": sha256(Path(learnt.responses).read_bytes()),
+        "responses_measured": " ".join(PROVENANCE.values()),
+    }
+    assert learnt_facts(None) == {}
