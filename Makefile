@@ -37,7 +37,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench constraints platforms clean system
+.PHONY: help demo test soak static check bench pages stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -63,6 +63,13 @@ check: ## the static checks, then the tests
 
 bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
+
+pages: $(VENV)/.test ## write docs/cost.md (what accuracy costs) and docs/stability.md (hard cases) anew
+	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
+	$(MAKE) --no-print-directory stability
+
+stability: system $(VENV)/.test ## write docs/stability.md from the hard cases of the tests
+	@$(BIN)/python -m pytest -q --stability $$(grep -lE '(hard|exact)_case\(' tests/test_*.py)
 
 constraints: $(VENV)/.python ## write constraints.txt anew: the newest versions that pyproject.toml admits
 	@$(PIP) install --quiet uv

@@ -3,8 +3,9 @@
 import csv
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 
 import pytest
 from conftest import SOAK
@@ -13,10 +14,12 @@ from tactometry.cli import main
 from tactometry.experiments.ladders import LADDERS
 from tactometry.experiments.ladders.figures import error_against_price, frontier
 from tactometry.experiments.ladders.measure import cheapest, climb
+from tactometry.experiments.ladders.peers import RECORD, peers_of, recorded_on
 from tactometry.experiments.ladders.problem import Problem, Rung
-from tactometry.experiments.ladders.report import answers, table
+from tactometry.experiments.ladders.report import answers, label, table
 from tactometry.target import resolve
 
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "cost.md"
 N_RUNGS = {} if SOAK else {"procedures": 2, "group-threshold": 3}
 """In the reduced form, of each contender."""
 
@@ -65,6 +68,19 @@ def test_the_table_fits_a_terminal_and_names_the_cheapest_rungs(found):
     lines = table(found).splitlines()
     assert max(map(len, lines[3:])) <= 100
     assert [line.split(":")[0] for line in lines[-3:]] == ["1.00%", "0.10%", "0.01%"]
+
+
+def test_the_page_says_the_errors_of_this_run(found):
+    stated = stated_errors(found.problem.name)
+    for point in found.points:
+        assert max(stated[label(point)], found.floor) == pytest.approx(max(point.error, found.floor), rel=0.1)
+    assert (PAGE.with_suffix("") / f"{found.problem.name}.svg").stat().st_size > 10_000
+
+
+def stated_errors(ladder: str) -> dict[str, float]:
+    section = PAGE.read_text(encoding="utf-8").partition(f"\n## {ladder}\n")[2].partition("\n## ")[0]
+    cells = [[cell.strip() for cell in line.split("|")[1:3]] for line in section.splitlines() if line.startswith("| ")]
+    return {setting: math.inf if error == "unstable" else float(error) for setting, error in cells[1:]}
 
 
 # --- the measuring itself, on a ladder whose answers are known
@@ -123,16 +139,45 @@ def test_the_frontier_leaves_out_what_is_beaten_in_both():
 
 
 def test_the_figure_shows_every_rung_the_floor_and_the_unstable():
-    axes = error_against_price(climb(known(), n_rounds=1)).axes[0]
+    figure = error_against_price(climb(known(), n_rounds=1))
+    (axes,), (legend,) = figure.axes, figure.legends
     said = {text.get_text() for text in axes.texts}
     assert {"n = 3", "n = 7", "n = 14", "n = 40 (unstable)"} <= said
-    assert {text.get_text() for text in axes.get_legend().get_texts()} == {
+    assert {text.get_text() for text in legend.get_texts()} == {
         "tactometry",
         "cheapest",
         "reference's own error",
     }
     assert axes.get_xlabel() == "coins"
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+# --- other programs
+
+
+def test_every_peer_that_is_recorded_stands_on_a_ladder_and_on_the_page():
+    with RECORD.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    names = {row["contender"].split()[0].rstrip(",") for row in rows}
+    assert {"finite", "scikit-fem", "solve_ivp", "psignifit", "questplus"} <= names
+    for row in rows:
+        assert f"{row['contender']}, {row['setting']}" in stated_errors(row["ladder"])
+
+
+def test_a_peer_costs_what_it_would_on_this_machine(tmp_path):
+    climbed = climb(known(), n_rounds=2)
+    point = replace(climbed.points[0], contender="other", setting="loose", price=8.0, median_s=8.0)
+    record = tmp_path / "peers.csv"
+    with record.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, [*asdict(point), "yardstick_s", "recorded"])
+        writer.writeheader()
+        writer.writerow(asdict(point) | {"yardstick_s": 2.0, "recorded": "then"})
+    (peer,) = peers_of(climbed, record)
+    assert peer.price == pytest.approx(4 * climbed.points[-1].median_s)
+    assert (peer.contender, peer.error, peer.unstable) == ("other", point.error, False)
+    texts = {text.get_text() for text in error_against_price(climbed, [peer]).legends[0].get_texts()}
+    assert "other (recorded)" in texts
+    assert recorded_on(record) == "then"
 
 
 # --- the command
@@ -147,6 +192,17 @@ def test_the_command_prints_writes_and_draws(tmp_path, capsys):
     assert {row["ladder"] for row in rows} == {"skin-propagator"}
     assert min(float(row["peak_bytes"]) for row in rows) > 0
     assert (tmp_path / "cost" / "skin-propagator.png").stat().st_size > 10_000
+
+
+def test_the_command_writes_a_page(tmp_path):
+    assert call("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "all.md") == 0
+    text = (tmp_path / "all.md").read_text(encoding="utf-8")
+    assert "## spectral-sensitivity" in text
+    assert "| 0.1 s | 8.3e-02 | 0.1 |" in text
+    assert "![error against price](all/spectral-sensitivity.svg)" in text
+    assert (tmp_path / "all" / "spectral-sensitivity.svg").read_text(encoding="utf-8").startswith("<?xml")
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert call("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "file" / "all.md") == 3
 
 
 def test_the_command_as_json(capsys):

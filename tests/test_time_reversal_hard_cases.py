@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from exact_plate import dense_ritz, levy_modes, modal_response, navier_modes, navier_response
+from hard_cases import exact_case, hard_case
 from mpmath import mp, mpf, sin
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import eigsh, splu
@@ -57,20 +58,22 @@ def test_square_plate_with_degenerate_modes_is_the_50_digit_sum():
     exact = navier_response(square, SOURCE, POINT, TAU_S, F_MAX_HZ, RATE_HZ, samples)
     omega = [w for _, _, w in navier_modes(square, F_MAX_HZ)]
     assert len(set(omega)) < 0.7 * len(omega)
-    assert difference(learnt(square, [POINT]).samples[0, 0, samples], exact) < 1e-13
+    off = difference(learnt(square, [POINT]).samples[0, 0, samples], exact)
+    hard_case("square plate with degenerate modes", off, 0, 1e-13, against="50 digits", floor=1)
     blocks = solve(square, F_MAX_HZ)
     found = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
     modes = RitzModes(square, np.sort(found), blocks, np.argsort(found))
     there, here = (values(modes, *place)[:, 0] for place in (SOURCE, POINT))
     ritz = modal_response(np.sort(found), there, here, square.mass_kg, TAU_S, RATE_HZ, 200)
-    assert difference(ritz[samples], exact) < 1e-8
+    hard_case("the same by Ritz", difference(ritz[samples], exact), 0, 1e-8, against="50 digits", floor=1)
 
 
 def test_square_free_plate_answers_the_same_with_x_and_y_exchanged():
     square = BOROFLOAT_33.plate(0.21, 0.21, 1.1e-3, "FFFF")
     straight = learnt(square, [POINT])
     turned = learnt(square, [POINT[::-1]], source=SOURCE[::-1])
-    assert difference(turned.samples, straight.samples) < 1e-10
+    off = difference(turned.samples, straight.samples)
+    hard_case("square free plate, x and y exchanged", off, 0, 1e-10, against="itself", floor=1)
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity"])
@@ -79,7 +82,7 @@ def test_tau_of_infinity_and_of_a_microsecond_are_the_50_digit_sum(tau_s, quanti
     samples = np.arange(0, 200, 11)
     exact = navier_response(A4_SCREEN, SOURCE, POINT, tau_s, F_MAX_HZ, RATE_HZ, samples, quantity)
     found = learnt(A4_SCREEN, [POINT], tau_s=tau_s, quantity=quantity).samples[0, 0, samples]
-    assert difference(found, exact) < 2e-13
+    hard_case("plate with tau of 1 us and infinite", difference(found, exact), 0, 2e-13, against="50 digits", floor=1)
 
 
 def test_a_mode_at_the_nyquist_frequency_is_the_50_digit_sum():
@@ -90,7 +93,7 @@ def test_a_mode_at_the_nyquist_frequency_is_the_50_digit_sum():
     for tau_s, quantity in ((math.inf, "velocity"), (TAU_S, "displacement")):
         exact = navier_response(A4_SCREEN, SOURCE, POINT, tau_s, frequency_hz, 2 * frequency_hz, samples, quantity)
         found = learnt(A4_SCREEN, [POINT], tau_s=tau_s, quantity=quantity, **timing).samples[0, 0, samples]
-        assert difference(found, exact) < 1e-12
+        hard_case("plate with a mode at Nyquist", difference(found, exact), 0, 1e-12, against="50 digits", floor=1)
     with pytest.raises(InvalidParameter, match="above the Nyquist frequency"):
         learnt(A4_SCREEN, [POINT], rate_hz=2 * frequency_hz * (1 - 1e-12), f_max_hz=frequency_hz)
 
@@ -103,7 +106,7 @@ def test_reversal_of_no_sample_and_of_one():
     expected = 30 * abs(navier_response(A4_SCREEN, SOURCE, POINT, TAU_S, F_MAX_HZ, RATE_HZ, [0], "velocity")[0])
     one = drive(h, 30.0, reversal_s=1 / RATE_HZ)
     assert one.samples.shape == (1, 1)
-    assert focus_amplitude(one, h) == pytest.approx(expected, rel=1e-13)
+    hard_case("reversal of one sample", focus_amplitude(one, h), expected, 1e-13, against="50 digits")
     assert emitted(one, h)[0, 0] == pytest.approx(expected, rel=1e-13)
     with pytest.raises(InvalidParameter, match="zero everywhere"):
         drive(learnt(A4_SCREEN, [POINT]), 30.0, reversal_s=1 / RATE_HZ)
@@ -119,7 +122,8 @@ def test_ten_seconds_of_reversal_keep_phase_and_identity():
         time = mpf(sample) / 100_000
         parts = zip(weights, modes.angular_frequency_rad_per_s, strict=True)
         exact = sum(mpf(float(c)) * sin(mpf(float(w)) * time) / mpf(float(w)) for c, w in parts)
-        assert abs(h.samples[0, 0, sample] - float(exact)) < 1e-12 * np.abs(h.samples).max()
+        off = (h.samples[0, 0, sample] - float(exact)) / np.abs(h.samples).max()
+        hard_case("reversal over 10 s without loss", off, 0, 1e-12, against="50 digits", floor=1)
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(30 * math.fsum(np.abs(h.samples[0, 0])), rel=1e-12)
 
 
@@ -130,7 +134,7 @@ def test_a_million_steps_of_the_recurrence_drift_by_less_than_1e_10():
     found = run_impulses(Oscillators(omega, np.zeros(3)), taps, 1e5, np.array([999_999]))[:, 0] * omega
     mp.dps = 50
     exact = [float(sin(mpf(float(w)) * 999_999 / 100_000)) for w in omega]
-    assert np.abs(found - exact).max() < 1e-10
+    hard_case("a million steps of the recurrence", found, exact, 1e-10, against="50 digits", floor=1)
 
 
 def pencils(plate, f_max_hz, more):
@@ -170,7 +174,8 @@ def test_2000_free_edge_modes_are_all_there_and_right_to_1e_9():
         assert np.count_nonzero(found_hz < at_hz) == n_below
         checked = [f for f in near_hz if f < f_max_hz]
         assert len(checked) >= 5
-        assert max(np.abs(found_hz / f - 1).min() for f in checked) < 1e-9
+        off = max(np.abs(found_hz / f - 1).min() for f in checked)
+        hard_case("2000 modes with free edges", off, 0, 1e-9, against="negative pivots, 8 more degrees", floor=1)
 
 
 def one_bit_focus(response, voltage_v=30.0):
@@ -187,7 +192,8 @@ def test_focus_on_a_free_edge_is_levys_exact_plate(place):
     exact = modal_response(omega, there, here, plate.mass_kg, TAU_S, RATE_HZ, 200)
     h = learnt(plate, [place])
     assert plate.frequencies_hz(F_MAX_HZ) == pytest.approx(np.divide(omega, 2 * math.pi), rel=1e-11)
-    assert difference(h.samples[0, 0], exact) < 1e-10
+    off = difference(h.samples[0, 0], exact)
+    hard_case("focus on a free edge", off, 0, 1e-10, against="Levy's plate", floor=1)
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(one_bit_focus(exact), rel=1e-10)
 
 
@@ -201,7 +207,8 @@ def test_focus_on_a_free_corner_and_edge_is_another_ritz_solution(place):
     reference = modal_response(omega, shapes(*SOURCE)[kept], shapes(*place)[kept], plate.mass_kg, TAU_S, RATE_HZ, 200)
     h = learnt(plate, [place])
     assert len(plate.frequencies_hz(F_MAX_HZ)) == np.count_nonzero(kept)
-    assert difference(h.samples[0, 0], reference) < 2e-5
+    off = difference(h.samples[0, 0], reference)
+    hard_case("focus on a free corner", off, 0, 2e-5, against="another Ritz basis, 24 degrees", floor=1)
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(one_bit_focus(reference), rel=2e-5)
 
 
@@ -210,7 +217,7 @@ def test_focus_on_a_node_line_is_the_50_digit_sum_over_the_modes_that_are_left(p
     """In the middle every second m (and n) is silent; 4 of 36 modes in all carry the centre."""
     exact = navier_response(A4_SCREEN, SOURCE, place, TAU_S, F_MAX_HZ, RATE_HZ, range(120))
     h = learnt(A4_SCREEN, [place], n_samples=120)
-    assert difference(h.samples[0, 0], exact) < 1e-13
+    hard_case("focus on a node line", difference(h.samples[0, 0], exact), 0, 1e-13, against="50 digits", floor=1)
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(one_bit_focus(exact), rel=1e-12)
     modes = A4_SCREEN.modes(F_MAX_HZ)
     assert not np.abs(values(modes, *place)[:, 0][modes.m % 2 == 0]).max() > 1e-14
@@ -231,7 +238,7 @@ def test_two_foci_a_tenth_of_a_millimetre_apart_are_the_50_digit_sums():
     assert np.abs(slope).max() < 3e-3 * np.abs(exact).max()
     apart = 30 * exact @ slope / np.abs(slope).max()
     found = focus_amplitudes(drive(h, 30.0, Analogue(), weights=[1.0, -1.0]), h)
-    assert found == pytest.approx(apart, rel=1e-9)
+    hard_case("two foci 0.1 mm apart with opposite signs", found, apart, 1e-9, against="50 digits")
     assert found[0] - found[1] > 0
 
 
@@ -246,6 +253,7 @@ def test_an_empty_band_is_refused_and_a_band_without_modes_cannot_focus():
     drawn = field(A4_PROTOTYPE, Signal(np.ones((32, 5)), 1e3, "V"), 4, (np.zeros(2), np.zeros(3)), below_all)
     assert drawn.shape == (2, 3)
     assert not drawn.any()
+    exact_case("a band without modes", against="refusal")
 
 
 def rational_bits(samples, order):
@@ -269,6 +277,7 @@ def test_sigma_delta_at_full_scale_and_at_1e_9_is_exact_rational_arithmetic(orde
     if stream.peak_state < 100:
         assert stream.bits[0].tolist() == rational_bits(wave, order)
     assert stream.overloaded == (order == 2 and peak == 1.0)
+    exact_case("sigma-delta at full scale and at 1e-9", against="exact rational arithmetic")
 
 
 def test_sigma_delta_of_full_scale_direct_current_is_direct_current():
@@ -292,6 +301,7 @@ def test_all_zero_responses_are_refused_where_a_focus_is_wanted_and_named_where_
     assert not Analogue().quantise(np.zeros((2, 5)), RATE_HZ).any()
     assert np.all(OneBit().quantise(np.zeros((2, 5)), RATE_HZ) == 1)
     assert abs(SigmaDelta().quantise(np.zeros((1, 400)), RATE_HZ).mean()) < 0.02
+    exact_case("responses that are zero everywhere", against="refusal where a focus is wanted")
 
 
 def test_one_silent_channel_adds_nothing_to_the_focus():

@@ -15,6 +15,7 @@ LADDERS: Mapping[str, str] = {
     "sigma-delta-2": f"{_HERE}.sigma_delta:second_order",
     "reversal-time-amplitude": f"{_HERE}.reversal_time:amplitude",
     "reversal-time-contrast": f"{_HERE}.reversal_time:contrast",
+    "spectral-sensitivity": f"{_HERE}.spectral_sensitivity:problem",
     "skin-propagator": f"{_HERE}.skin_propagator:problem",
     "friction-events": f"{_HERE}.friction_events:problem",
     "threshold-fit": f"{_HERE}.threshold_fit:problem",

@@ -14,11 +14,13 @@ BLUE, GREY = "#0072B2", "#666666"
 COLOURS = (BLUE, "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 TOP = 2.0
+LABEL = {False: (4, 4), True: (5, -7)}
+"""Where a setting is written beside its point, in points: above ours, below what is recorded."""
 
 
 def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
     """One ladder; a point below the reference's own error is drawn at it. Hollow points are recorded peers."""
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained", facecolor="white")
+    figure = Figure(figsize=(6.4, 4.5), layout="constrained", facecolor="white")
     axes = figure.subplots()
     names = dict.fromkeys([*found.contenders, *(point.contender for point in peers)])
     for place, name in enumerate(names):
@@ -31,6 +33,7 @@ def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
         axes.axhspan(lowest / 10, found.floor, color=GREY, alpha=0.2, label="reference's own error")
     axes.set(xlabel=found.problem.price, ylabel="relative error", ylim=(lowest, 3 * TOP))
     _finish(axes, f"{found.problem.name}\n{found.problem.title}")
+    figure.legend(fontsize="x-small", loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
@@ -52,7 +55,7 @@ def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker
         )
         place = (point.price, drawn_at(point, floor))
         text = f"{point.setting}{' (unstable)' if point.unstable else ''}"
-        axes.annotate(text, place, (4, 4), textcoords="offset points", fontsize="xx-small", color=colour)
+        axes.annotate(text, place, LABEL[recorded], textcoords="offset points", fontsize="xx-small", color=colour)
 
 
 def _finish(axes: Axes, title: str) -> None:
@@ -68,7 +71,6 @@ def _finish(axes: Axes, title: str) -> None:
     axes.tick_params(axis="x", labelsize="x-small")
     axes.set_title(title, fontsize="small", wrap=True)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="xx-small", loc="upper right")
     axes.spines[["top", "right"]].set_visible(False)
 
 

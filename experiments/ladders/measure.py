@@ -12,6 +12,7 @@ from tactometry.experiments.ladders.problem import Problem, Rung
 
 N_ROUNDS = 5
 GOALS = (1e-2, 1e-3, 1e-4)
+SHORTEST_S = 1e-9
 
 
 @dataclass(frozen=True)
@@ -56,26 +57,32 @@ class Climb:
 def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
     """Measure a ladder on one thread; errors are the same in every run, times are not.
 
-    Without rounds the first call is the time, and memory is not measured (0).
+    Without rounds the first call is the time, and memory is not measured (0). What is not paid in computing time is
+    timed once.
     """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
         answer, floor = problem.reference()
         firsts = [timed(rung.run) for rung in problem.rungs]
-        rounds = [[timed(rung.run)[0] for rung in problem.rungs] for _ in range(n_rounds)]
+        rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
     points = tuple(
-        _point(problem, rung, first, [times[n] for times in rounds], answer)
+        _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)
         for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
     )
     return Climb(problem, points, answer, floor)
 
 
+def _round(rungs: Sequence[Rung], *, first: bool) -> dict[int, float]:
+    """Time of a warm call of each rung, by its place; of those that are not paid in time, in the first round only."""
+    return {n: timed(rung.run)[0] for n, rung in enumerate(rungs) if first or rung.price is None}
+
+
 def timed(run: Callable[[], Any]) -> tuple[float, Any]:
-    """Time (s) and answer of a call."""
-    start_s = time.perf_counter()
+    """Processor time (s), which on one thread is the time on a quiet machine, and answer of a call."""
+    start_s = time.process_time()
     answer = run()
-    return time.perf_counter() - start_s, answer
+    return max(time.process_time() - start_s, SHORTEST_S), answer
 
 
 def cheapest(found: Climb, goal: float) -> Point | None:

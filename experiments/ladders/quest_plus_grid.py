@@ -11,7 +11,7 @@ from tactometry.psychometric import PsychometricFunction
 LOW, HIGH, NARROW, WIDE = 0.0, 40.0, 4.0, 12.0
 ANSWERS = ((30.0, 1), (20.0, 1), (14.0, 0), (18.0, 1), (16.0, 0), (18.0, 1), (17.0, 1), (15.0, 0), (19.0, 1), (16.0, 1))
 N_THRESHOLDS = (6, 11, 21, 41, 81, 161)
-N_FINEST, N_NODES = 1281, 80
+N_FINEST, N_NODES = 641, 60
 
 
 def problem() -> Problem:
@@ -24,24 +24,25 @@ def problem() -> Problem:
         reference=lambda: (_mean(N_FINEST), abs(_mean(N_FINEST) - _mean(N_FINEST // 2 + 1)) / (HIGH - LOW)),
         independent=lambda: (_integral(), 1e-5),
         error=lambda found, reference: abs(found - reference) / (HIGH - LOW),
-        rungs=tuple(Rung(f"{n} x {_n_widths(n)}", partial(_mean, n)) for n in N_THRESHOLDS),
+        rungs=tuple(Rung(f"{n} x {n_widths(n)}", partial(_mean, n)) for n in N_THRESHOLDS),
     )
 
 
-def _n_widths(n_thresholds: int) -> int:
+def n_widths(n_thresholds: int) -> int:
     return min(n_thresholds // 2, 160)
 
 
 def _mean(n_thresholds: int) -> float:
-    thresholds = _middles(LOW, HIGH, n_thresholds)
-    widths = _middles(NARROW, WIDE, _n_widths(n_thresholds))
-    procedure = QuestPlus((15.0, 20.0), ParameterGrid(thresholds, widths), n_trials=len(ANSWERS) + 1)
+    thresholds = middles(LOW, HIGH, n_thresholds)
+    widths = middles(NARROW, WIDE, n_widths(n_thresholds))
+    grid = ParameterGrid(thresholds, widths, shape="normal")
+    procedure = QuestPlus((15.0, 20.0), grid, n_trials=len(ANSWERS) + 1)
     for level, response in ANSWERS:
         procedure = procedure.after(response, delivered=level)
     return procedure.mean("threshold")
 
 
-def _middles(low: float, high: float, n: int) -> tuple[float, ...]:
+def middles(low: float, high: float, n: int) -> tuple[float, ...]:
     """The middles of n equal parts."""
     return tuple((low + (high - low) * (np.arange(n) + 0.5) / n).tolist())
 
@@ -57,5 +58,5 @@ def _integral() -> float:
 
 
 def _likelihood(threshold: float, width: float) -> float:
-    function = PsychometricFunction("gumbel", float(threshold), float(width), 0.5, 0.02)
+    function = PsychometricFunction("normal", float(threshold), float(width), 0.5, 0.02)
     return float(np.exp(sum(float(function.log_probability(level, response)) for level, response in ANSWERS)))

@@ -19,7 +19,7 @@ Real = NDArray[np.float64]
 
 
 def problem() -> Problem:
-    """Two-alternative answers at seven levels; the time of the shared grid is that of one of 16 sets."""
+    """Two-alternative answers at seven levels; the shared grid takes its time for 16 sets at once."""
     return Problem(
         "threshold-fit",
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",

@@ -1,0 +1,135 @@
+"""Modes, skin and a finger stepped by Newmark's method, Stormer and Verlet's, and `solve_ivp`, as rungs."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from tactometry.experiments.ladders import friction_events, skin_propagator, time_integration
+from tactometry.experiments.ladders.problem import Rung
+from tactometry.stimuli.electrovibration import DryFriction, Finger, Skin
+from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
+from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
+
+Real = NDArray[np.float64]
+FACTORS = (4, 16, 64, 256)
+TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
+
+
+def modes() -> list[Rung]:
+    oscillators = A4_PROTOTYPE.oscillators(time_integration.F_MAX_HZ)
+    kinds = {"Newmark": newmark, "Verlet": verlet}
+    stepped = [
+        Rung(f"{time_integration.COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, step, oscillators, k), contender=name)
+        for name, step in kinds.items()
+        for k in FACTORS
+    ]
+    adaptive = [
+        Rung(f"rtol {tol:g}", partial(_adaptive, oscillators, tol), contender="solve_ivp DOP853")
+        for tol in TOLERANCES[:3]
+    ]
+    return [*stepped, *adaptive]
+
+
+def _stepped(step: Any, oscillators: Oscillators, factor: int) -> Real:
+    n = len(time_integration.times_s(1))
+    with np.errstate(all="ignore"):
+        return np.asarray(
+            step(
+                oscillators.omega_rad_per_s, oscillators.decay_per_s, time_integration.OMEGA_RAD_PER_S,
+                1 / (time_integration.COARSEST_HZ * factor), factor, n,
+            )
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def newmark(omega, a, tone, h, factor, n):  # type: ignore[no-untyped-def]
+    """Average acceleration for q'' + 2 a q' + w^2 q = sin(tone t)."""
+    out = np.zeros((len(omega), n))
+    for i in range(len(omega)):
+        q, v, acc, w2 = 0.0, 0.0, 0.0, omega[i] ** 2
+        for k in range(1, (n - 1) * factor + 1):
+            q_guess, v_guess = q + h * v + h * h / 4 * acc, v + h / 2 * acc
+            acc = (np.sin(tone * k * h) - 2 * a[i] * v_guess - w2 * q_guess) / (1 + a[i] * h + w2 * h * h / 4)
+            q, v = q_guess + h * h / 4 * acc, v_guess + h / 2 * acc
+            if k % factor == 0:
+                out[i, k // factor] = q
+    return out
+
+
+@njit(cache=True)
+def verlet(omega, a, tone, h, factor, n):  # type: ignore[no-untyped-def]
+    """Central differences."""
+    out = np.zeros((len(omega), n))
+    for i in range(len(omega)):
+        before, now, w2 = 0.0, 0.0, omega[i] ** 2
+        for k in range((n - 1) * factor):
+            push = np.sin(tone * k * h) - w2 * now
+            before, now = now, (2 * now - (1 - a[i] * h) * before + h * h * push) / (1 + a[i] * h)
+            if (k + 1) % factor == 0:
+                out[i, (k + 1) // factor] = now
+    return out
+
+
+def _adaptive(oscillators: Oscillators, tolerance: float) -> Real:
+    n, tone = oscillators.n, time_integration.OMEGA_RAD_PER_S
+    w2, loss = oscillators.omega_rad_per_s**2, 2 * oscillators.decay_per_s
+
+    def slope(t: float, y: Real) -> Real:
+        return np.concatenate([y[n:], np.sin(tone * t) - loss * y[n:] - w2 * y[:n]])
+
+    at_s = time_integration.times_s(1)
+    scale = tolerance / np.concatenate([w2, np.sqrt(w2)])
+    found = solve_ivp(slope, (0, at_s[-1]), np.zeros(2 * n), "DOP853", at_s, rtol=tolerance, atol=scale)
+    return np.asarray(found.y[:n])
+
+
+def skin() -> list[Rung]:
+    return [
+        Rung(f"rtol {tol:g}", partial(_skin, method, tol), contender=f"solve_ivp {method}")
+        for method in ("RK45", "LSODA")
+        for tol in TOLERANCES
+    ]
+
+
+def _skin(method: str, tolerance: float) -> Real:
+    """The voltage of the corneum relaxes from what the insulator lets through."""
+    p, omega = Skin(), 2 * np.pi * skin_propagator.FREQUENCY_HZ
+    at_s = np.arange(round(skin_propagator.DURATION_S * skin_propagator.COARSEST_HZ)) / skin_propagator.COARSEST_HZ
+
+    def slope(t: float, y: Real) -> Real:
+        return np.asarray(p.k * 100 * omega * np.cos(omega * t) - y / p.tau_s)
+
+    found = solve_ivp(slope, (0, at_s[-1]), [0.0], method, at_s, rtol=tolerance, atol=100 * tolerance)
+    return np.asarray(force_per_square_volt_n(p, skin_propagator.AREA_M2) * found.y[0] ** 2)
+
+
+def break_away() -> list[Rung]:
+    return [
+        Rung(f"width {1e2 * tol:g} m/s", partial(_smooth, tol), contender="solve_ivp, tanh friction")
+        for tol in (1e-4, 1e-5, 1e-6)
+    ]
+
+
+def _smooth(tolerance: float) -> tuple[float, float]:
+    """Friction as a steep, smooth function of the speed; broken away where it has reached all but a percent."""
+    speed, normal_n = friction_events.SPEED_M_PER_S, friction_events.FORCE_N
+    finger, limit_n = Finger.at_speed(speed), DryFriction().static * normal_n
+    width = 1e2 * tolerance
+
+    def slope(_: float, y: Real) -> list[float]:
+        pull = limit_n * np.tanh((speed - y[1]) / width)
+        spring = finger.stiffness_n_per_m * y[0] + finger.damping_n_s_per_m * y[1]
+        return [y[1], (pull - spring) / finger.mass_kg]
+
+    def away(_: float, y: Real) -> float:
+        return float(np.tanh((speed - y[1]) / width) - 0.99)
+
+    away.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(slope, (0, 0.2), [0.0, speed], "LSODA", events=away, rtol=tolerance, atol=1e-9)
+    time_s = float(found.t_events[0][0]) if found.t_events[0].size else np.nan
+    return time_s, time_s
