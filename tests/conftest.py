@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hard_cases import pytest_addoption, pytest_sessionfinish
+from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
 
 __all__ = ["pytest_addoption", "pytest_sessionfinish"]
@@ -65,11 +65,13 @@ def pytest_report_header():
     return f"draws: TACTOMETRY_TEST_SEED={SEED}"
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """Of several processes one has the display; each other file stays whole, as its tests share what it sets up."""
     for item in items:
         group = "display" if "display" in item.fixturenames else item.nodeid.partition("::")[0]
         item.add_marker(pytest.mark.xdist_group(group))
+    if config.getoption("--stability"):
+        items[:] = only_hard_cases(items)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from tactometry.experiments.ladders.measure import GOALS, Climb, Point
@@ -55,6 +56,10 @@ def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker
         )
         place = (point.price, drawn_at(point, floor))
         text = f"{point.setting}{' (unstable)' if point.unstable else ''}"
+        if any(
+            text == said.get_text() and place[0] == said.xy[0] for said in axes.texts if isinstance(said, Annotation)
+        ):
+            continue
         axes.annotate(text, place, LABEL[recorded], textcoords="offset points", fontsize="xx-small", color=colour)
 
 
