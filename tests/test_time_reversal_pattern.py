@@ -127,6 +127,13 @@ def test_envelopes():
     assert Table((0.0, 1.0)).at(np.array([0.25])) == 0.25
 
 
+def test_an_envelope_is_taken_at_the_middle_of_the_place_of_each_focus():
+    assert Pattern(200.0, 20e-3, Table((0.0, 1.0))).weights == pytest.approx(np.array([1, 3, 5, 7]) / 7)
+    for envelope in (Sinc(), RaisedCosine()):
+        weights = Pattern(200.0, 50e-3, envelope).weights
+        assert weights == pytest.approx(weights[::-1])
+
+
 def test_negative_weights_are_negative_foci(focus):
     pattern = PATTERNS["P3"]
     signal = pattern_drive(focus, pattern, 30.0)
