@@ -13,14 +13,19 @@ from tactometry.stimuli.time_reversal import (
     Disc,
     Emission,
     Finger,
+    FocusTrain,
     Load,
     Patch,
+    Pattern,
     Responses,
     Screen,
+    Setup,
+    TimeReversalStimulus,
     Transducers,
     amplitude_loss,
     band_limited,
     border,
+    emitted,
     inverse_filter_waveform,
     loaded_responses,
     n_held,
@@ -29,8 +34,17 @@ from tactometry.stimuli.time_reversal.bonded import bonded_loads
 from tactometry.stimuli.time_reversal.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.design import Design, amplitude_over_reversal
+from tactometry.stimuli.time_reversal.dispersion import (
+    group_velocity_m_per_s,
+    mindlin_angular_frequency_rad_per_s,
+    mindlin_group_velocity_m_per_s,
+    mindlin_phase_velocity_m_per_s,
+    mindlin_wavenumber_rad_per_m,
+)
 from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
+from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
+from tactometry.stimuli.time_reversal.pattern import Table, focus_samples
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
@@ -145,3 +159,51 @@ def test_parts_of_a_quarter_wave_give_the_patch_within_3_percent():
     fine = heard(3)
     off = [np.linalg.norm(heard(n) - fine) / np.linalg.norm(fine) for n in (1, 2)]
     assert off[1] < 0.03 < off[0]
+
+
+@pytest.mark.parametrize("thickness_m", [1e-4, 1.1e-3, 1e-2])
+def test_energy_in_a_thick_plate_travels_at_the_slope_of_its_dispersion(thickness_m):
+    plate = BOROFLOAT_33.plate(0.3, 0.2, thickness_m, "SSSS")
+    f = np.geomspace(10.0, 1e7, 25)
+    k = mindlin_wavenumber_rad_per_m(plate, f)
+    step = 1e-6 * k
+    slope = np.subtract(*(mindlin_angular_frequency_rad_per_s(plate, k + sign * step) for sign in (1, -1))) / (2 * step)
+    np.testing.assert_allclose(mindlin_group_velocity_m_per_s(plate, f), slope, rtol=1e-8)
+
+
+def test_waves_in_thick_glass_tend_to_thin_glass_and_to_shear():
+    shear = math.sqrt(5 / 6 * 64e9 / 2.4 / 2230)
+    fast = (mindlin_group_velocity_m_per_s, mindlin_phase_velocity_m_per_s)
+    assert [float(v(A4_SCREEN, 1e9)) for v in fast] == pytest.approx([shear, shear], rel=1e-5)
+    assert mindlin_group_velocity_m_per_s(A4_SCREEN, 1.0) == pytest.approx(
+        group_velocity_m_per_s(A4_SCREEN, 1.0), rel=1e-5
+    )
+
+
+MOVING = Responses(1e-9 * np.random.default_rng(0).standard_normal((2, 3, 40)), 1e3)
+
+
+@pytest.mark.parametrize("modulation", ["voltage", "burst"])
+def test_a_moving_focus_has_its_level_where_it_is_largest(modulation):
+    pattern = Pattern(10.0, 0.4, Table((0.5, 1.0)))
+    stimulus = TimeReversalStimulus(MOVING, pattern, path=(0, 1, 0, 1), modulation=modulation, tau_s=0.02)
+    level = 0.5 * stimulus.level_max
+    moved = np.abs(emitted(stimulus.at(level), MOVING)[[0, 1, 0, 1], focus_samples(pattern, 1e3, 40)])
+    assert moved.max() == pytest.approx(level, rel=1e-12)
+    assert moved[3] > moved[1]
+
+
+def test_what_is_heard_has_as_many_points_as_are_focused():
+    with pytest.raises(InvalidParameter, match="found 1 points and 3 channels, expected 2 and 3 as in focus"):
+        TimeReversalStimulus(MOVING, heard=MOVING.at_point(0))
+
+
+def test_a_train_in_a_study_takes_a_table_and_bursts():
+    setup = Setup(n_transducers=4, modes_to_hz=5e3, rate_hz=10e3, learnt_s=5e-3)
+    train = FocusTrain(
+        setup, f_max_hz=4e3, repetition_hz=100.0, train_s=0.03, envelope_table=(1.0, 0.2), modulation="burst"
+    )
+    assert train.foci.weights == pytest.approx([1.0, 0.6 / 0.8666667, 0.3333333 / 0.8666667])
+    on = [np.count_nonzero(part) for part in np.split(train.at(-20.0).samples[0], [100, 200])]
+    assert on == sorted(on, reverse=True)
+    assert len(set(np.abs(train.at(-20.0).samples[0]).round(9))) == 2

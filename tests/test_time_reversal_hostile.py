@@ -132,7 +132,7 @@ def constructors() -> Iterator[tuple[str, object]]:
         "sensation": TimeReversalSensation(SETUP), "setup": SETUP,
         "sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "spectrum": (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
-        "stimulus": TimeReversalStimulus(FOCUS, reversal_s=0.1),
+        "stimulus": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         "thickness": SHEETS[0], "transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
 
@@ -209,6 +209,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "plate": PLATE, "wavenumber_rad_per_m": [100.0], "shear_factor": 0.8,
             },
             "mindlin_wavenumber_rad_per_m": {**on_plate, "shear_factor": 0.8},
+            "mindlin_phase_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
+            "mindlin_group_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
         "drift": {"warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5}},
@@ -253,6 +255,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "focus_train": {
             "FocusTrain.at": {"self": TRAIN, "level": -60.0},
             "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
+            "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
         },
         "focusing": {
             "reversed_waveform": {

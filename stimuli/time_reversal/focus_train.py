@@ -8,6 +8,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.checks import at_least, choice, positive
 from tactometry.stimuli.time_reversal.pattern import (
+    MODULATIONS,
     PATTERNS,
     Envelope,
     Exponential,
@@ -15,6 +16,7 @@ from tactometry.stimuli.time_reversal.pattern import (
     RaisedCosine,
     Rectangular,
     Sinc,
+    Table,
 )
 from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
@@ -64,6 +66,10 @@ class FocusTrain:
     duration_s : float
         The interval in which the drive is played, from its beginning.
     level_unit : {"dB re 1 um", "m"}
+    envelope_table : sequence of float, optional
+        Weights at equal steps over the train, in place of a named envelope.
+    modulation : {"voltage", "burst"}
+        Whether the voltage or the length of the burst makes a focus weaker.
 
     Examples
     --------
@@ -85,13 +91,18 @@ class FocusTrain:
     repetition_hz: float | None = None
     envelope: EnvelopeName | None = None
     train_s: float | None = None
+    envelope_table: tuple[float, ...] | None = None
+    modulation: Literal["voltage", "burst"] = "voltage"
 
     def __post_init__(self) -> None:
+        if self.envelope_table is not None:
+            object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
         choice("FocusTrain.pattern", self.pattern, tuple(PATTERNS))
         choice("FocusTrain.drive", self.drive, tuple(DRIVES))
         positive("FocusTrain.duration_s", self.duration_s)
         if self.envelope is not None:
             choice("FocusTrain.envelope", self.envelope, tuple(ENVELOPES))
+        choice("FocusTrain.modulation", self.modulation, MODULATIONS)
         _check_band(self)
         _check_times(self)
 
@@ -102,8 +113,14 @@ class FocusTrain:
         return Pattern(
             self.repetition_hz or named.repetition_hz,
             self.train_s or named.duration_s,
-            named.envelope if self.envelope is None else ENVELOPES[self.envelope],
+            self._shape or named.envelope,
         )
+
+    @property
+    def _shape(self) -> Envelope | None:
+        if self.envelope_table is not None:
+            return Table(self.envelope_table)
+        return None if self.envelope is None else ENVELOPES[self.envelope]
 
     @property
     def emission_s(self) -> float:
@@ -135,6 +152,7 @@ class FocusTrain:
         return _family(self).level_max
 
 
+@checked
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     """The same foci from responses that were measured on a bench, in place of those of the model.
 
@@ -183,6 +201,8 @@ def _reversed(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeRev
         train.voltage_max_v,
         train.level_unit,
         heard,
+        modulation=train.modulation,
+        tau_s=train.setup.tau_s,
     )
 
 

@@ -1,17 +1,18 @@
 """A time-reversal stimulus: a family of drives ordered by the unloaded amplitude of its focus."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from tactometry.errors import LimitExceeded
+from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.checks import at_least, choice, positive, within
 from tactometry.stimuli.time_reversal.focusing import emitted
-from tactometry.stimuli.time_reversal.pattern import PATTERNS, Pattern, focus_samples, pattern_drive
+from tactometry.stimuli.time_reversal.pattern import MODULATIONS, PATTERNS, Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.typed import checked
@@ -28,7 +29,7 @@ class TimeReversalStimulus:
     Parameters
     ----------
     focus : Responses
-        Of the model or measured, filtered, one point; displacement.
+        Of the model or measured, filtered; displacement. One point, or those that `path` visits.
     pattern : Pattern
         By default P0, one focus. The level is the largest focus of the pattern, overlaps included.
     quantiser : Quantiser, optional
@@ -40,7 +41,11 @@ class TimeReversalStimulus:
     level_unit : str
         ``m`` or ``dB re 1 um``.
     heard : Responses, optional
-        What the focus point really does, unfiltered: the level is the amplitude there; by default `focus`.
+        What the focus points really do, unfiltered: the level is the amplitude there; by default `focus`.
+    path : sequence of int, optional
+        The row of each focus of the pattern, for a moving one, as in `pattern_drive`.
+    modulation : str
+        ``voltage`` or ``burst``, which needs `tau_s` (above 0).
 
     Examples
     --------
@@ -57,11 +62,16 @@ class TimeReversalStimulus:
     voltage_max_v: float = 30.0
     level_unit: str = "m"
     heard: Responses | None = None
+    path: Sequence[int] | None = None
+    modulation: str = "voltage"
+    tau_s: float | None = None
 
     def __post_init__(self) -> None:
         choice("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         choice("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
         positive("TimeReversalStimulus.voltage_max_v", self.voltage_max_v)
+        choice("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
+        _check_heard(self)
         if self.reversal_s is not None:
             positive("TimeReversalStimulus.reversal_s", self.reversal_s)
             at_least("TimeReversalStimulus.reversal_s, samples", self._n_reversal, 1)
@@ -95,7 +105,8 @@ class TimeReversalStimulus:
         """Amplitude of the largest focus per peak volt."""
         n = self.focus.n_samples if self.reversal_s is None else self._n_reversal
         instants = focus_samples(self.pattern, self.focus.rate_hz, n)
-        return float(np.abs(emitted(self._unit, self.heard or self.focus)[0, instants]).max()) / self._unit.peak
+        rows = [0] * len(instants) if self.path is None else list(self.path)
+        return float(np.abs(emitted(self._unit, self.heard or self.focus)[rows, instants]).max()) / self._unit.peak
 
     @property
     def level_max(self) -> float:
@@ -105,7 +116,16 @@ class TimeReversalStimulus:
 
     @cached_property
     def _unit(self) -> Signal:
-        drive = pattern_drive(self.focus, self.pattern, 1.0, self.quantiser, reversal_s=self.reversal_s)
+        drive = pattern_drive(
+            self.focus,
+            self.pattern,
+            1.0,
+            self.quantiser,
+            reversal_s=self.reversal_s,
+            path=self.path,
+            modulation=self.modulation,
+            tau_s=self.tau_s,
+        )
         return Signal(drive.samples / drive.peak, drive.rate_hz, "V")
 
     @property
@@ -117,3 +137,12 @@ class TimeReversalStimulus:
             return level
         within("level (dB re 1 um)", level, -HIGHEST_LEVEL_DB, HIGHEST_LEVEL_DB)
         return 1e-6 * 10 ** (level / 20)
+
+
+def _check_heard(stimulus: TimeReversalStimulus) -> None:
+    heard = stimulus.heard
+    if heard is not None and heard.samples.shape[:2] != stimulus.focus.samples.shape[:2]:
+        raise InvalidParameter(
+            f"TimeReversalStimulus.heard: found {heard.n_points} points and {heard.n_channels} channels, expected "
+            f"{stimulus.focus.n_points} and {stimulus.focus.n_channels} as in focus"
+        )

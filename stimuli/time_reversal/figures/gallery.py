@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import Reverberation, resolution_m
+from tactometry.stimuli.time_reversal.closed_forms import Reverberation
 from tactometry.stimuli.time_reversal.contactor import Contactor
-from tactometry.stimuli.time_reversal.design import Target, Transducers, recommend
+from tactometry.stimuli.time_reversal.design import Design, Target, Transducers, recommend
 from tactometry.stimuli.time_reversal.figures import design, drives, focus, prototype, theory
 from tactometry.stimuli.time_reversal.figures.style import save
 from tactometry.stimuli.time_reversal.finger import Emission
@@ -22,6 +22,7 @@ from tactometry.stimuli.time_reversal.responses import Point, impulse_responses
 from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, TAU_S, Screen
 from tactometry.stimuli.time_reversal.sound import NoiseSpectrum, noise
 from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.thickness import recommended, sheets
 from tactometry.stimuli.time_reversal.transducer import Disc
 from tactometry.stimuli.time_reversal.variability import (
     amplitude_by_subset_m,
@@ -104,7 +105,8 @@ def _subsets() -> Figure:
 
 def _resolution_of_foci(foci: Sequence[Point] = FOCI) -> Figure:
     widths = resolution_per_focus_m(A4_PROTOTYPE, foci, UNFILTERED)
-    return prototype.resolution_of_foci(widths, resolution_m(A4_SCREEN, UNFILTERED.band))
+    expected_m = Design(A4_SCREEN, Transducers(), UNFILTERED.band, TAU_S, UNFILTERED.reversal_s).resolution_m
+    return prototype.resolution_of_foci(widths, expected_m)
 
 
 def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)) -> Figure:
@@ -117,6 +119,12 @@ def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
 def _design() -> Figure:
     target = Target(contrast=20.0, repetition_hz=100.0)
     return design.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
+
+
+def _thickness() -> Figure:
+    patches = Transducers(side_m=5e-3)
+    among = sheets(A4_SCREEN, patches, FILTERED.band, TAU_S, Target(contrast=28.0))
+    return design.over_thickness(among, recommended(among, A4_SCREEN.thickness_m))
 
 
 GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
@@ -132,6 +140,7 @@ GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     "3.18-amplitude-over-reversal": lambda: theory.amplitude_over_reversal(TAU_S, np.linspace(0, 20e-3, 100)),
     "3.21-contrast": _contrast,
     "3.22-design": _design,
+    "3.22-design-thickness": _thickness,
     "4.5-quantised-sine": drives.quantised_sine,
     "4.7-order-1": lambda: drives.modulator_diagram(1),
     "4.8-order-2": lambda: drives.modulator_diagram(2),

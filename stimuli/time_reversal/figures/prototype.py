@@ -67,12 +67,12 @@ def amplitude_by_subset(amplitudes_m: Mapping[str, FloatArray]) -> Figure:
 
 
 def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
-    """Resolution of each focus along x and y (thesis 4.34), with the model."""
+    """Resolution of each focus along x and y (thesis 4.34), with that of a diffuse field."""
     figure, (axes,) = sheet(width_in=7.2)
     number = np.arange(1, len(widths_m) + 1)
     axes.plot(number, widths_m[:, 0] * 1e3, "o", color=BLUE, label="along x")
     axes.plot(number, widths_m[:, 1] * 1e3, "s", color=ORANGE, label="along y")
-    axes.axhline(expected_m * 1e3, color=BLACK, linestyle=":", label="model, flat band")
+    axes.axhline(expected_m * 1e3, color=BLACK, linestyle=":", label="model")
     label(axes, "Focus", "Width at −6 dB (mm)")
     axes.set_ylim(0, None)
     axes.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
