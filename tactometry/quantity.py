@@ -25,6 +25,8 @@ _SI = {
     "v": "V",
     "a": "A",
     "f": "F",
+    "j": "J",
+    "w": "W",
     "c": "C",
     "m": "m",
     "pa": "Pa",
@@ -34,6 +36,8 @@ _SI = {
 }
 _COMPOUND = {
     "m_per_s": ("m/s", {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2}),
+    "n_s_per_m": ("N s/m", {"N s/m": 1.0}),
+    "n_per_m": ("N/m", {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3}),
     "kg_per_m3": ("kg/m3", {"kg/m3": 1.0, "g/cm3": 1e3}),
     "ohm_m": ("ohm m", {"ohm m": 1.0, "kohm m": 1e3}),
     "m2": ("m2", {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6}),

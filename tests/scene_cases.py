@@ -8,6 +8,7 @@ from tactometry.stimuli.scenes.effect import Effect, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.target import resolve
 
 SLIDING = (Touch(2.0, speed_m_per_s=0.05),)
@@ -79,3 +80,73 @@ def panels(draw: st.DrawFn, outputs: tuple[str, ...]) -> tuple[Electrovibration,
         st.sampled_from([["friction"], ["friction", "polarity"], ["dry_friction", "finger_dynamics"], *lifted])
     )
     return surface, tuple(default(kind) for kind in draw(st.permutations(kinds))), outputs
+
+
+RESTING = (Touch(2.0),)
+VOLT = {"voltage_v": 30.0}
+
+TIME_REVERSAL: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
+    "edges": ({"boundary": "CCCC"}, (), "focus_displacement_m"),
+    "shear": ({}, (), "focus_displacement_m"),
+    "attenuation": ({"tau_s": 2e-3, "exponent": 0.5}, (), "focus_displacement_m"),
+    "patches": ({"side_m": 8e-3}, (), "focus_displacement_m"),
+    "foci": ({"x_m": (0.09,), "y_m": (0.03,)}, (), "peaks_m"),
+    "temperature_drift": ({"kelvin": 20.0}, (), "focus_displacement_m"),
+    "amplifier": ({"cutoff_hz": 10e3}, (), "focus_displacement_m"),
+    "audible_filter": ({"cutoff_hz": 8e3, "flank_hz": 1e3}, (), "focus_displacement_m"),
+    "one_bit": ({}, (), "focus_displacement_m"),
+    "sigma_delta": ({"order": 1}, (), "focus_displacement_m"),
+    "pulse_width": ({"carrier_hz": 15e3}, (), "focus_displacement_m"),
+    "repetition": ({"duration_s": 15e-3}, (), "focus_displacement_m"),
+    "finger_load": ({}, (), "contact_displacement_m"),
+    "airborne_sound": ({}, ("attenuation",), "sound_level_dba"),
+    "drive_energy": ({}, (), "energy_j"),
+    "focus_detection": ({}, (), "sensation_db"),
+}
+"""As `ELECTROVIBRATION`; an output ``focus_displacement_m`` is one that the plate has without the effect."""
+
+
+def tuned(kind: str) -> list[Effect]:
+    """An effect with what it needs."""
+    return [effect(name, **TIME_REVERSAL[name][0]) for name in (kind, *TIME_REVERSAL[kind][1])]
+
+
+def small_screen(**changes: object) -> TimeReversal:
+    """60 modes, 8 transducers, 3 ms."""
+    values: dict[str, object] = {
+        "length_m": 0.12, "width_m": 0.09, "n_transducers": 8, "focus_x_m": 0.05, "focus_y_m": 0.04,
+        "band_max_hz": 15e3, "flank_hz": 3e3, "rate_hz": 60e3, "reversal_s": 3e-3, "after_s": 1e-3,
+    }  # fmt: skip
+    return TimeReversal(**(values | changes))  # type: ignore[arg-type]
+
+
+def screen(*effects: Effect, outputs: tuple[str, ...] = ("peak_m",), accuracy: float = 0.01) -> Scene:
+    """The small screen under a finger at rest."""
+    return Scene(small_screen(), effects, outputs, accuracy, RESTING)
+
+
+@st.composite
+def screens(draw: st.DrawFn, outputs: tuple[str, ...]) -> Scene:
+    """Plates, places, emissions and effects that go together, in any order."""
+    length_m, width_m = draw(st.floats(0.08, 0.3)), draw(st.floats(0.08, 0.2))
+    tau_s = draw(st.floats(1e-3, 5e-3))
+    band_hz = draw(st.floats(15e3, 40e3))
+    surface = TimeReversal(
+        length_m=length_m,
+        width_m=width_m,
+        thickness_m=draw(st.floats(0.7e-3, 2e-3)),
+        n_transducers=draw(st.integers(2, 16)),
+        focus_x_m=length_m * draw(st.floats(0.2, 0.8)),
+        focus_y_m=width_m * draw(st.floats(0.2, 0.8)),
+        band_max_hz=band_hz,
+        flank_hz=0.1 * band_hz,
+        rate_hz=4 * band_hz,
+        reversal_s=tau_s * draw(st.floats(0.7, 2.5)),
+        after_s=1e-3,
+    )
+    kinds = draw(st.sets(st.sampled_from(["shear", "patches", "amplifier", "audible_filter", "finger_load"])))
+    kinds -= {"shear"} if "finger_load" in kinds else set()
+    kinds |= draw(st.sampled_from([set(), {"one_bit"}, {"sigma_delta"}]))
+    chosen = [effect(kind, **TIME_REVERSAL[kind][0]) for kind in sorted(kinds)]
+    chosen.append(effect("attenuation", tau_s=tau_s))
+    return Scene(surface, tuple(draw(st.permutations(chosen))), outputs, 1e-2, (Touch(draw(st.floats(0.2, 4.0))),))

@@ -62,6 +62,9 @@ class Surroundings(Protocol):
     @property
     def contacts(self) -> tuple[Touch, ...]: ...
 
+    @property
+    def outputs(self) -> tuple[str, ...]: ...
+
     def find(self, slot: str) -> "Effect | None":
         """The effect in a slot, or None."""
 

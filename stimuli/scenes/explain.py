@@ -42,7 +42,7 @@ def explained(scene: Scene, given: Mapping[str, float]) -> str:
     for row in rows:
         lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.measured)))
         lines += [f"    {text}" for text in textwrap.wrap(row.settings, WIDTH - 4)]
-    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, given, sum(measured))])
+    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(measured))])
 
 
 def _warm(plan: Plan, given: Mapping[str, float]) -> tuple[float, ...]:
@@ -88,23 +88,23 @@ def _off(scene: Scene) -> list[Row]:
     return [*unused, *(Row(kind, "off", "not called for", "", "0", "0") for kind in kinds)]
 
 
-def _totals(scene: Scene, plan: Plan, given: Mapping[str, float], measured_s: float) -> list[str]:
+def _totals(scene: Scene, plan: Plan, measured_s: float) -> list[str]:
     total = (
         f"accuracy {scene.accuracy:g}: predicted error {plan.error:.1e}, predicted time {_time(plan.predicted_s)}, "
         f"measured {_time(measured_s)}"
     )
-    return [total, _one_more_digit(scene, plan, given)]
+    return [total, _one_more_digit(scene, plan)]
 
 
-def _one_more_digit(scene: Scene, plan: Plan, given: Mapping[str, float]) -> str:
+def _one_more_digit(scene: Scene, plan: Plan) -> str:
     try:
         finer = replace(scene, accuracy=scene.accuracy / 10).resolve()
     except InvalidParameter as error:
         return f"one more digit: not to be had ({str(error).partition(',')[0]})"
-    ratio = sum(_warm(finer, given)) / sum(_warm(plan, given))
+    ratio = finer.predicted_s / plan.predicted_s
     return (
         f"one more digit (accuracy {scene.accuracy / 10:g}): predicted {_time(finer.predicted_s)}, "
-        f"measured {ratio:.1f} times as long"
+        f"{ratio:.1f} times as long"
     )
 
 

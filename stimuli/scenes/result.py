@@ -12,7 +12,8 @@ from tactometry.stimuli.scenes.plan import Plan
 
 @dataclass(frozen=True)
 class Result:
-    """Outputs of a plan, with the plan, what was given, the versions of the packages and the time (s) of the run.
+    """Outputs of a plan, with the plan, what was given, the versions of the packages, and the time (s) of the run and
+    of what never changes between runs.
 
     No stage draws at random, so that there is no seed.
     """
@@ -21,6 +22,7 @@ class Result:
     plan: Plan
     given: Mapping[str, float]
     elapsed_s: float
+    prepared_s: float = 0.0
     versions: Mapping[str, str] = field(default_factory=versions)
 
     def unit(self, name: str) -> str:
@@ -46,7 +48,8 @@ def unit_of(name: str) -> str:
 
 def computed(plan: Plan, given: Mapping[str, float]) -> Result:
     """A run of a plan, timed; what never changes between runs is computed before."""
+    begin_s = time.perf_counter()
     plan.prepare()
     start_s = time.perf_counter()
     values = plan.run(given)
-    return Result(values, plan, given, time.perf_counter() - start_s)
+    return Result(values, plan, given, time.perf_counter() - start_s, start_s - begin_s)

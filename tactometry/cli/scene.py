@@ -1,5 +1,7 @@
 """`tactometry scene`."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,18 +10,22 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from tactometry.stimuli.scenes.file import SceneFile
     from tactometry.stimuli.scenes.result import Result
 
 FIGURE_FORMATS = (".png", ".pdf", ".svg")
+FILM_ACCURACY = 0.05
 
 
 @click.command(epilog="Example: tactometry scene electrovibration-panel --explain")
 @click.argument("file", metavar="FILE")
 @click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Draw the outputs as a PNG, PDF or SVG.")
+@click.option("--movie", type=click.Path(path_type=Path), help="Film the wave that focuses, as a GIF or MP4.")
 @json_option
-def command(*, file: str, explain: bool, figure: Path | None, as_json: bool) -> None:
+def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None, as_json: bool) -> None:
     """Compute a scene: a TOML file, or the name of a built-in one.
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
@@ -38,24 +44,66 @@ def command(*, file: str, explain: bool, figure: Path | None, as_json: bool) -> 
     result = computed(plan, values_for(plan, found.given))
     if figure is not None:
         _draw(result, found, figure)
+    if movie is not None:
+        _film(found, movie)
     record = _record(result)
     say(_text(found, record, result), record, as_json=as_json)
 
 
 def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
-    from tactometry.errors import DeviceFailed, InvalidParameter
-    from tactometry.stimuli.scenes.figures.courses import courses
+    from tactometry.errors import InvalidParameter
 
     if path.suffix not in FIGURE_FORMATS:
         raise InvalidParameter(
             f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
         )
+    with _writing(path):
+        _figure(result, found.title).savefig(path, dpi=150)
+
+
+def _figure(result: "Result", title: str) -> "Figure":
+    """A map and courses, or courses alone, as the outputs allow."""
+    from tactometry.errors import InvalidParameter
+
+    if {"x_m", "y_m", "field_m"} <= set(result.values):
+        from tactometry.stimuli.scenes.figures.focus import focus_sheet
+
+        return focus_sheet(result, title)
     if "t_s" not in result.values:
         raise InvalidParameter(
-            "--figure: found no 't_s' among the outputs of the scene, expected it; add it to outputs"
+            "--figure: found neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene, expected "
+            "one or the other; add it to outputs"
         )
+    from tactometry.stimuli.scenes.figures.courses import courses
+
+    return courses(result, title)
+
+
+def _film(found: "SceneFile", path: Path) -> None:
+    """The scene with a movie as its only output, no finer than a film shows."""
+    from dataclasses import replace
+
+    from tactometry.stimuli.scenes.effects.movie import Movie
+    from tactometry.stimuli.scenes.explain import values_for
+    from tactometry.stimuli.scenes.figures.film import write_film
+    from tactometry.stimuli.scenes.result import computed
+
+    scene = found.scene
+    effects = scene.effects if scene.find("movie") else (*scene.effects, Movie())
+    outputs = ("x_m", "y_m", "frames_s", "movie_m")
+    filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})
+    plan = filmed.resolve()
+    result = computed(plan, values_for(plan, found.given))
+    with _writing(path):
+        write_film(result, found.title, path)
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    from tactometry.errors import DeviceFailed
+
     try:
-        courses(result, found.title).savefig(path, dpi=150)
+        yield
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
 
@@ -77,6 +125,7 @@ def _record(result: "Result") -> dict[str, Any]:
         "given": dict(result.given),
         "predicted_error": result.plan.error,
         "elapsed_s": result.elapsed_s,
+        "prepared_s": result.prepared_s,
         "versions": dict(result.versions),
     }
 
@@ -87,7 +136,8 @@ def _text(found: "SceneFile", record: dict[str, Any], result: "Result") -> str:
         unit = result.unit(name)
         words = f"{value:.6g}" if isinstance(value, float) else _range(value)
         lines.append(f"{name:<24}{words} {unit}".rstrip())
-    return "\n".join([*lines, f"predicted error {result.plan.error:.1e}, {result.elapsed_s:.3g} s"])
+    times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
+    return "\n".join([*lines, f"predicted error {result.plan.error:.1e}, {times}"])
 
 
 def _range(value: Any) -> str:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from tactometry.stimuli.scenes.result import Result, unit_of
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+STYLES = ("-", "--", ":", "-.")
 WIDTH_IN = 7.0
 PANEL_IN = 1.7
 PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
@@ -18,8 +19,7 @@ MOST_POINTS = 20_000
 
 def courses(result: Result, title: str) -> Figure:
     """All outputs that are courses over ``t_s``, one above the other; single numbers in the title."""
-    t_s = result.values["t_s"]
-    drawn = [name for name, value in result.values.items() if np.shape(value) == np.shape(t_s) and name != "t_s"]
+    t_s, drawn = result.values["t_s"], names(result.values)
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(drawn) + 0.9), layout="constrained")
     panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
     for panel, name, colour in zip(panels, drawn, COLOURS, strict=False):
@@ -30,11 +30,18 @@ def courses(result: Result, title: str) -> Figure:
     return figure
 
 
+def names(values: Mapping[str, Any]) -> list[str]:
+    """The outputs that are courses over ``t_s``, one or a row for each contact."""
+    n = len(values["t_s"])
+    return [name for name, value in values.items() if np.ndim(value) and np.shape(value)[-1] == n and name != "t_s"]
+
+
 def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> None:
     """One course with its unit."""
     factor, prefix = prefix_of(float(np.abs(course).max()))
     step = -(-len(t_s) // MOST_POINTS)
-    panel.plot(t_s[::step] * 1e3, course[::step] / factor, color=colour, linewidth=0.8)
+    for row, style in zip(np.atleast_2d(course), STYLES, strict=False):
+        panel.plot(t_s[::step] * 1e3, row[::step] / factor, color=colour, linewidth=0.8, linestyle=style)
     panel.set_ylabel(f"{words(name)}\n({prefix}{unit_of(name)})")
     panel.grid(alpha=0.3)
     panel.spines[["top", "right"]].set_visible(False)

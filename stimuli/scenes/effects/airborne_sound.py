@@ -1,0 +1,73 @@
+"""What is heard of an emission."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import log10
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.time_reversal.truncation import n_frequencies_of_sound, n_modes, remainder
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import Emission
+    from tactometry.stimuli.time_reversal.screen import Screen
+
+AUDIBLE_MAX_HZ = 20e3
+FEWEST_MORE = 1.1
+
+
+@dataclass(frozen=True)
+class AirborneSound:
+    """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level.
+
+    >>> AirborneSound().slot
+    'sound'
+    """
+
+    kind: ClassVar[str] = "airborne_sound"
+    slot: ClassVar[str] = "sound"
+    requires: ClassVar[tuple[str, ...]] = ("attenuation",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    distance_m: float = 0.3
+
+    def __post_init__(self) -> None:
+        require.positive("AirborneSound", distance_m=self.distance_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        surface: Any = scene.surface
+        lost = remainder(scene) ** 2 * surface.band_max_hz / AUDIBLE_MAX_HZ
+        ratio = max(FEWEST_MORE, (1.01 * lost / budget.error) ** (1 / 3))
+        modes_to_hz = ratio * AUDIBLE_MAX_HZ
+        n = n_modes(scene, modes_to_hz) * n_frequencies_of_sound(scene)
+        sound = Stage(
+            "airborne_sound",
+            ("screen", "emission"),
+            "level_at_1v_dba",
+            f"{__name__}:heard",
+            {"modes_to_hz": modes_to_hz, "distance_m": self.distance_m},
+            error=lost / ratio**3,
+            n_operations=n * (2.0 * surface.n_transducers + 20),
+            effect=self.kind,
+        )
+        needs = ("level_at_1v_dba", "voltage_v")
+        return sound, Stage("sound_level", needs, "sound_level_dba", f"{__name__}:raised", effect=self.kind)
+
+
+def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission], float]":
+    """The level of an emission of 1 V."""
+    from tactometry.signal import Signal
+    from tactometry.stimuli.time_reversal.sound import noise
+
+    def level_dba(screen: "Screen", emission: "Emission") -> float:
+        signal = Signal(emission.samples, emission.rate_hz, "V")
+        return noise(screen, signal, modes_to_hz, distance_m=distance_m).a_weighted_db
+
+    return level_dba
+
+
+def raised() -> Callable[[float, float], float]:
+    """The level at a voltage."""
+    return lambda level_at_1v_dba, voltage_v: level_at_1v_dba + 20 * log10(voltage_v)

@@ -1,0 +1,58 @@
+"""An amplifier that rolls off, in learning and in emission."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import Emission
+    from tactometry.stimuli.time_reversal.responses import Responses
+
+
+@dataclass(frozen=True)
+class Amplifier:
+    """A Butterworth low-pass: -3 dB at `cutoff_hz`; both defaults are unverified.
+
+    >>> Amplifier().order
+    1
+    """
+
+    kind: ClassVar[str] = "amplifier"
+    slot: ClassVar[str] = "amplifier"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    cutoff_hz: float = 60e3
+    order: int = 1
+
+    def __post_init__(self) -> None:
+        require.positive("Amplifier", cutoff_hz=self.cutoff_hz, order=self.order)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        settings = {"cutoff_hz": self.cutoff_hz, "order": self.order}
+        return (
+            Stage("amplifier_in", ("learnt",), "learnt", f"{__name__}:heard_through", settings, effect=self.kind),
+            Stage("amplifier_out", ("in_band",), "in_band", f"{__name__}:sent_through", settings, effect=self.kind),
+        )
+
+
+def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Responses]":
+    """Responses of the amplifier and the plate."""
+    from tactometry.stimuli.time_reversal.spectrum import Butterworth, through
+
+    gain = Butterworth(cutoff_hz, order)
+    return lambda learnt: through(learnt, gain)
+
+
+def sent_through(cutoff_hz: float, order: int) -> "Callable[[Emission], Emission]":
+    """What leaves the amplifier."""
+    from tactometry.stimuli.scenes.time_reversal.emission import through
+    from tactometry.stimuli.time_reversal.spectrum import Butterworth
+
+    gain = Butterworth(cutoff_hz, order)
+    return lambda emission: through(emission, gain)

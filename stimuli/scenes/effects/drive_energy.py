@@ -1,0 +1,81 @@
+"""Energy: what the plate holds at the focus instant, and what the transducers draw."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.time_reversal.truncation import n_modes, remainder
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import Emission
+    from tactometry.stimuli.scenes.time_reversal.motion import Motion
+
+
+@dataclass(frozen=True)
+class DriveEnergy:
+    """Strain energy in the band, and the power that switching `capacitance_f` per channel takes.
+
+    5.31 nF, a plate of PZ27 of 1 cm^2 and 0.3 mm, is an unverified default.
+
+    >>> DriveEnergy().slot
+    'energy'
+    """
+
+    kind: ClassVar[str] = "drive_energy"
+    slot: ClassVar[str] = "energy"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    capacitance_f: float = 5.31e-9
+
+    def __post_init__(self) -> None:
+        require.positive("DriveEnergy", capacitance_f=self.capacitance_f)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        surface: Any = scene.surface
+        lost = 4 * remainder(scene) ** 2
+        ratio = max(4.0, 1.01 * lost / budget.error)
+        static_to_hz = ratio * surface.band_max_hz
+        strain = Stage(
+            "strain_energy",
+            ("motion",),
+            "energy_at_1v_j",
+            f"{__name__}:strained",
+            {"static_to_hz": static_to_hz},
+            error=lost / ratio,
+            n_operations=4.0 * n_modes(scene, static_to_hz) * surface.n_transducers,
+            effect=self.kind,
+        )
+        switching = {"capacitance_f": self.capacitance_f}
+        draws = Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", switching, effect=self.kind)
+        return (
+            strain,
+            _squared("energy", "energy_at_1v_j", "energy_j"),
+            draws,
+            _squared("power", "power_at_1v_w", "power_w"),
+        )
+
+
+def _squared(name: str, at_1v: str, gives: str) -> Stage:
+    return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown", effect=DriveEnergy.kind)
+
+
+def strained(static_to_hz: float) -> "Callable[[Motion], float]":
+    """Half the sum of M w^2 q^2 over all modes at the focus instant (J at 1 V)."""
+    return lambda motion: motion.strain_energy_j(static_to_hz)
+
+
+def drawn(capacitance_f: float) -> "Callable[[Emission], float]":
+    """The mean power during an emission of 1 V."""
+    from tactometry.signal import Signal
+    from tactometry.stimuli.time_reversal.energy import switched_power_w
+
+    return lambda emission: switched_power_w(Signal(emission.samples, emission.rate_hz, "V"), capacitance_f)
+
+
+def grown() -> Callable[[float, float], float]:
+    """Energy and power grow with the square."""
+    return lambda at_1v, voltage_v: at_1v * voltage_v**2

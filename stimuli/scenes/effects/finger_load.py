@@ -1,0 +1,145 @@
+"""Fingers at rest that load the plate: at the focus, elsewhere, several."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Setting, Stage
+from tactometry.stimuli.scenes.time_reversal.truncation import cut, n_frequencies, n_modes
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.contact import FloatArray, Numbers
+    from tactometry.stimuli.scenes.time_reversal.motion import Motion
+
+REFERENCE_FORCE_N = 2.0
+
+
+@dataclass(frozen=True)
+class FingerLoad:
+    """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
+
+    Without a place of its own a contact is at the focus. The plate has learnt without. All defaults are unverified.
+
+    >>> FingerLoad().resistance_n_s_per_m
+    10.0
+    """
+
+    kind: ClassVar[str] = "finger_load"
+    slot: ClassVar[str] = "load"
+    requires: ClassVar[tuple[str, ...]] = ("resting contact",)
+    excludes: ClassVar[Mapping[str, str]] = {
+        "shear": "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'"
+    }
+
+    resistance_n_s_per_m: float = 10.0
+    mass_kg: float = 0.0
+    stiffness_n_per_m: float = 0.0
+    exponent: float = 0.5
+
+    def __post_init__(self) -> None:
+        require.not_negative("FingerLoad", **vars(self))
+        require.positive("FingerLoad", load=self.resistance_n_s_per_m + self.mass_kg + self.stiffness_n_per_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        settings = self._settings(scene)
+        place = {"x_m": settings["x_m"], "y_m": settings["y_m"]}
+        return (
+            Stage(
+                "finger_load",
+                ("motion",),
+                "motion",
+                f"{__name__}:borne",
+                settings,
+                n_operations=self._n_operations(scene, budget),
+                effect=self.kind,
+            ),
+            Stage(
+                "contacts",
+                ("motion", "oversampling"),
+                "per_volt_contacts",
+                f"{__name__}:displaced",
+                place,
+                effect=self.kind,
+            ),
+            Stage(
+                "contact_forces",
+                ("motion", "oversampling"),
+                "per_volt_forces",
+                f"{__name__}:forced",
+                {"n": len(self.at_rest(scene))},
+                effect=self.kind,
+            ),
+            _at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
+            _at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
+        )
+
+    def at_rest(self, scene: Surroundings) -> list[Any]:
+        """The contacts that rest."""
+        return [touch for touch in scene.contacts if not touch.slides]
+
+    def impedance_ratio(self, scene: Surroundings) -> float:
+        """Of all fingers at the top of the band, over that of the infinite plate."""
+        surface: Any = scene.surface
+        omega = 2 * pi * surface.band_max_hz
+        one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
+        grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in self.at_rest(scene))
+        return float(one * grown / surface.plate.point_impedance_n_s_per_m)
+
+    def weakening(self, scene: Surroundings) -> float:
+        """The plate moves less, and less still far from the focus; a force has more of the top of the band."""
+        surface: Any = scene.surface
+        away = any(touch.x_m is not None for touch in self.at_rest(scene))
+        read = any(name.startswith("contact_") for name in scene.outputs)
+        far = (surface.plate.modal_density_s * surface.band_max_hz) ** 0.5 if away and read else 1.0
+        fast = 2.0 if "contact_force_n" in scene.outputs else 1.0
+        return float((1 + self.impedance_ratio(scene)) * far * fast)
+
+    def _n_operations(self, scene: Surroundings, budget: Budget) -> float:
+        found = cut(scene, budget.error)
+        return 60.0 * len(self.at_rest(scene)) * n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
+
+    def _settings(self, scene: Surroundings) -> dict[str, Setting]:
+        surface: Any = scene.surface
+        rests = self.at_rest(scene)
+        return {
+            "x_m": tuple(surface.focus_x_m if touch.x_m is None else touch.x_m for touch in rests),
+            "y_m": tuple(surface.focus_y_m if touch.y_m is None else touch.y_m for touch in rests),
+            "force_n": tuple(touch.force_n for touch in rests),
+            **vars(self),
+        }
+
+
+def _at_voltage(name: str, per_volt: str, gives: str) -> Stage:
+    target = "tactometry.stimuli.scenes.surfaces.time_reversal:multiplied"
+    return Stage(name, (per_volt, "voltage_v"), gives, target, effect=FingerLoad.kind)
+
+
+def borne(
+    x_m: "Numbers",
+    y_m: "Numbers",
+    force_n: "Numbers",
+    resistance_n_s_per_m: float,
+    mass_kg: float,
+    stiffness_n_per_m: float,
+    exponent: float,
+) -> "Callable[[Motion], Motion]":
+    """The motion of the plate under the fingers."""
+    from tactometry.stimuli.scenes.time_reversal.contact import bearing
+    from tactometry.stimuli.time_reversal.finger import Finger
+
+    pulp = resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
+    return bearing([Finger(x, y, f, *pulp).load() for x, y, f in zip(x_m, y_m, force_n, strict=True)])
+
+
+def displaced(x_m: "Numbers", y_m: "Numbers") -> "Callable[[Motion, int], FloatArray]":
+    """(n_contacts, n): the displacement under every finger (m/V)."""
+    points = tuple(zip(x_m, y_m, strict=True))
+    return lambda motion, oversampling: motion.course(motion.of_points(points), oversampling)
+
+
+def forced(n: int) -> "Callable[[Motion, int], FloatArray]":
+    """(n_contacts, n_times): the force on every finger (N/V): the last channels of the motion, reversed."""
+    return lambda motion, oversampling: motion.course(-motion.played[-n:], oversampling)

@@ -1,0 +1,71 @@
+"""What a finger feels of foci: the level of the strongest above the threshold of a single one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import log10
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import FloatArray
+
+
+@dataclass(frozen=True)
+class FocusDetection:
+    """As in `tactometry.stimuli.time_reversal.TimeReversalSensation`: a single focus of `reference_m` is at threshold.
+
+    With `finger_load` it is what the first finger at rest feels, else a focus that nothing loads. 10 um is an
+    unverified default.
+
+    >>> FocusDetection().reference_m
+    1e-05
+    """
+
+    kind: ClassVar[str] = "focus_detection"
+    slot: ClassVar[str] = "sensitivity"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    reference_m: float = 10e-6
+
+    def __post_init__(self) -> None:
+        require.positive("FocusDetection", reference_m=self.reference_m)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        loaded = scene.find("load") is not None
+        needs = ("t_s", "per_volt_contacts" if loaded else "per_volt_course")
+        target = f"{__name__}:{'under_finger' if loaded else 'felt'}"
+        settings = {"reference_m": self.reference_m}
+        return (
+            Stage("events", needs, "felt_at_1v_m", target, effect=self.kind),
+            Stage(
+                "focus_detection",
+                ("felt_at_1v_m", "voltage_v"),
+                "sensation_db",
+                f"{__name__}:level",
+                settings,
+                effect=self.kind,
+            ),
+        )
+
+
+def felt() -> "Callable[[FloatArray, FloatArray], float]":
+    """The amplitude of the single event that is felt as strongly as a course (m/V)."""
+    from tactometry.stimuli.time_reversal.sensation import events, felt_amplitude_m
+
+    return lambda t_s, course: felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
+
+
+def under_finger() -> "Callable[[FloatArray, FloatArray], float]":
+    """The same, of the first of some courses."""
+    feel = felt()
+    return lambda t_s, courses: feel(t_s, courses[0])
+
+
+def level(reference_m: float) -> Callable[[float, float], float]:
+    """Level above threshold at a voltage."""
+    return lambda felt_at_1v_m, voltage_v: 20 * log10(felt_at_1v_m * voltage_v / reference_m)

@@ -1,0 +1,36 @@
+"""The sign of the reversed responses: the largest focus of a peak voltage."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+
+
+@dataclass(frozen=True)
+class OneBit:
+    """Amplifiers that switch between two voltages.
+
+    >>> OneBit().slot
+    'quantiser'
+    """
+
+    kind: ClassVar[str] = "one_bit"
+    slot: ClassVar[str] = "quantiser"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        return (Stage("one_bit", (), "quantiser", f"{__name__}:rule", effect=self.kind),)
+
+
+def rule() -> "Callable[[], Quantiser]":
+    """The sign."""
+    from tactometry.stimuli.time_reversal.quantiser import OneBit as Sign
+
+    return Sign

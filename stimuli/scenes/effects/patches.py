@@ -1,0 +1,63 @@
+"""Bonded patches in place of pushes at points."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.plate import Plate
+    from tactometry.stimuli.time_reversal.transducer import Source
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Square patches of `side_m` that bend the plate along their outline; both defaults are unverified.
+
+    >>> Patches().side_m
+    0.01
+    """
+
+    kind: ClassVar[str] = "patches"
+    slot: ClassVar[str] = "patches"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    side_m: float = 10e-3
+    moment_n_per_v: float = 8.2e-4
+
+    def __post_init__(self) -> None:
+        require.positive("Patches", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        surface: Any = scene.surface
+        if self.side_m > 2 * surface.inset_m:
+            raise InvalidParameter(
+                f"patches: found a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}, expected "
+                f"room up to the edge; raise inset_m to {self.side_m / 2} or lower side_m"
+            )
+        settings = {
+            "n_transducers": surface.n_transducers,
+            "inset_m": surface.inset_m,
+            "side_m": self.side_m,
+            "moment_n_per_v": self.moment_n_per_v,
+        }
+        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", settings, effect=self.kind),)
+
+
+def bonded(
+    n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
+) -> "Callable[[Plate], tuple[Source, ...]]":
+    """Patches along the border."""
+    from tactometry.stimuli.time_reversal.transducer import border
+
+    def placed(plate: "Plate") -> "tuple[Source, ...]":
+        patches = border(plate, n_transducers, side_m, inset_m)
+        return tuple(replace(patch, moment_n_per_v=moment_n_per_v) for patch in patches)
+
+    return placed

@@ -1,0 +1,52 @@
+"""Pulse-width modulation of the reversed responses."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+
+
+@dataclass(frozen=True)
+class PulseWidth:
+    """Two voltages, switched where the waveform crosses a triangle of `carrier_hz`, at most a quarter of the rate.
+
+    >>> PulseWidth(carrier_hz=60e3).slot
+    'quantiser'
+    """
+
+    kind: ClassVar[str] = "pulse_width"
+    slot: ClassVar[str] = "quantiser"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    carrier_hz: float
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        require.positive("PulseWidth", carrier_hz=self.carrier_hz, scale=self.scale)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        rate_hz: float = scene.surface.rate_hz  # type: ignore[attr-defined]
+        if 4 * self.carrier_hz > rate_hz:
+            raise InvalidParameter(
+                f"pulse_width: found a carrier of {self.carrier_hz} Hz, expected at most a quarter of rate_hz, "
+                f"{rate_hz / 4} Hz; lower it or raise rate_hz"
+            )
+        settings = {"carrier_hz": self.carrier_hz, "scale": self.scale}
+        return (Stage("pulse_width", (), "quantiser", f"{__name__}:rule", settings, effect=self.kind),)
+
+
+def rule(carrier_hz: float, scale: float) -> "Callable[[], Quantiser]":
+    """The comparison with the triangle."""
+    from tactometry.stimuli.time_reversal.quantiser import PulseWidth as Comparison
+
+    comparison = Comparison(carrier_hz, scale)
+    return lambda: comparison

@@ -1,0 +1,94 @@
+"""Foci that repeat under an envelope: the thesis's patterns."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import Emission
+    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+    from tactometry.stimuli.time_reversal.responses import Responses
+
+Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """Foci at `repetition_hz` over `duration_s` under an envelope; every default is unverified.
+
+    >>> Repetition().n
+    10
+    """
+
+    kind: ClassVar[str] = "repetition"
+    slot: ClassVar[str] = "repetition"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    repetition_hz: float = 200.0
+    duration_s: float = 50e-3
+    envelope: Envelope = "rectangular"
+
+    def __post_init__(self) -> None:
+        require.positive("Repetition", repetition_hz=self.repetition_hz, duration_s=self.duration_s)
+        require.one_of("Repetition.envelope", self.envelope, get_args(Envelope))
+
+    @property
+    def n(self) -> int:
+        """How many foci there are."""
+        return max(round(self.duration_s * self.repetition_hz), 1)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        surface: Any = scene.surface
+        settings = {
+            "repetition_hz": self.repetition_hz,
+            "duration_s": self.duration_s,
+            "envelope": self.envelope,
+        }
+        n_operations = 20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s
+        return (
+            Stage(
+                "repetition",
+                ("learnt", "quantiser"),
+                "emission",
+                f"{__name__}:repeated",
+                settings,
+                n_operations=n_operations,
+                effect=self.kind,
+            ),
+        )
+
+    def weakening(self, scene: Surroundings) -> float:
+        """Emissions that overlap share the voltage."""
+        reversal_s: float = scene.surface.reversal_s  # type: ignore[attr-defined]
+        return max(1.0, min(reversal_s, self.duration_s) * self.repetition_hz)
+
+
+def repeated(
+    repetition_hz: float, duration_s: float, envelope: Envelope
+) -> "Callable[[Responses, Quantiser], Emission]":
+    """A train of foci; its instant is that of the largest."""
+    from tactometry.stimuli.scenes.time_reversal.emission import Emission
+    from tactometry.stimuli.time_reversal import pattern as patterns
+
+    shapes: dict[str, type[Any]] = {
+        "rectangular": patterns.Rectangular,
+        "raised_cosine": patterns.RaisedCosine,
+        "exponential": patterns.Exponential,
+        "sinc": patterns.Sinc,
+    }
+    train = patterns.Pattern(repetition_hz, duration_s, shapes[envelope]())
+    largest = int(abs(train.weights).argmax())
+
+    def played(learnt: "Responses", quantiser: "Quantiser") -> "Emission":
+        together = replace(learnt, samples=learnt.samples.sum(axis=0, keepdims=True))
+        signal = patterns.pattern_drive(together, train, 1.0, quantiser)
+        focus = int(patterns.focus_samples(train, learnt.rate_hz, learnt.n_samples)[largest])
+        return Emission(signal.samples, learnt.rate_hz, focus)
+
+    return played

@@ -1,0 +1,48 @@
+"""Shear and rotary inertia: Mindlin's plate in place of the thin one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.plate import Plate
+    from tactometry.stimuli.time_reversal.screen import Screen
+
+
+@dataclass(frozen=True)
+class Shear:
+    """Mindlin's plate with a shear factor; exact for simply supported edges.
+
+    >>> Shear().factor
+    0.8333333333333334
+    """
+
+    kind: ClassVar[str] = "shear"
+    slot: ClassVar[str] = "shear"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    factor: float = 5 / 6
+
+    def __post_init__(self) -> None:
+        require.positive("Shear", factor=self.factor)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        settings = {"factor": self.factor}
+        return (Stage("shear", ("screen",), "screen", f"{__name__}:sheared", settings, effect=self.kind),)
+
+    def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
+        """Of the waves at a frequency."""
+        from tactometry.stimuli.time_reversal.dispersion import mindlin_wavenumber_rad_per_m
+
+        return float(mindlin_wavenumber_rad_per_m(plate, frequency_hz, self.factor))
+
+
+def sheared(factor: float) -> "Callable[[Screen], Screen]":
+    """The screen on a Mindlin plate."""
+    return lambda screen: replace(screen, shear_factor=factor)

@@ -1,0 +1,48 @@
+"""Sigma-delta modulation of the reversed responses."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+
+
+@dataclass(frozen=True)
+class SigmaDelta:
+    """One bit per sample, of `order` 1 or 2; `scale` is the peak of the modulator's input.
+
+    >>> SigmaDelta().order
+    2
+    """
+
+    kind: ClassVar[str] = "sigma_delta"
+    slot: ClassVar[str] = "quantiser"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    order: int = 2
+    scale: float = 0.7
+
+    def __post_init__(self) -> None:
+        if self.order not in {1, 2}:
+            raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
+        require.positive("SigmaDelta", scale=self.scale)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        settings = {"order": self.order, "scale": self.scale}
+        return (Stage("sigma_delta", (), "quantiser", f"{__name__}:rule", settings, effect=self.kind),)
+
+
+def rule(order: int, scale: float) -> "Callable[[], Quantiser]":
+    """The modulator."""
+    from tactometry.stimuli.time_reversal.quantiser import SigmaDelta as Modulator
+
+    modulator = Modulator(order, scale)
+    return lambda: modulator

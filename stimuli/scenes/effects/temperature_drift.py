@@ -1,0 +1,65 @@
+"""A plate that is warmer than when it learnt."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite, pi
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.time_reversal.emission import Points
+    from tactometry.stimuli.time_reversal.responses import Responses
+    from tactometry.stimuli.time_reversal.screen import Screen
+
+
+@dataclass(frozen=True)
+class TemperatureDrift:
+    """What was learnt on a plate `kelvin` colder (below 0: warmer), not 0; the shift of -5e-5/K is unverified.
+
+    >>> TemperatureDrift(10.0).shift_per_k
+    -5e-05
+    """
+
+    kind: ClassVar[str] = "temperature_drift"
+    slot: ClassVar[str] = "drift"
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    kelvin: float
+    shift_per_k: float = -5e-5
+
+    def __post_init__(self) -> None:
+        for name in ("kelvin", "shift_per_k"):
+            value = getattr(self, name)
+            if not isfinite(value) or value == 0:
+                raise InvalidParameter(
+                    f"TemperatureDrift.{name}: found {value}, expected a finite number other than 0; without a drift "
+                    "leave the effect out"
+                )
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del budget
+        surface: Any = scene.surface
+        learning = {name: getattr(surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
+        settings = {"kelvin": self.kelvin, "shift_per_k": self.shift_per_k, **learning}
+        return (Stage("drift", ("screen", "foci_m"), "learnt", f"{__name__}:learnt_cold", settings, effect=self.kind),)
+
+    def weakening(self, scene: Surroundings) -> float:
+        """Modes out of tune add up to less."""
+        surface: Any = scene.surface
+        turned = 2 * pi * surface.band_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
+        return float(1 + turned**2)
+
+
+def learnt_cold(
+    kelvin: float, shift_per_k: float, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
+) -> "Callable[[Screen, Points], Responses]":
+    """Responses of the colder plate."""
+    from tactometry.stimuli.scenes.time_reversal.emission import learning
+    from tactometry.stimuli.time_reversal.drift import warmed
+
+    learn = learning(rate_hz, reversal_s, band_max_hz, flank_hz)
+    return lambda screen, foci: learn(warmed(screen, -kelvin, shift_per_k), foci)

@@ -1,0 +1,52 @@
+"""The wave that focuses, as a film."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import animation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.figures.focus import draw_map
+from tactometry.stimuli.scenes.result import Result
+
+FORMATS = (".gif", ".mp4")
+FRAMES_PER_S = 20
+SIZE_IN = (6.4, 4.6)
+RESOLUTION_DPI = 100
+
+
+def write_film(result: Result, title: str, path: Path) -> None:
+    """Write the frames of ``movie_m`` as GIF or MP4.
+
+    Raises
+    ------
+    InvalidParameter
+        If the suffix is another, or an MP4 is asked for without ffmpeg.
+    """
+    writer = _writer(path)
+    values = result.values
+    frames, times_s = values["movie_m"], values["frames_s"]
+    figure = Figure(figsize=SIZE_IN, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    image = draw_map(axes, values["x_m"], values["y_m"], frames[0], float(np.abs(frames).max()) / 2)
+    figure.colorbar(image, ax=axes, label="displacement (um), cut at half of the peak", shrink=0.8)
+    figure.suptitle(title, fontsize="medium")
+    with writer.saving(figure, str(path), RESOLUTION_DPI):
+        for time_s, frame in zip(times_s, frames, strict=True):
+            image.set_data(frame.T * 1e6)
+            axes.set_title(f"{time_s * 1e6:+.0f} us from the focus", fontsize="small")
+            writer.grab_frame()
+
+
+def _writer(path: Path) -> Any:
+    if path.suffix not in FORMATS:
+        raise InvalidParameter(f"--movie: found {str(path)!r}, expected a name that ends in {' or '.join(FORMATS)}")
+    if path.suffix == ".gif":
+        return animation.PillowWriter(fps=FRAMES_PER_S)
+    if not animation.FFMpegWriter.isAvailable():
+        raise InvalidParameter("--movie: found no ffmpeg, which writes MP4, expected it; install it or write a .gif")
+    return animation.FFMpegWriter(fps=FRAMES_PER_S)

@@ -1,0 +1,1 @@
+"""Callables of the stages of a time-reversal scene, and the a-priori errors that choose their settings."""

@@ -1,0 +1,41 @@
+"""The plate from above: at the focus instant, and over time."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.stimuli.scenes.time_reversal.motion import Motion
+from tactometry.stimuli.time_reversal.plate import Plate
+
+FloatArray = NDArray[np.float64]
+
+
+def along_x(n: int) -> Callable[[Plate], FloatArray]:
+    """Places along the length, from edge to edge."""
+    return lambda plate: np.linspace(0.0, plate.length_m, n)
+
+
+def along_y(n: int) -> Callable[[Plate], FloatArray]:
+    """Places along the width, from edge to edge."""
+    return lambda plate: np.linspace(0.0, plate.width_m, n)
+
+
+def focus_field() -> Callable[[Motion, FloatArray, FloatArray], FloatArray]:
+    """(n_x, n_y): displacement at the focus instant (m/V)."""
+    return lambda motion, x_m, y_m: motion.modes.field(motion.at_times(np.zeros(1))[:, 0], x_m, y_m)
+
+
+def frame_times(n_frames: int, span_s: float) -> Callable[[], FloatArray]:
+    """Times of the frames of a movie, the focus in the middle."""
+    return lambda: np.linspace(-span_s / 2, span_s / 2, n_frames)
+
+
+def movie() -> Callable[[Motion, FloatArray, FloatArray, FloatArray], FloatArray]:
+    """(n_frames, n_x, n_y): displacement (m/V) at times from the focus instant."""
+
+    def frames(motion: Motion, frames_s: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+        draw = motion.modes.frame(x_m, y_m)
+        return np.stack([draw(np.ascontiguousarray(amplitudes)) for amplitudes in motion.at_times(frames_s).T])
+
+    return frames

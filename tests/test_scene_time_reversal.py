@@ -1,0 +1,422 @@
+"""Time-reversal scenes: only what is called for, in the one right order, as accurately as asked."""
+
+import itertools
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, screen, screens, small_screen, tuned
+
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
+from tactometry.stimuli.time_reversal.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.energy import deformation_energy_j
+from tactometry.stimuli.time_reversal.field import field
+from tactometry.stimuli.time_reversal.finger import Finger
+from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.load import loaded_responses
+from tactometry.stimuli.time_reversal.quantiser import OneBit
+from tactometry.stimuli.time_reversal.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen import Screen
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.transducer import border
+
+ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
+LOSSY, PATCHES, ONE_BIT = effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3), effect("one_bit")
+
+
+def run(scene: Scene):
+    plan = scene.resolve()
+    return plan.run({name: VOLT[name] for name in plan.given})
+
+
+# --- what it computes is what the plate does
+
+
+def test_the_peak_of_one_bit_is_the_sum_of_the_learnt_responses():
+    plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
+    whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
+    raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
+    learnt = band_limited(raw, Band(0.0, 15e3, 3e3))
+    amplitude_m = focus_amplitude(drive(learnt, 30.0, OneBit()), learnt)
+    assert abs(run(screen(LOSSY, PATCHES, ONE_BIT, accuracy=1e-4))["peak_m"] / amplitude_m - 1) < 5e-3
+
+
+@pytest.fixture(scope="module")
+def fine():
+    """A scene of the whole bandwidth of its clock, so that the physics in time has the same band, four times finer."""
+    plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
+    whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
+    raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
+    signal = drive(band_limited(raw, Band(0.0, 15e3, 3e3)), 30.0, OneBit())
+    n = signal.samples.shape[1]
+    wide = np.pad(signal.samples, ((0, 0), (n, n)))
+    gain = Band(0.0, 15e3, 3e3).at(np.fft.rfftfreq(3 * n, 1 / 60e3))
+    spectrum = np.fft.rfft(wide) * gain
+    return whole, Signal(16 * np.fft.irfft(spectrum, 48 * n), 960e3, "V"), 16 * (2 * n - 1)
+
+
+def test_the_focus_signal_is_that_of_the_physics_in_time(fine):
+    whole, signal, focus = fine
+    responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
+    expected = emitted(signal, responses)[0]
+    got = run(screen(LOSSY, PATCHES, ONE_BIT, outputs=("t_s", "focus_displacement_m"), accuracy=1e-3))
+    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
+    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
+    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-3 * np.abs(expected[focus])
+
+
+def test_the_field_and_the_energy_are_those_of_the_physics_in_time(fine):
+    whole, signal, focus = fine
+    outputs = ("x_m", "y_m", "field_m", "energy_j")
+    got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("drive_energy"), outputs=outputs, accuracy=1e-2))
+    expected = field(whole, signal, focus, (got["x_m"], got["y_m"]), 240e3)
+    assert np.abs(got["field_m"] - expected).max() < 1e-2 * np.abs(expected).max()
+    assert abs(got["energy_j"] / deformation_energy_j(whole, signal, focus, 240e3) - 1) < 1e-2
+
+
+def test_a_finger_is_that_of_the_loaded_responses(fine):
+    whole, signal, focus = fine
+    finger = Finger(0.05, 0.04, 2.0).load()
+    sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
+    expected = emitted(signal, loaded_responses(whole, [(0.05, 0.04)], [finger], **sampling))[0]
+    outputs = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")
+    got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("finger_load"), outputs=outputs, accuracy=1e-3))
+    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
+    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
+    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-2 * np.abs(expected[focus])
+    np.testing.assert_allclose(got["contact_displacement_m"][0], got["focus_displacement_m"], atol=1e-12)
+    velocity = np.gradient(got["contact_displacement_m"][0], got["t_s"])
+    np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
+
+
+def test_the_course_passes_through_the_peak_at_the_focus_instant():
+    got = run(screen(LOSSY, ONE_BIT, outputs=("peak_m", "t_s", "focus_displacement_m")))
+    assert got["focus_displacement_m"][got["t_s"] == 0] == pytest.approx([got["peak_m"]], rel=1e-9)
+    assert np.abs(got["focus_displacement_m"]).max() == pytest.approx(got["peak_m"], rel=1e-9)
+
+
+def test_a_movie_shows_the_field_at_the_focus_instant():
+    outputs = ("field_m", "frames_s", "movie_m")
+    got = run(screen(LOSSY, ONE_BIT, effect("movie", n_frames=5, span_s=1e-4), outputs=outputs, accuracy=0.1))
+    assert got["movie_m"].shape == (5, *got["field_m"].shape)
+    np.testing.assert_allclose(got["movie_m"][2], got["field_m"], atol=1e-9 * np.abs(got["field_m"]).max())
+    assert np.abs(got["movie_m"][2]).max() > np.abs(got["movie_m"][0]).max()
+
+
+# --- off costs nothing
+
+
+def calls(plan) -> int:
+    """Python and C calls of a run and its preparation: the fewest of three."""
+    return min(counted_calls(plan) for _ in range(3))
+
+
+def counted_calls(plan) -> int:
+    counted = 0
+
+    def count(frame, event, argument):
+        nonlocal counted
+        counted += event in {"call", "c_call"}
+
+    values = {name: VOLT[name] for name in plan.given}
+    plan.run(values)
+    again = replace(plan)
+    sys.setprofile(count)
+    try:
+        again.run(values)
+    finally:
+        sys.setprofile(None)
+    return counted
+
+
+PLAIN = ("t_s", "focus_displacement_m")
+
+
+@pytest.mark.parametrize("kind", sorted(TIME_REVERSAL))
+def test_a_scene_without_an_effect_has_no_stage_of_it_and_the_calls_of_one_that_never_knew_it(kind):
+    never = screen(outputs=PLAIN).resolve()
+    lost = replace(screen(*tuned(kind), outputs=PLAIN), effects=()).resolve()
+    assert lost == never
+    assert not any(stage.target.startswith(EFFECTS[kind].partition(":")[0]) for stage in lost.stages)
+    assert calls(lost) == calls(never)
+
+
+@pytest.mark.parametrize("kind", ["airborne_sound", "drive_energy", "focus_detection", "movie"])
+def test_an_effect_that_no_output_needs_changes_no_stage(kind):
+    needs = [effect(name) for name in TIME_REVERSAL.get(kind, ({}, (), ""))[1]]
+    with_it = screen(effect(kind), *needs, outputs=PLAIN)
+    assert with_it.resolve().stages == screen(*needs, outputs=PLAIN).resolve().stages
+    assert kind in {each.kind for each in with_it.off()}
+
+
+@pytest.mark.parametrize("kind", sorted(TIME_REVERSAL))
+def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
+    output = TIME_REVERSAL[kind][2]
+    on = run(screen(*tuned(kind), outputs=("t_s", output)))[output]
+    assert np.isfinite(on).all()
+    assert np.any(on)
+    if output == "focus_displacement_m":
+        without = run(screen(outputs=("t_s", output)))[output]
+        assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * np.abs(without).max()
+
+
+PROGRAM = """
+import json, sys
+from tactometry.stimuli.scenes.file import scene_of
+
+def loaded(table):
+    found = scene_of(table)
+    plan = found.scene.resolve()
+    plan.run({name: found.given[name] for name in plan.given})
+    return sorted(name for name in sys.modules if name.startswith(("tactometry", "numba", "matplotlib")))
+
+print(json.dumps([loaded(table) for table in json.loads(sys.argv[1])]))
+"""
+
+PHYSICS = {
+    "edges": "ritz",
+    "temperature_drift": "drift",
+    "repetition": "pattern",
+    "finger_load": "finger",
+    "airborne_sound": "sound",
+    "drive_energy": "energy",
+    "focus_detection": "sensation",
+    "sigma_delta": "sigma_delta",
+}
+"""Modules of `tactometry.stimuli.time_reversal` that one effect alone needs."""
+
+
+@pytest.fixture(scope="module")
+def imported():
+    """What a fresh process holds behind a plain scene, and behind each effect after the other."""
+    surface = {"kind": "time_reversal", **{k: v for k, v in vars(small_screen()).items() if k != "glass"}}
+    plain = {"outputs": ["peak_m"], "surface": surface, "given": VOLT, "contacts": [{"force_n": 2.0}], "accuracy": 0.1}
+
+    def table(kind):
+        tables = [{"kind": name, **TIME_REVERSAL[name][0]} for name in (kind, *TIME_REVERSAL[kind][1])]
+        return {**plain, "effects": tables, "outputs": ["t_s", TIME_REVERSAL[kind][2]]}
+
+    tables = [plain, *(table(kind) for kind in TIME_REVERSAL)]
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, json.dumps(tables)], capture_output=True, text=True, check=True
+    )
+    return [set(modules) for modules in json.loads(done.stdout)]
+
+
+def test_what_a_scene_does_not_name_is_not_imported_in_a_fresh_process(imported):
+    plain = imported[0]
+    physics = {f"tactometry.stimuli.time_reversal.{name}" for name in PHYSICS.values()}
+    assert not plain & {place.partition(":")[0] for place in EFFECTS.values()}
+    assert not plain & physics
+    assert not any(name.startswith("matplotlib") for name in plain)
+
+
+@pytest.mark.parametrize(("n", "kind"), list(enumerate(TIME_REVERSAL)))
+def test_an_effect_is_imported_when_the_first_scene_names_it(imported, n, kind):
+    module = EFFECTS[kind].partition(":")[0]
+    earlier = {name for other in list(TIME_REVERSAL)[:n] for name in (other, *TIME_REVERSAL[other][1])}
+    assert module in imported[n + 1]
+    if kind not in earlier:
+        assert module not in imported[n]
+    if kind in PHYSICS:
+        assert f"tactometry.stimuli.time_reversal.{PHYSICS[kind]}" not in imported[n]
+
+
+def test_an_observer_of_the_peak_asks_for_no_course_no_map_and_no_movie():
+    plan = screen(LOSSY, PATCHES, ONE_BIT, effect("movie"), outputs=("peak_m",)).resolve()
+    given = {stage.gives for stage in plan.stages}
+    assert not given & {"per_volt_course", "per_volt_field", "x_m", "per_volt_movie", "t_s"}
+    assert [stage.name for stage in plan.stages][-2:] == ["instant", "peak"]
+
+
+def test_a_course_does_not_depend_on_whether_a_map_is_asked_beside_the_peak():
+    assert run(screen(ONE_BIT))["peak_m"] == pytest.approx(
+        run(screen(ONE_BIT, outputs=("peak_m", "field_m")))["peak_m"], rel=1e-2
+    )
+
+
+# --- the tolerance is kept
+
+
+def error_of(got, reference, output):
+    """Relative to the peak: of a course and a map by straight lines between what is given, of a level as a ratio."""
+    if output.endswith(("_db", "_dba")):
+        return abs(10 ** ((got[output] - reference[output]) / 20) - 1)
+    if output == "field_m":
+        return _map_error(got, reference)
+    if np.ndim(got[output]) == 0:
+        return abs(got[output] / reference[output] - 1)
+    courses, true = np.atleast_2d(got[output]), np.atleast_2d(reference[output])
+    lines = [np.interp(reference["t_s"], got["t_s"], course) for course in courses]
+    return float(np.abs(lines - true).max() / np.abs(true).max())
+
+
+def _map_error(got, reference):
+    from scipy.interpolate import RegularGridInterpolator
+
+    lines = RegularGridInterpolator((got["x_m"], got["y_m"]), got["field_m"])
+    places = np.stack(np.meshgrid(reference["x_m"], reference["y_m"], indexing="ij"), axis=-1)
+    return float(np.abs(lines(places) - reference["field_m"]).max() / np.abs(reference["field_m"]).max())
+
+
+OUTPUTS = {
+    "focus_displacement_m": (LOSSY, PATCHES, ONE_BIT),
+    "peak_m": (LOSSY, PATCHES),
+    "field_m": (LOSSY, PATCHES, ONE_BIT),
+    "contact_force_n": (LOSSY, ONE_BIT, effect("finger_load", mass_kg=1e-4)),
+    "contact_displacement_m": (LOSSY, PATCHES, effect("finger_load")),
+    "sound_level_dba": (LOSSY, ONE_BIT, effect("airborne_sound")),
+    "energy_j": (LOSSY, PATCHES, ONE_BIT, effect("drive_energy")),
+    "sensation_db": (LOSSY, PATCHES, ONE_BIT, effect("focus_detection")),
+}
+BESIDE = {"field_m": ("x_m", "y_m"), "peak_m": (), "energy_j": (), "sound_level_dba": (), "sensation_db": ()}
+
+
+def finer(scene: Scene) -> Scene:
+    """A reference: five times finer than the finest that is asked, at the nodes of a coarse map."""
+    plan = replace(scene, accuracy=2e-5).resolve()
+    chosen = {stage.name: dict(stage.settings) for stage in plan.stages}
+    motion = chosen.get("motion", {})
+    override = {key: 1.4 * motion[key] for key in ("modes_to_hz", "static_to_hz", "heard_to_hz") if key in motion}
+    settings = {"motion": override, "grid_x": {"n": 157}, "grid_y": {"n": 113}}
+    return replace(scene, accuracy=2e-5, settings={name: settings[name] for name in settings if name in chosen})
+
+
+@pytest.mark.parametrize("output", sorted(OUTPUTS))
+def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(output):
+    scene = Scene(small_screen(), OUTPUTS[output], (*BESIDE.get(output, ("t_s",)), output), 0.01, RESTING)
+    reference = run(finer(scene))
+    costs = []
+    for accuracy in ACCURACIES:
+        plan = replace(scene, accuracy=accuracy).resolve()
+        true = error_of(run(replace(scene, accuracy=accuracy)), reference, output)
+        assert true <= plan.error <= accuracy
+        assert plan.error <= 10 * max(true, accuracy / 10)
+        costs.append(plan.n_operations)
+    assert costs == sorted(costs)
+    assert costs[0] < costs[-1]
+
+
+@given(screens(outputs=("t_s", "focus_displacement_m", "peak_m", "contact_force_n")))
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_random_scenes_keep_their_accuracy(scene):
+    if scene.find("load") is None:
+        scene = replace(scene, outputs=scene.outputs[:-1])
+    reference = run(replace(scene, accuracy=1e-4))
+    for accuracy in (1e-1, 1e-2, 1e-3):
+        got = run(replace(scene, accuracy=accuracy))
+        for output in scene.outputs[1:]:
+            assert error_of(got, reference, output) <= accuracy
+
+
+def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
+    large = Scene(TimeReversal(), (LOSSY,), ("field_m",), 5e-5)
+    with pytest.raises(InvalidParameter, match=r"field_m: .*for a grid, which takes .* points, .*loosen"):
+        large.resolve()
+    long = Scene(small_screen(reversal_s=30.0), (), ("peak_m",), 1e-3)
+    with pytest.raises(InvalidParameter, match=r"accuracy: .*for the modes, which takes .* numbers, .*reversal_s"):
+        long.resolve()
+    free = screen(effect("edges", boundary="FFFF"), LOSSY, accuracy=1e-7)
+    with pytest.raises(InvalidParameter, match=r"accuracy: .*edges are not simply supported.*remove 'edges'"):
+        replace(free, surface=TimeReversal(reversal_s=1e-3)).resolve()
+
+
+# --- order and conflicts
+
+
+def test_the_order_of_the_tuple_does_not_matter():
+    kinds = ("attenuation", "patches", "one_bit", "audible_filter")
+    chosen = [effect(kind, **TIME_REVERSAL[kind][0]) for kind in kinds]
+    first, *others = (screen(*order).resolve() for order in itertools.permutations(chosen))
+    assert all(plan == first for plan in others)
+
+
+@pytest.mark.parametrize(
+    ("effects", "message"),
+    [
+        (lambda: [ONE_BIT, effect("sigma_delta")], r"'sigma_delta' beside 'one_bit', .*both are the quantiser; remove"),
+        (lambda: [LOSSY, LOSSY], r"'attenuation' beside 'attenuation', expected one of them"),
+        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect of attenuation, .*add it or remove"),
+        (
+            lambda: [effect("shear"), effect("finger_load")],
+            r"'finger_load' beside 'shear', expected one of them: .*remove 'shear' or 'finger_load'",
+        ),
+        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
+    ],
+)
+def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+    with pytest.raises(InvalidParameter, match=message):
+        screen(*effects())
+
+
+def test_a_finger_load_without_contact_is_refused_with_the_cure():
+    with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*\[\[contacts\]\]"):
+        Scene(small_screen(), (effect("finger_load"),), ("peak_m",))
+    with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*no speed"):
+        Scene(small_screen(), (effect("finger_load"),), ("peak_m",), contacts=(Touch(1.0, 0.05),))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"glass": "Borofloat"}, r"TimeReversal\.glass: .*did you mean 'Borofloat 33'"),
+        ({"focus_x_m": 0.2}, r"TimeReversal\.focus_x_m: found 0\.2, expected a place between the edges"),
+        ({"band_max_hz": 40e3}, r"TimeReversal\.band_max_hz: .*half of rate_hz, 30000\.0; lower it or raise"),
+        ({"flank_hz": 20e3}, r"TimeReversal\.flank_hz: .*at most band_max_hz"),
+        ({"inset_m": 0.05}, r"TimeReversal\.inset_m: .*half of the shorter side"),
+        ({"n_transducers": 0}, r"TimeReversal\.n_transducers: found 0, expected at least 1"),
+        ({"thickness_m": float("nan")}, r"TimeReversal\.thickness_m: found nan"),
+    ],
+)
+def test_a_screen_outside_of_its_domain_is_refused(changes, message):
+    with pytest.raises(InvalidParameter, match=message):
+        small_screen(**changes)
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "message"),
+    [
+        ("edges", {"boundary": "SSSS"}, r"leave the effect out"),
+        ("edges", {"boundary": "SSXF"}, r"expected four letters of S, C, F"),
+        ("temperature_drift", {"kelvin": 0.0}, r"without a drift leave the effect out"),
+        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected as many"),
+        ("sigma_delta", {"order": 3}, r"expected 1 or 2"),
+        ("repetition", {"envelope": "sync"}, r"did you mean 'sinc'"),
+        ("finger_load", {"resistance_n_s_per_m": 0.0}, r"expected a finite number above 0"),
+        ("attenuation", {"tau_s": float("inf")}, r"Attenuation\.tau_s: found inf"),
+    ],
+)
+def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
+    with pytest.raises(InvalidParameter, match=message):
+        effect(kind, **values)
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "message"),
+    [
+        ("patches", {"side_m": 0.03}, r"patches: .*raise inset_m to 0\.015 or lower side_m"),
+        ("audible_filter", {}, r"audible_filter: .*lower cutoff_hz or raise band_max_hz"),
+        ("pulse_width", {"carrier_hz": 20e3}, r"pulse_width: .*lower it or raise rate_hz"),
+    ],
+)
+def test_an_effect_that_does_not_fit_the_screen_is_refused_with_the_cure(kind, values, message):
+    with pytest.raises(InvalidParameter, match=message):
+        screen(effect(kind, **values)).resolve()
+
+
+def test_a_finger_off_the_plate_is_refused():
+    scene = replace(screen(effect("finger_load")), contacts=(Touch(1.0, x_m=0.3, y_m=0.01),))
+    with pytest.raises(
+        InvalidParameter, match=r"contacts\[0\]: found \(0\.3, 0\.01\) m, expected a place on the plate"
+    ):
+        run(scene)
