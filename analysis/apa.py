@@ -95,6 +95,29 @@ def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
     )
 
 
+def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm") -> list[str]:
+    """One for each pair of `group_pairs`.
+
+    >>> row = {"a": "left", "b": "right", "difference": 3.0, "difference_low": 0.73, "difference_high": 5.27, "df": 4.0}
+    >>> row |= {"t": 3.674, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
+    >>> print(*group_sentences(pd.DataFrame([row]), "dB"))
+    right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4.0) = 3.67, p = .021 (Holm),
+    g = 2.40, BF10 = 3.6, moderate evidence for a difference
+    """
+    return [_group_sentence(row, unit, correction) for _, row in compared.iterrows()]
+
+
+def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
+    name = f"{row['b']} less {row['a']}: {row['difference']:.2f}{' ' + unit if unit else ''}"
+    if row["status"] != "ok":
+        return f"{name}, alike in all participants of a group: no test, as there is no error"
+    return (
+        f"{name}, 95 % CI [{row['difference_low']:.2f}, {row['difference_high']:.2f}], Welch's t({row['df']:.1f}) = "
+        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), g = {row['g']:.2f}, BF10 = {row['bf10']:.2g}, "
+        f"{evidence(row['bf10'])}"
+    )
+
+
 def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
     """One for each pair of `equivalence`, and one for all of them together.
 

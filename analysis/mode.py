@@ -68,12 +68,10 @@ def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = 
     if start is not None:
         return _climbed(shape, counts, prior, start)
     first, second, behind = _coarse_starts(shape, counts, prior)
-    best = _climbed(shape, counts, prior, first)
-    rivals = np.flatnonzero(behind < RIVAL)
-    if not rivals.size:
-        return best
-    other = _climbed(shape, counts[rivals], prior[rivals], second[rivals])
-    return _higher(best, other, rivals)
+    n, rivals = len(counts), np.flatnonzero(behind < RIVAL)
+    both = np.concatenate([np.arange(n), rivals])
+    found = _climbed(shape, counts[both], prior[both], np.concatenate([first, second[rivals]]))
+    return _higher(found[:n], found[n:], rivals)
 
 
 def _higher(best: Mode, other: Mode, places: NDArray[np.int64]) -> Mode:

@@ -14,7 +14,9 @@ from tactometry.analysis.censored_model import censored_model
 from tactometry.analysis.complete import largest_complete
 from tactometry.analysis.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.group_pairs import group_pairs
 from tactometry.analysis.labels import condition_name
+from tactometry.analysis.mixed_anova import mixed_anova
 from tactometry.analysis.mixed_model import MixedModel, mixed_model
 from tactometry.analysis.post_hoc import pairs
 from tactometry.analysis.status import Status
@@ -31,8 +33,9 @@ class Outcome:
     """One dependent value of one task.
 
     `anova` is that of the largest complete sub-design, with its `status`, `checks` and, where an error matrix is
-    singular, a `permutation` test; `pairs` and `equivalence` per factor; `model` a mixed model of all values. What
-    could not be done is None, and `notes` say why.
+    singular, a `permutation` test; `pairs` and `equivalence` per factor, `group_pairs` of the factor that differs
+    between participants only (the analysis is then a mixed one); `model` a mixed model of all values. What could not be
+    done is None, and `notes` say why.
     """
 
     task: str
@@ -48,6 +51,7 @@ class Outcome:
     permutation: pd.DataFrame | None = None
     pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     equivalence: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    group_pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     model: MixedModel | None = None
     model_title: str = ""
 
@@ -60,6 +64,8 @@ class Outcome:
         }
         for name, table in self.pairs.items():
             found[f"Pairs of {name}"] = apa.pair_sentences(table, unit)
+        for name, table in self.group_pairs.items():
+            found[f"Groups of {name}"] = apa.group_sentences(table, unit)
         for name, table in self.equivalence.items():
             found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit)
         if self.model is not None:
@@ -77,6 +83,7 @@ class Outcome:
             f"mixed_model_{name}": None if self.model is None else self.model.coefficients,
         }
         found |= {f"pairs_{name}_{factor}": table for factor, table in self.pairs.items()}
+        found |= {f"groups_{name}_{factor}": table for factor, table in self.group_pairs.items()}
         found |= {f"equivalence_{name}_{factor}": table for factor, table in self.equivalence.items()}
         return {key: table for key, table in found.items() if table is not None}
 
@@ -94,7 +101,9 @@ def outcome(
     condition, `bounds` the differences that count as none, per factor."""
     together = group.group_table(table, factors, dependent)
     varied = [name for name in factors if table[name].nunique() > 1]
-    whole, notes = _complete(table, varied, dependent)
+    between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
+    inside = [name for name in varied if name not in between] if len(between) == 1 else varied
+    whole, notes = _complete(table, inside, dependent)
     found = Outcome(
         task=task,
         dependent=dependent,
@@ -105,7 +114,9 @@ def outcome(
         notes=tuple(notes),
         sentences=(),
     )
-    if whole is not None:
+    if whole is not None and inside != varied:
+        found = _with_groups(found, whole[0], whole[1], between[0], bounds or {})
+    elif whole is not None:
         found = _with_variance(found, whole[0], whole[1], bounds or {})
     return _with_model(found, varied, forces)
 
@@ -147,11 +158,36 @@ def _with_variance(found: Outcome, table: pd.DataFrame, within: Sequence[str], b
         checks=checks(table, within=within, **given),
         permutation=permutation_test(table, within=within, rng=rng, **given) if is_singular else None,
         pairs={name: pairs(table, factor=name, **given) for name in within},
-        equivalence={
-            name: equivalence(table, factor=name, bound=bound, **given)
-            for name, bound in bounds.items()
-            if name in within
-        },
+        equivalence=_equivalences(table, within, bounds, given),
+    )
+
+
+def _equivalences(
+    table: pd.DataFrame, within: Sequence[str], bounds: Mapping[str, float], given: Mapping[str, Any]
+) -> dict[str, pd.DataFrame]:
+    kept = {name: bound for name, bound in bounds.items() if name in within}
+    return {name: equivalence(table, factor=name, bound=bound, **given) for name, bound in kept.items()}
+
+
+def _with_groups(
+    found: Outcome, table: pd.DataFrame, within: Sequence[str], between: str, bounds: Mapping[str, float]
+) -> Outcome:
+    """A mixed analysis of variance of groups of participants, and which groups and conditions differ."""
+    given: Any = {"dependent": found.dependent, "subject": "participant"}
+    try:
+        anova = mixed_anova(table, within=within, between=between, **given)
+        differ = group_pairs(table, between=between, **given)
+    except UndefinedStatistic as refusal:
+        return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+    return replace(
+        found,
+        anova=anova,
+        status=anova.attrs["status"],
+        notes=(*found.notes, *anova.attrs["notes"]),
+        sentences=tuple(apa.anova_sentences(anova)),
+        pairs={name: pairs(table, factor=name, **given) for name in within},
+        group_pairs={between: differ},
+        equivalence=_equivalences(table, within, bounds, given),
     )
 
 

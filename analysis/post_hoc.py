@@ -72,7 +72,7 @@ def pairs(
     if reference is not None:
         compared = _against(compared, reference, factor)
     result = pd.DataFrame([_row(pair, by, interval) for pair in compared])
-    return result.assign(p_corr=_corrected(result["p_unc"], correction)).reindex(columns=_order(result))
+    return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
 
 
 def rank_pairs(
@@ -87,7 +87,7 @@ def rank_pairs(
     """
     compared = compare(table, dependent, factor, subject, by, "rank_pairs")
     result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
-    return result.assign(p_corr=_corrected(result["p_unc"], correction)).reindex(columns=_order(result))
+    return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
 
 
 def compare(table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str) -> list[Pair]:
@@ -143,7 +143,8 @@ def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
 _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
 
 
-def _order(result: pd.DataFrame) -> list[str]:
+def corrected_order(result: pd.DataFrame) -> list[str]:
+    """The columns, with `p_corr` after `p_unc`."""
     names = [str(name) for name in result.columns]
     place = names.index("p_unc") + 1
     return [*names[:place], "p_corr", *names[place:]]
@@ -184,7 +185,7 @@ def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
     return row | {"w": float(found.statistic), "p_unc": float(found.pvalue), "r": r, "status": "ok"}
 
 
-def _corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
+def corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
     """Adjusted p-values of the tests that there are."""
     from statsmodels.stats.multitest import multipletests
 

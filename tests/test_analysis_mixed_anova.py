@@ -9,7 +9,9 @@ import pytest
 
 from tactometry.analysis.anova import repeated_measures
 from tactometry.analysis.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.group_pairs import group_pairs
 from tactometry.analysis.mixed_anova import mixed_anova
+from tactometry.analysis.outcomes import outcome
 from tactometry.errors import InvalidParameter
 
 
@@ -93,3 +95,53 @@ def test_refuses_a_participant_in_two_groups() -> None:
 def test_a_missing_cell_is_refused_by_name() -> None:
     with pytest.raises(UndefinedStatistic, match=r"subject = 1, freq = 1 \(1 missing cell, of 1\)"):
         analysed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
+
+
+def test_pairs_of_groups_are_welchs_tests_of_participants_means() -> None:
+    from scipy.stats import ttest_ind
+    from statsmodels.stats.multitest import multipletests
+
+    table = study((5, 7, 4), 3, np.random.default_rng())
+    found = group_pairs(table, dependent="y", between="hand", subject="subject")
+    means = table.groupby(["hand", "subject"])["y"].mean()
+    assert found[["a", "b"]].values.tolist() == [["both", "left"], ["both", "right"], ["left", "right"]]
+    peers = [ttest_ind(means[b], means[a], equal_var=False) for a, b in zip(found["a"], found["b"], strict=True)]
+    np.testing.assert_allclose(found["t"], [peer.statistic for peer in peers], rtol=1e-12)
+    np.testing.assert_allclose(found["difference_low"], [peer.confidence_interval().low for peer in peers], rtol=1e-12)
+    holm = multipletests([peer.pvalue for peer in peers], method="holm")[1]
+    np.testing.assert_allclose(found["p_corr"], holm, rtol=1e-12)
+    assert found[["n_a", "n_b"]].values.tolist() == [[4, 5], [4, 7], [5, 7]]
+
+
+def test_pairs_of_groups_by_condition_and_as_pingouin() -> None:
+    import pingouin
+
+    table = study((5, 7), 3, np.random.default_rng())
+    found = group_pairs(table, dependent="y", between="hand", subject="subject", by="freq")
+    assert found["freq"].tolist() == [0, 1, 2]
+    own = table[table["freq"] == 1]
+    left, right = (own.loc[own["hand"] == hand, "y"] for hand in ("left", "right"))
+    assert found["g"][1] == pytest.approx(pingouin.compute_effsize(right, left, eftype="hedges"), rel=1e-12)
+    alike = pingouin.ttest(right, left, correction=False)["BF10"].iloc[0]
+    assert found["bf10"][1] == pytest.approx(float(alike), rel=1e-3)
+
+
+def test_groups_without_error_or_members_have_no_test() -> None:
+    table = pd.DataFrame({"subject": range(4), "hand": ["l", "l", "r", "r"], "y": [1.0, 1, 2, 2]})
+    found = group_pairs(table, dependent="y", between="hand", subject="subject")
+    assert (found["status"][0], found["difference"][0]) == ("zero_error", 1.0)
+    with pytest.raises(UndefinedStatistic, match="hand = r: found one participant, expected at least 2 a group"):
+        group_pairs(table[:3], dependent="y", between="hand", subject="subject")
+    with pytest.raises(UndefinedStatistic, match="hand: found 1 group"):
+        group_pairs(table[:2], dependent="y", between="hand", subject="subject")
+
+
+def test_a_factor_between_participants_gets_a_mixed_analysis_in_the_report() -> None:
+    table = study((5, 6), 3, np.random.default_rng()).rename(columns={"subject": "participant", "y": "threshold"})
+    found = outcome(table.assign(status="ok"), ["hand", "freq"], "yes_no", "threshold")
+    assert found.anova["Source"].tolist() == ["hand", "freq", "hand * freq"]
+    assert list(found.group_pairs) == ["hand"]
+    assert set(found.tables("threshold")) >= {"groups_threshold_hand", "pairs_threshold_freq"}
+    assert "Welch's t(" in found.all_sentences("dB")["Groups of hand"][0]
+    hole = table.drop(index=0).assign(status="ok")
+    assert outcome(hole, ["hand", "freq"], "yes_no", "threshold").notes[0].endswith("left out: participant 0")
