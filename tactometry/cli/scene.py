@@ -10,8 +10,6 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from tactometry.stimuli.scenes.file import SceneFile
     from tactometry.stimuli.scenes.result import Result
 
@@ -61,7 +59,7 @@ def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
         _figure(result, found.title).savefig(path, dpi=150)
 
 
-def _figure(result: "Result", title: str) -> "Figure":
+def _figure(result: "Result", title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
     from tactometry.errors import InvalidParameter
 
