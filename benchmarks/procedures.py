@@ -2,25 +2,27 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/procedures.py [--observers 1000] [--out DIR]. Minutes in full form.
 
-The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses, whose threshold lies anywhere in the
-middle half of the levels. Slope and lapse rate are unknown to the procedure: seven standard deviations from half to
-twice the true one, log-normal with a factor of 1.5, and lapse rates of 0, 2 and 4 %, flat. The bound on
-the variance of a threshold after N trials is K / N, where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the
-ideal sweat factor (Taylor 1971; Taylor and Creelman 1967). Prints the root-mean-square error and the sweat factor
-N * MSE of each procedure at 40, 80 and 160 trials, the trials that it needs for an error of 1 dB, and how a run ends
-that is asked to stop at a posterior standard deviation of 1 dB; draws the errors. Observers of a QUEST+ rule are
-simulated together, by the same sums over all of them at once; `check` holds their choices against the rule itself.
+The observer is a cumulative normal of standard deviation SD_DB with 2 % lapses, whose threshold lies within 1.5
+standard deviations of the middle; thresholds are weighed within 2, levels go to 4. Slope and lapse rate are unknown to
+the procedure: lapse rates of 0, 2 and 4 %, flat, and two priors of the standard deviation. The one is log-normal about
+the true one with a factor of 1.5, from half to twice; the other (`wide`) flat from a quarter to four times, with which
+plain QUEST+ has the error that others report of it. The bound on the variance of a threshold after N trials is K / N,
+where K is the least of p (1 - p) / (dp/dx)^2 over all levels: the ideal sweat factor (Taylor 1971; Taylor and Creelman
+1967). It holds for a known slope and lapse rate; `Task.bound_unknown` is that of the best placement when both are
+nuisance, with what their prior tells of them (c-optimal design; Silvey 1980, ch. 3). Prints the root-mean-square error
+and the sweat factor N * MSE of each procedure at 40, 80 and 160 trials, the trials that it needs for an error of 1 dB,
+and how a run ends that is asked to stop at a posterior standard deviation of 1 dB; draws the errors. Observers of a
+QUEST+ rule are simulated together, by the same sums over all of them at once; `check` holds their estimates against
+the rule itself.
 """
 
 import argparse
-import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 from scipy.special import ndtr
 from scipy.stats import norm
 
@@ -36,11 +38,15 @@ from tactometry.protocols import (
 from tactometry.protocols.outcome_model import p_log_p
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
-N_MAX, EVERY, SHOWN = 320, 5, (40, 80, 160)
-LEVELS = tuple(float(x) for x in np.linspace(-12, 12, 31))
+N_MAX, EVERY, SHOWN = 480, 5, (40, 80, 160)
+TOGETHER = 250
+"""Observers that are simulated at a time."""
+LEVELS = tuple(float(x) for x in np.linspace(-16, 16, 81))
+THRESHOLDS = tuple(float(x) for x in np.linspace(-8, 8, 41))
 SPAN_DB = 6.0
-SDS_DB = SD_DB * np.geomspace(0.5, 2, 7)
-SD_PRIOR = tuple(float(w) for w in np.exp(-0.5 * (np.log(SDS_DB / SD_DB) / math.log(1.5)) ** 2))
+SDS_DB, WIDE_DB = SD_DB * np.geomspace(0.5, 2, 7), SD_DB * np.geomspace(0.25, 4, 9)
+LOG_FACTOR = math.log(1.5)
+SD_PRIOR = tuple(float(w) for w in np.exp(-0.5 * (np.log(SDS_DB / SD_DB) / LOG_FACTOR) ** 2))
 LAPSES = (0.0, 0.02, 0.04)
 TO_WIDTH = 2 * 1.6448536269514722
 
@@ -62,14 +68,28 @@ class Task:
     def bound(self) -> float:
         """The ideal sweat factor, in units of the observer's variance."""
 
-        def factor(z: float) -> float:
-            p = self.guess + (1 - self.guess - LAPSE) * norm.cdf(z)
-            return p * (1 - p) / ((1 - self.guess - LAPSE) * norm.pdf(z)) ** 2
+        return float(1 / np.square(self._slopes(np.linspace(-2, 3, 5001))[0]).max())
 
-        return float(minimize_scalar(factor, bounds=(-2, 3), method="bounded").fun)
+    def bound_unknown(self, n_trials: int) -> float:
+        """The least standard deviation of a threshold, in units of the observer's, with slope and lapse rate unknown
+        but for their prior, by the multiplicative algorithm."""
+        slopes = self._slopes(np.linspace(-4, 4, 161))
+        prior = np.diag([1e-9, 1 / LOG_FACTOR**2, 1 / np.var(LAPSES)])
+        weights = np.full(slopes.shape[1], 1 / slopes.shape[1])
+        for _ in range(3000):
+            variances = np.linalg.inv(n_trials * (slopes * weights) @ slopes.T + prior)
+            weights *= np.abs(variances[0] @ slopes)
+            weights /= weights.sum()
+        return math.sqrt(variances[0, 0])
 
-    def grid(self) -> ParameterGrid:
-        return ParameterGrid(LEVELS, tuple(TO_WIDTH * SDS_DB), (self.guess,), LAPSES, shape="normal")
+    def _slopes(self, z: np.ndarray) -> np.ndarray:
+        """Of the chance at z by threshold, log standard deviation and lapse rate, over the answer's deviation."""
+        span = 1 - self.guess - LAPSE
+        p = self.guess + span * norm.cdf(z)
+        return np.stack([span * norm.pdf(z), span * norm.pdf(z) * z, norm.cdf(z)]) / np.sqrt(p * (1 - p))
+
+    def grid(self, sds_db: np.ndarray = SDS_DB) -> ParameterGrid:
+        return ParameterGrid(THRESHOLDS, tuple(TO_WIDTH * sds_db), (self.guess,), LAPSES, shape="normal")
 
 
 Run = Callable[["Task", np.ndarray, np.random.Generator], np.ndarray]
@@ -85,14 +105,16 @@ class Contender:
     target_db: float = 0.0
 
 
-def one_by_one(start: Callable[[np.random.Generator], object], estimate: Callable[[object], float | None]) -> Run:
+def one_by_one(
+    start: Callable[[np.random.Generator], object], estimate: Callable[[object], float | None], n_max: int = N_MAX
+) -> Run:
     """Each observer with the procedure itself."""
 
     def run(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        found = np.full((len(truths_db), N_MAX // EVERY), np.nan)
+        found = np.full((len(truths_db), n_max // EVERY), np.nan)
         for observer, truth in enumerate(truths_db):
             rule = start(rng)
-            for n in range(N_MAX):
+            for n in range(n_max):
                 rule = rule.after(bool(rng.random() < task.chance(rule.level, truth)))
                 if (n + 1) % EVERY == 0:
                     value = estimate(rule)
@@ -102,47 +124,76 @@ def one_by_one(start: Callable[[np.random.Generator], object], estimate: Callabl
     return run
 
 
-def together(rule: QuestPlus, levels: Callable[..., np.ndarray] | None = None) -> Run:
-    """All observers of a QUEST+ rule at once; or of levels in an order of their own, by their indices."""
+def losses_of(rule: QuestPlus, yes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The expected losses (n_levels, n_observers) of weights (n_cells, n_observers), by `yes` (n_levels, n_cells)."""
     first, rest = rule.posterior.shape
-    yes = np.exp(np.stack([rule.grid.log_chance(level, 1) for level in rule.levels]))
+    thresholds = np.repeat(rule.grid.thresholds, rest)
+    moments = np.concatenate([yes * thresholds**power for power in range(3)])
     by_first = np.ascontiguousarray(yes.reshape(len(yes), first, rest).transpose(1, 0, 2))
     cost = p_log_p(yes) + p_log_p(1 - yes)
-    thresholds = np.asarray(rule.grid.thresholds)
 
-    def losses(weights: np.ndarray) -> np.ndarray:
-        joint = by_first @ weights.reshape(-1, first, rest).transpose(1, 2, 0)
-        both = np.stack([weights.reshape(-1, first, rest).sum(axis=2).T[:, None] - joint, joint])
-        mass = both.sum(axis=1)
-        if rule.criterion == "variance":
-            means, squares = (np.tensordot(both, thresholds**power, (1, 0)) for power in (1, 2))
-            return (squares - means**2 / np.maximum(mass, 1e-300)).sum(axis=0)
-        spread = p_log_p(mass).sum(axis=0)
-        return spread - (p_log_p(both).sum(axis=(0, 1)) if rule.aim == "threshold" else cost @ weights.T)
+    def variance(weights: np.ndarray) -> np.ndarray:
+        felt = (moments @ weights).reshape(3, len(yes), -1)
+        whole = np.stack([thresholds**power @ weights for power in range(3)])[:, None]
+        return sum(-(at[1] ** 2) / np.maximum(at[0], 1e-300) for at in (felt, whole - felt))
 
-    def run(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        weights = np.tile(rule.posterior.ravel(), (len(truths_db), 1))
-        found, at = np.empty((len(truths_db), N_MAX // EVERY)), np.asarray(rule.levels)
-        for n in range(N_MAX):
+    def entropy(weights: np.ndarray) -> np.ndarray:
+        if rule.aim == "parameters":
+            chance = yes @ weights
+            return p_log_p(chance) + p_log_p(1 - chance) - cost @ weights
+        cells = weights.reshape(first, rest, -1)
+        joint = by_first @ cells
+        both = np.stack([cells.sum(axis=1)[:, None] - joint, joint])
+        return p_log_p(both.sum(axis=1)).sum(axis=0) - p_log_p(both).sum(axis=(0, 1))
+
+    return variance if rule.criterion == "variance" else entropy
+
+
+def together(rule: QuestPlus, levels: Callable[..., np.ndarray] | None = None, n_max: int = N_MAX) -> Run:
+    """All observers of a QUEST+ rule at once; or of levels in an order of their own, by their indices."""
+    _, rest = rule.posterior.shape
+    yes = np.exp(np.stack([rule.grid.log_chance(level, 1) for level in rule.levels]))
+    losses, thresholds, at = losses_of(rule, yes), np.repeat(rule.grid.thresholds, rest), np.asarray(rule.levels)
+
+    def some(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        weights = np.repeat(rule.posterior.reshape(-1, 1), len(truths_db), axis=1)
+        found = np.empty((len(truths_db), n_max // EVERY))
+        for n in range(n_max):
             chosen = losses(weights).argmin(axis=0) if levels is None else levels(n, len(truths_db), rng)
             answers = rng.random(len(truths_db)) < task.chance(at[chosen], truths_db)
-            weights *= np.where(answers[:, None], yes[chosen], 1 - yes[chosen])
-            weights /= weights.sum(axis=1, keepdims=True)
-            found[:, n // EVERY] = weights.reshape(-1, first, rest).sum(axis=2) @ thresholds
+            weights *= np.where(answers, yes[chosen].T, 1 - yes[chosen].T)
+            weights /= weights.sum(axis=0)
+            found[:, n // EVERY] = thresholds @ weights
         return found
+
+    def run(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        parts = np.array_split(truths_db, math.ceil(len(truths_db) / TOGETHER))
+        return np.concatenate([some(task, part, rng) for part in parts])
 
     return run
 
 
-def check(task: Task, rng: np.random.Generator) -> None:
+def check(task: Task, rng: np.random.Generator, n_max: int = N_MAX) -> None:
     """The rules' own estimates and those of `together` are alike for the same stream of random numbers."""
     truth_db = np.array([rng.uniform(-SPAN_DB, SPAN_DB)])
-    for aim, criterion in (("parameters", "entropy"), ("threshold", "entropy"), ("threshold", "variance")):
-        rule = QuestPlus(LEVELS, task.grid(), n_trials=10**6, aim=aim, criterion=criterion, prior={"width": SD_PRIOR})
+    for rule in rules(task).values():
         seed = int(rng.integers(2**31))
-        batch = together(rule)(task, truth_db, np.random.default_rng(seed))
-        alone = one_by_one(lambda _, rule=rule: rule, mean)(task, truth_db, np.random.default_rng(seed))
+        batch = together(rule, n_max=n_max)(task, truth_db, np.random.default_rng(seed))
+        alone = one_by_one(lambda _, rule=rule: rule, mean, n_max)(task, truth_db, np.random.default_rng(seed))
         np.testing.assert_allclose(batch, alone, atol=1e-6)
+
+
+def rules(task: Task) -> dict[str, QuestPlus]:
+    """QUEST+ and those that put the threshold first, on both priors."""
+    whole = QuestPlus(LEVELS, task.grid(), n_trials=10**6, prior={"width": SD_PRIOR})
+    wide = QuestPlus(LEVELS, task.grid(WIDE_DB), n_trials=10**6)
+    return {
+        "QUEST+": whole,
+        "threshold first, entropy": replace(whole, aim="threshold"),
+        "threshold first, variance": replace(whole, aim="threshold", criterion="variance"),
+        "QUEST+, wide": wide,
+        "threshold first, variance, wide": replace(wide, aim="threshold", criterion="variance"),
+    }
 
 
 def mean(rule: QuestPlus) -> float:
@@ -150,15 +201,11 @@ def mean(rule: QuestPlus) -> float:
 
 
 def contenders(task: Task) -> list[Contender]:
-    grid, many = task.grid(), 10**6
+    many = 10**6
     half = task.guess + (1 - task.guess - LAPSE) / 2
-    prior = {"width": SD_PRIOR}
-    whole = QuestPlus(LEVELS, grid, n_trials=many, prior=prior)
-    first = replace(whole, aim="threshold")
-    variance = replace(first, criterion="variance")
-    known = psi(LEVELS, LEVELS, tuple(SDS_DB), guess_rate=task.guess, lapse_rate=LAPSE, n_trials=many)
+    known = psi(LEVELS, THRESHOLDS, tuple(SDS_DB), guess_rate=task.guess, lapse_rate=LAPSE, n_trials=many)
     quest = Quest(
-        0.0, 8.0, -12.0, 12.0, 0.4, target=half, slope=2.7, guess_rate=task.guess, blind_share=0.04, n_trials=many
+        0.0, 8.0, -8.0, 8.0, 0.4, target=half, slope=2.7, guess_rate=task.guess, blind_share=0.04, n_trials=many
     )
     bounds = {"low": -24.0, "high": 24.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
 
@@ -172,9 +219,7 @@ def contenders(task: Task) -> list[Contender]:
 
     weighted = WeightedStaircase(12.0, (6.0, 3.0), (2.0, 1.0), **bounds)
     found = [
-        Contender("QUEST+", together(whole)),
-        Contender("threshold first, entropy", together(first)),
-        Contender("threshold first, variance", together(variance)),
+        *(Contender(name, together(rule)) for name, rule in rules(task).items()),
         Contender("psi (lapse rate known)", together(known)),
         Contender(
             "QUEST (slope, lapse rate given)",
@@ -182,7 +227,7 @@ def contenders(task: Task) -> list[Contender]:
         ),
         *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
         Contender("weighted 3:1", one_by_one(lambda _: weighted, late_reversals), task.level_of(0.75)),
-        Contender("constant stimuli, 9 levels", together(whole, nine_levels)),
+        Contender("constant stimuli, 9 levels", together(rules(task)["QUEST+"], nine_levels)),
     ]
     if task.guess < 0.5:
         limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=N_MAX, n_start_steps=6)
@@ -190,7 +235,7 @@ def contenders(task: Task) -> list[Contender]:
     return found
 
 
-NINE = np.linspace(0, len(LEVELS) - 1, 9).round().astype(int)
+NINE = np.linspace(10, len(LEVELS) - 11, 9).round().astype(int)
 
 
 def nine_levels(n: int, n_observers: int, rng: np.random.Generator) -> np.ndarray:
@@ -220,6 +265,11 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, 
     print(f"\n{task.name}: ideal sweat factor {bound:.2f} (in units of the observer's variance)")
     heads = "".join(f"{f'N={n}':>8} {'K':>6}" for n in SHOWN)
     print(f"{'RMSE / SD, sweat factor':<34}{heads}{'trials to 1 dB':>16}")
+    unknown = [task.bound_unknown(n) for n in SHOWN]
+    print(
+        f"{'bound, slope and lapse unknown':<34}"
+        + "".join(f"{e:>8.3f} {n * e**2:>6.2f}" for n, e in zip(SHOWN, unknown, strict=True))
+    )
     print(f"{'bound':<34}" + "".join(f"{math.sqrt(bound / n):>8.3f} {bound:>6.2f}" for n in SHOWN) + f"{ideal:>16.0f}")
     for contender in contenders(task):
         truths_db = rng.uniform(-SPAN_DB, SPAN_DB, n_observers)
@@ -233,12 +283,23 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, 
     return curves
 
 
+PAIRS = (
+    ("threshold first, variance", "QUEST+"),
+    ("threshold first, variance, wide", "QUEST+, wide"),
+    ("threshold first, variance", "QUEST+, wide"),
+)
+
+
 def ratio_of_trials(curves: dict[str, np.ndarray]) -> None:
-    """Trials by which the threshold-first rules reach what QUEST+ has after 160 and at the end."""
-    for n, name in itertools.product((160, N_MAX), ("threshold first, entropy", "threshold first, variance")):
-        needed = trials_to(curves["QUEST+"][n // EVERY - 1], curves[name])
-        found = "no" if needed is None else f"{needed} trials ({100 * needed / n:.0f} %)"
-        print(f"{name}: as good as QUEST+ after {n} trials in {found}")
+    """Trials by which one rule reaches what the other has after 160, and that the other needs for what it has then."""
+    at = 160 // EVERY - 1
+    for ours, theirs in PAIRS:
+        fewer, more = trials_to(curves[theirs][at], curves[ours]), trials_to(curves[ours][at], curves[theirs])
+        ratio = (curves[ours][at] / curves[theirs][at]) ** 2
+        print(
+            f"{ours}, beside {theirs}: its error after 160 trials in {fewer} trials; it needs {more or 'more'} of "
+            f"{N_MAX} for ours after 160; ratio of squared errors after 160: {100 * ratio:.0f} %"
+        )
 
 
 def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:

@@ -1,12 +1,15 @@
 """What the rule that puts the threshold first promises, in reduced form: benchmarks/procedures.py has it in full.
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
-of the observer's standard deviation.
+of the observer's standard deviation. Many observers are simulated at once by the benchmark, whose estimates are held
+against those of the rule itself.
 """
 
 import doctest
+import importlib.util
 import math
 import os
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +18,56 @@ from scipy.special import ndtr
 
 from tactometry.protocols import QuestPlusSettings
 
-N = 1000 if os.environ.get("TACTOMETRY_SOAK") == "1" else 40
+ROOT = Path(__file__).resolve().parents[1]
+FULL = os.environ.get("TACTOMETRY_SOAK") == "1"
+N, N_TOGETHER = (1000, 10_000) if FULL else (30, 500)
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 NORMAL_WIDTH = 2 * 1.6448536269514722
 TASKS = {"2AFC": (0.5, 0.19), "yes/no": (0.02, 0.115)}
+FIRST = "threshold first, variance"
+
+
+@pytest.fixture(scope="module")
+def benchmark():
+    place = importlib.util.spec_from_file_location("benchmark_of_procedures", ROOT / "benchmarks" / "procedures.py")
+    module = importlib.util.module_from_spec(place)
+    place.loader.exec_module(module)
+    return module
+
+
+@cache
+def errors_after_160(benchmark, guess, name):
+    rng, task = np.random.default_rng(), benchmark.Task("", guess)
+    truths_db = rng.uniform(-benchmark.SPAN_DB, benchmark.SPAN_DB, N_TOGETHER)
+    found_db = benchmark.together(benchmark.rules(task)[name], n_max=160)(task, truths_db, rng)[:, -1]
+    return (found_db - truths_db) / benchmark.SD_DB
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_observers_together_are_estimated_as_by_the_rule_itself(benchmark, task):
+    benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if FULL else 60)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_the_error_after_160_trials_is_near_the_bound(benchmark, task):
+    guess, most = TASKS[task]
+    squares = errors_after_160(benchmark, guess, FIRST) ** 2
+    assert squares.mean() - AT_1E_4 * squares.std() / math.sqrt(N_TOGETHER) <= most**2
+
+
+def test_putting_the_threshold_first_beats_asking_for_all_parameters(benchmark):
+    first, whole = (errors_after_160(benchmark, 0.5, name) ** 2 for name in (FIRST, "QUEST+"))
+    assert first.mean() < whole.mean()
+
+
+@pytest.mark.parametrize(("guess", "known", "unknown"), [(0.5, 0.1737, 0.1855), (0.02, 0.1032, 0.1054)])
+def test_the_bounds_are_those_of_the_literature_and_of_the_design_without_slope_and_lapse(
+    benchmark, guess, known, unknown
+):
+    task = benchmark.Task("", guess)
+    assert math.sqrt(task.bound() / 160) == pytest.approx(known, abs=5e-5)
+    assert task.bound_unknown(160) == pytest.approx(unknown, abs=5e-5)
 
 
 def rule(guess, n_trials, sd_stop=None):
@@ -50,13 +98,6 @@ def runs(start, guess, rng):
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_the_error_after_160_trials_is_near_the_bound(task):
-    guess, most = TASKS[task]
-    errors = np.array([error for _, error in runs(rule(guess, 160), guess, np.random.default_rng())])
-    assert math.sqrt(np.mean(errors**2)) <= most * (1 + AT_1E_4 / math.sqrt(2 * N))
-
-
-@pytest.mark.parametrize("task", TASKS)
 def test_a_stop_at_a_spread_is_reached_and_honest(task):
     guess, _ = TASKS[task]
     ends = list(runs(rule(guess, 400, sd_stop=0.25), guess, np.random.default_rng()))
@@ -67,5 +108,5 @@ def test_a_stop_at_a_spread_is_reached_and_honest(task):
 
 
 def test_the_page_on_procedures_says_what_is_true():
-    page = Path(__file__).resolve().parents[1] / "docs" / "procedures.md"
+    page = ROOT / "docs" / "procedures.md"
     assert doctest.testfile(str(page), module_relative=False).failed == 0
