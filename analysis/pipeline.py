@@ -11,6 +11,7 @@ from tactometry.analysis.amplitude_loss import loss_table, losses
 from tactometry.analysis.bradley_terry import preference_table
 from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
+from tactometry.analysis.frames import frames, with_frames
 from tactometry.analysis.outcomes import Outcome, outcome
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings, ratings
@@ -171,7 +172,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     fits = tuple(
         fit for part in by_task if part and (fit := together(part, trials.factors, n_choices, unit)) is not None
     )
-    quality = group.quality(everything)
+    quality = with_frames(group.quality(everything), frames(everything.path))
     return Analysis(
         trials=trials,
         unit=unit,

@@ -18,6 +18,7 @@ from tactometry.questionnaire import shipped
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
+MANY_DROPPED = 0.01
 """Shares above these are warned of; unverified defaults."""
 FEW_TRIALS = 15
 NAMED = 6
@@ -114,6 +115,14 @@ def _other_tasks(trials: Trials) -> list[str]:
     return [f"{len(other)} rows of other tasks are not analysed here ({', '.join(sorted(other['task'].unique()))})"]
 
 
+def _frame_warnings(quality: pd.DataFrame) -> list[str]:
+    lost = quality[quality["n_dropped_frames"] > MANY_DROPPED * quality["n_frames"]]
+    if not len(lost):
+        return []
+    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_frames}" for row in lost.itertuples(index=False)]
+    return [f"more than {MANY_DROPPED:.0%} of the screen's frames dropped: {', '.join(names)}"]
+
+
 def _quality_warnings(quality: pd.DataFrame) -> list[str]:
     found = []
     many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
@@ -122,6 +131,8 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
             f"{code} {rate:.0%}" for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
         )
         found.append(f"more than {MANY_FALSE_ALARMS:.0%} false alarms in catch trials: {names}")
+    if "n_dropped_frames" in quality.columns:
+        found += _frame_warnings(quality)
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
         found.append(f"more than {MANY_INVALID:.0%} invalid trials: {', '.join(invalid['participant'])}")

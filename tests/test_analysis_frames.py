@@ -1,0 +1,62 @@
+"""Frames of the screen in the quality of the data."""
+
+import pandas as pd
+import pytest
+from test_analysis_report import DATA
+
+from tactometry.analysis.frames import frames, with_frames
+from tactometry.analysis.pipeline import analyse
+from tactometry.errors import InvalidFile
+from tactometry.event import COLUMNS, Event
+
+NAMES = [column.name for column in COLUMNS]
+
+
+def event(kind, **facts) -> str:
+    return "\t".join(Event(kind, 1.0, facts=facts).cells())
+
+
+def trial(n, dropped, longest_s) -> str:
+    facts = {"trial": 1, "n_frames": n, "n_dropped_frames": dropped, "frame_interval_max_s": longest_s}
+    return event("trial", **facts)
+
+
+@pytest.fixture
+def data_set(tmp_path):
+    import numpy as np
+
+    (tmp_path / "data").mkdir()
+    (tmp_path / "journals").mkdir()
+    truth = {(f"P0{p}", (0.5,)): 20.0 for p in (1, 2, 3)}
+    name = "participant-P01_session-1_study-x"
+    DATA.write_study(tmp_path / "data" / f"{name}_data.csv", truth, ["force_n"], rng=np.random.default_rng(), n=4)
+    for code, rows in {
+        "P01": [trial(500, 20, 0.08), event("remark", text="late"), trial(500, 0, 0.017)],
+        "P02": [trial(1000, 0, 0.018)],
+    }.items():
+        text = "\n".join(["\t".join(NAMES), *rows]) + "\n"
+        (tmp_path / "journals" / f"participant-{code}_session-1_study-x_events.tsv").write_text(text)
+    return tmp_path
+
+
+def test_frames_are_summed_over_trials_and_told(data_set) -> None:
+    found = analyse(data_set)
+    quality = found.tables["quality"].set_index("participant")
+    assert quality.loc["P01", ["n_frames", "n_dropped_frames"]].tolist() == [1000, 20]
+    assert quality["frame_interval_max_s"]["P01"] == 0.08
+    assert quality["n_dropped_frames"]["P02"] == 0
+    assert quality["n_dropped_frames"].isna()["P03"]
+    assert "more than 1% of the screen's frames dropped: P01 20 of 1000" in found.warnings
+
+
+def test_without_events_nothing_is_said(tmp_path) -> None:
+    quality = pd.DataFrame({"participant": ["A"]})
+    assert with_frames(quality, frames(tmp_path)) is quality
+    assert frames(tmp_path / "trials.csv").empty
+
+
+def test_a_damaged_file_of_events_is_refused(data_set) -> None:
+    file = next((data_set / "journals").iterdir())
+    file.write_text("onset\tduration\n1\t2\n")
+    with pytest.raises(InvalidFile, match=r"_events.tsv: found no events \('trial_type'\), expected the columns"):
+        frames(data_set)
