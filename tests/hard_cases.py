@@ -19,6 +19,7 @@ PAGE = TESTS.parent / "docs" / "stability.md"
 ROOMS = {
     "test_time_reversal": "Time reversal",
     "test_electrovibration": "Electrovibration",
+    "test_perception": "Perception",
     "test_scene": "Scenes",
     "test_analysis": "Fits and statistics",
     "test_psychometric": "Psychometric functions",
@@ -26,6 +27,7 @@ ROOMS = {
     "test_quest": "Procedures",
     "test_device": "Devices",
     "test_force_gate": "Devices",
+    "test_limits": "Devices",
     "test": "Sessions and data",
 }
 HEAD = """# Hard cases
@@ -43,7 +45,7 @@ SEEN: dict[str, float] = {}
 class Case:
     name: str
     against: str
-    bound: float
+    bound: float | None
     file: str
     test: str
 
@@ -52,7 +54,7 @@ class Case:
         return next(room for prefix, room in ROOMS.items() if self.file.startswith(prefix))
 
     def row(self, error: str) -> str:
-        bound = f"{self.bound:.0e}" if self.bound else "0"
+        bound = "see there" if self.bound is None else f"{self.bound:.2g}"
         return f"| {self.name} | {self.against} | {error} | {bound} | `{self.file}::{self.test}` |"
 
 
@@ -92,9 +94,14 @@ def _cases_of(path: Path) -> Iterator[Case]:
             for call in ast.walk(function):
                 if isinstance(call, ast.Call) and getattr(call.func, "id", "") in ("hard_case", "exact_case"):
                     words = {word.arg: word.value for word in call.keywords}
-                    bound = ast.literal_eval(call.args[3]) if len(call.args) > 3 else 0.0
+                    bound = call.args[-1] if call.func.id == "hard_case" else ast.Constant(0.0)
                     name, against = ast.literal_eval(call.args[0]), ast.literal_eval(words["against"])
-                    yield Case(name, against, float(bound), path.stem, function.name)
+                    yield Case(name, against, _number(bound), path.stem, function.name)
+
+
+def _number(bound: ast.expr) -> float | None:
+    """The bound, or None if it is computed."""
+    return float(ast.literal_eval(bound)) if isinstance(bound, ast.Constant) else None
 
 
 @cache

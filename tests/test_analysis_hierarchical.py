@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import exact_case
 from scipy.special import ndtri
 from scipy.stats import binom
 
@@ -234,6 +235,7 @@ def test_identical_participants_are_a_singular_fit(study) -> None:
     assert found.status == GroupStatus.SINGULAR
     assert found.note
     assert found.components["threshold"] < 0.05
+    exact_case("identical participants in a hierarchy", against="said to be singular")
 
 
 def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
@@ -259,6 +261,7 @@ def test_one_level_and_no_trial_have_statuses(study) -> None:
     one_level = fitted(rows[rows["level"] == LEVELS[3]])
     assert (one_level.conditions["status"] == "too_few_levels").all()
     assert fitted(rows.assign(k=0, n=0)).status == GroupStatus.NO_DATA
+    exact_case("a hierarchy of one level, and of none", against="statuses")
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(1e-9, 0.0), (1.0, 1e4)])

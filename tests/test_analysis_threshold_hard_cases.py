@@ -56,9 +56,9 @@ def test_likelihood_and_derivatives_are_those_of_50_digits(shape, rates, answers
                 "log-likelihood in the tails", found.value[i, 0], log_chance, 1e-12, against="50 digits", floor=0.1
             )
             slope = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0]))
-            hard_case("its slope", found.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
+            hard_case("slope of the likelihood", found.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
             bend = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0], 2))
-            hard_case("its curvature", found.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
+            hard_case("curvature of the likelihood", found.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
             if min(rates) > 0:
                 by_lapse = float(mpmath.diff(lambda x, a=arguments: value(*a[:2], x), arguments[2]))
                 by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))

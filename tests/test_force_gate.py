@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,6 +51,7 @@ def held(samples, last, gate):
 def test_the_gate_is_open_exactly_when_the_force_was_held(increments):
     samples = stamped(increments)
     assert fed(GATE, samples) == [held(samples, k, GATE) for k in range(len(samples))]
+    exact_case("any course of a force", against="the rule of the gate, sample by sample")
 
 
 def test_the_brute_force_rule_sees_open_gates_too():

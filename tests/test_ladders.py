@@ -14,6 +14,7 @@ from tactometry.cli import main
 from tactometry.experiments.ladders import LADDERS
 from tactometry.experiments.ladders.figures import error_against_price, frontier
 from tactometry.experiments.ladders.measure import cheapest, climb
+from tactometry.experiments.ladders.page import digit
 from tactometry.experiments.ladders.peers import RECORD, peers_of, recorded_on
 from tactometry.experiments.ladders.problem import Problem, Rung
 from tactometry.experiments.ladders.report import answers, label, table
@@ -67,7 +68,7 @@ def test_errors_are_the_same_in_every_run(found):
 def test_the_table_fits_a_terminal_and_names_the_cheapest_rungs(found):
     lines = table(found).splitlines()
     assert max(map(len, lines[3:])) <= 100
-    assert [line.split(":")[0] for line in lines[-3:]] == ["1.00%", "0.10%", "0.01%"]
+    assert [line.split(":")[0] for line in lines[-4:]] == ["10.00%", "1.00%", "0.10%", "0.01%"]
 
 
 def test_the_page_says_the_errors_of_this_run(found):
@@ -124,18 +125,25 @@ def test_the_cheapest_rung_is_the_one_of_the_lowest_price_that_is_good_enough():
     climbed = climb(known(), n_rounds=2)
     assert cheapest(climbed, 0.2).setting == "n = 7"
     assert cheapest(climbed, 2e-3).setting == "n = 14"
-    assert answers(climbed)[0] == "1.00%: n = 7, price 3"
+    assert answers(climbed)[1] == "1.00%: n = 7, price 3"
 
 
 def test_nothing_below_the_floor_of_the_reference_is_believed():
     climbed = climb(known(), n_rounds=1)
     assert climbed.points[2].error < 1e-4
     assert cheapest(climbed, 1e-4) is None
-    assert answers(climbed)[2] == "0.01%: no rung reaches it"
+    assert answers(climbed)[3] == "0.01%: no rung reaches it"
 
 
 def test_the_frontier_leaves_out_what_is_beaten_in_both():
     assert [price for price, _ in frontier(climb(known(), n_rounds=1))] == [3.0, 4.0]
+
+
+def test_one_more_digit_costs_the_factor_between_the_ends_of_the_frontier():
+    climbed = climb(known((2.0, 3.0, 5.0, 9.0)), n_rounds=1)
+    digits = math.log10(0.125 / 1e-3)
+    assert digit(climbed) == f"x {2.5 ** (1 / digits):.2g}"
+    assert digit(replace(climbed, points=climbed.points[:1])) == "nothing"
 
 
 def test_the_figure_shows_every_rung_the_floor_and_the_unstable():

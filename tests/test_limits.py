@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -54,6 +55,7 @@ def test_no_voltage_above_its_limit_passes(samples, limit):
     over = bool(np.any(np.abs(samples) > limit * (1 + 1e-11)))
     if over or not np.any(np.abs(samples) > limit):
         assert refused(lambda: Limits(limit).check(in_volts(samples)), "voltage_peak_v") == over
+    exact_case("any signal against a limit of voltage", against="refused if and only if above")
 
 
 @given(st.integers(1, 3000), st.floats(1e-3, 3.0))

@@ -5,6 +5,7 @@ import math
 import catalogue
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -42,6 +43,7 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
     while not procedure.finished:
         procedure = procedure.after(answer)
     assert procedure.ended == ("censored_below" if answer else "censored_above")
+    exact_case("equal answers to every procedure", against="censored")
 
 
 @per_procedure

@@ -65,7 +65,7 @@ def test_square_plate_with_degenerate_modes_is_the_50_digit_sum():
     modes = RitzModes(square, np.sort(found), blocks, np.argsort(found))
     there, here = (values(modes, *place)[:, 0] for place in (SOURCE, POINT))
     ritz = modal_response(np.sort(found), there, here, square.mass_kg, TAU_S, RATE_HZ, 200)
-    hard_case("the same by Ritz", difference(ritz[samples], exact), 0, 1e-8, against="50 digits", floor=1)
+    hard_case("degenerate modes by Ritz", difference(ritz[samples], exact), 0, 1e-8, against="50 digits", floor=1)
 
 
 def test_square_free_plate_answers_the_same_with_x_and_y_exchanged():

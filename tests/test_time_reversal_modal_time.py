@@ -58,7 +58,9 @@ def test_impulse_response_is_exact(case):
             "impulse response of a mode: Nyquist, no loss, tau of 1 us and 1 ns, critical, slow, rigid",
             found[0][sample], expected[0], 1e-11, against="60 digits", floor=0.02 * size / swing + 1e-289,
         )  # fmt: skip
-        hard_case("its velocity", found[1][sample], expected[1], 1e-11, against="60 digits", floor=0.2 * size + 1e-289)
+        hard_case(
+            "velocity of a mode", found[1][sample], expected[1], 1e-11, against="60 digits", floor=0.2 * size + 1e-289
+        )
 
 
 def test_acceleration_obeys_the_equation_of_motion():

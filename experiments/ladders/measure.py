@@ -11,7 +11,7 @@ from typing import Any
 from tactometry.experiments.ladders.problem import Problem, Rung
 
 N_ROUNDS = 5
-GOALS = (1e-2, 1e-3, 1e-4)
+GOALS = (1e-1, 1e-2, 1e-3, 1e-4)
 SHORTEST_S = 1e-9
 
 

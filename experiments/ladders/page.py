@@ -1,11 +1,12 @@
 """The page of all ladders: words, tables and figures from one run."""
 
+import math
 from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.ladders.figures import error_against_price, write_svg
+from tactometry.experiments.ladders.figures import error_against_price, frontier, write_svg
 from tactometry.experiments.ladders.measure import GOALS, Climb, Point, cheapest
 from tactometry.experiments.ladders.peers import peers_of, recorded_on
 from tactometry.experiments.ladders.report import label, machine
@@ -58,10 +59,22 @@ def page(climbs: Sequence[Climb], folder: str, today: date) -> str:
     """The text of the page."""
     heads = " | ".join(f"{goal:.2%}" for goal in GOALS)
     lines = [HEAD, f"Measured on {today.isoformat()}: {machine()}. Peers: {recorded_on()}.", ""]
-    lines += ["## The cheapest rung for an error", "", f"| ladder | {heads} |", "|---|---|---|---|"]
-    lines += [f"| [`{c.problem.name}`](#{c.problem.name}) | {' | '.join(_prices(c))} |" for c in climbs]
+    lines += [
+        "## The cheapest rung for an error",
+        "",
+        f"| ladder | {heads} | one more digit |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [f"| [`{c.problem.name}`](#{c.problem.name}) | {' | '.join(_prices(c))} | {digit(c)} |" for c in climbs]
     lines += [text for found in climbs for text in _section(found, folder)]
     return "\n".join(lines) + TAIL
+
+
+def digit(found: Climb) -> str:
+    """What a tenth of the error costs: the factor of the price per digit, from end to end of the frontier."""
+    best = frontier(found)
+    digits = math.log10(best[0][1] / best[-1][1])
+    return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"
 
 
 def _prices(found: Climb) -> list[str]:

@@ -1,4 +1,4 @@
-"""A ladder as a table, as CSV, and in words: the cheapest rung for 1 %, 0.1 % and 0.01 %."""
+"""A ladder as a table, as CSV, and in words: the cheapest rung for 10 %, 1 %, 0.1 % and 0.01 %."""
 
 import csv
 import platform

@@ -30,7 +30,7 @@ def problem() -> Problem:
         error=lambda found, reference: float(np.abs(found - reference).max() / (reference[2] - reference[1])),
         rungs=(
             Rung("Laplace (map)", partial(_fitted, "map")),
-            Rung("shared grid", _shared),
+            Rung(f"shared grid, {N_SETS} sets", _shared),
             Rung("own grid", partial(_fitted, "posterior")),
         ),
     )
