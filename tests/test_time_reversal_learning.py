@@ -9,6 +9,7 @@ from hypothesis.extra.numpy import arrays
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.learning import (
+    as_displacement,
     deconvolved,
     delay_s,
     learnt,
@@ -106,6 +107,25 @@ def test_a_sweep_fills_its_band_and_begins_and_ends_at_rest():
 def test_a_sequence_is_white():
     power = np.square(np.abs(np.fft.rfft(sequence(12, rate_hz=1e3).samples)))
     assert np.allclose(power[1:], 2**12, rtol=1e-9)
+
+
+@pytest.mark.parametrize("late", [-0.4, -0.2, 0.3])
+def test_a_delay_is_found_to_a_part_of_a_sample(late):
+    t = np.arange(400) - 100.0
+    played, recorded = (np.exp(-(((t - shift) / 4) ** 2)) for shift in (0.0, 20.0 + late))
+    assert delay_s(played, recorded, 1e3) * 1e3 == pytest.approx(20.0 + late, abs=0.01)
+
+
+@pytest.mark.parametrize(("quantity", "tolerance"), [("velocity", 0.02), ("acceleration", 0.06)])
+def test_velocity_and_acceleration_of_the_screen_become_its_displacement(quantity, tolerance):
+    """The acceleration leaves out the impulse at time 0, which costs a few percent."""
+    timing = {"rate_hz": 150e3, "duration_s": 20e-3, "f_max_hz": 40e3}
+    heard, expected = (
+        impulse_responses(A4_PROTOTYPE, [(0.121, 0.093)], **timing, quantity=q) for q in (quantity, "displacement")
+    )
+    found = as_displacement(heard, 5e3, 30e3)
+    inside = as_displacement(expected, 5e3, 30e3)
+    assert np.linalg.norm(found.samples - inside.samples) < tolerance * np.linalg.norm(inside.samples)
 
 
 def test_learnt_responses_are_kept_with_where_they_come_from(tmp_path, plate):

@@ -91,7 +91,7 @@ def test_repetition_slower_than_t_costs_nothing(focus):
 
 def test_burst_modulation_keeps_the_voltage_and_reaches_the_weight(focus):
     long = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=RATE_HZ, duration_s=7e-3, f_max_hz=25e3)
-    table = Pattern(100.0, 40e-3, Table((1.0, 0.5, 0.25, 0.75)))
+    table = Pattern(100.0, 40e-3, Table((1.0, 0.5, -0.25, -0.75)))
     signal = pattern_drive(long, table, 30.0, modulation="burst", tau_s=3.5e-3)
     assert set(np.unique(np.abs(signal.samples))) == {0.0, 30.0}
     u = emitted(signal, long)[0][focus_samples(table, RATE_HZ, long.n_samples)]
