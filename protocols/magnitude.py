@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.protocols.task import Outcome, Presentation, reply
-from tactometry.request import Enter, Rated, Touched
+from tactometry.protocols.task import Outcome, Presentation, Reply, reply, touched
+from tactometry.request import Enter, Rated
 from tactometry.run import Course
 
 
@@ -23,8 +23,8 @@ class Magnitude:
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         del rng
-        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
-        if not touch.valid:
-            return Outcome((touch,), touch)
-        rated: Rated = yield Enter("how_strong", 0.0, self.high)
-        return Outcome((touch,), touch, (reply(rated, rated.value),), success=(rated.value or 0.0) > 0)
+
+        def heard(rated: Rated) -> tuple[Reply, bool]:
+            return reply(rated, rated.value), (rated.value or 0.0) > 0
+
+        return (yield from touched(shown, Enter("how_strong", 0.0, self.high), heard))

@@ -92,3 +92,34 @@ def edge(values: Array, marginal: Array) -> Ending | None:
         if marginal[at] > HIGHEST * float(np.delete(marginal, at).max()):
             return ending
     return None
+
+
+def mean_sd(values: Array, marginal: Array) -> tuple[float, float]:
+    """Mean and standard deviation of a parameter with these weights.
+
+    >>> mean_sd(np.array([1.0, 3.0]), np.array([0.5, 0.5]))
+    (2.0, 1.0)
+    """
+    mean = float(marginal @ values)
+    return mean, math.sqrt(float(marginal @ (values - mean) ** 2))
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When a run that weighs a threshold ends: after `n_trials`, or at a posterior standard deviation."""
+
+    n_trials: int
+    sd: float | None
+
+    def ending(self, values: Array, marginal: Array, *, n_told: int, contradicted: bool) -> Ending | None:
+        """How the run ended after `n_told` answers; None if it goes on.
+
+        >>> Stop(n_trials=2, sd=None).ending(np.arange(3.0), np.array([0.2, 0.6, 0.2]), n_told=2, contradicted=False)
+        'trials'
+        """
+        if contradicted:
+            return "aborted"
+        converged = self.sd is not None and n_told > 0 and mean_sd(values, marginal)[1] <= self.sd
+        if not converged and n_told < self.n_trials:
+            return None
+        return edge(values, marginal) or ("converged" if converged else "trials")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.parameter_grid import ParameterGrid
-from tactometry.protocols.posterior import Posterior, edge
+from tactometry.protocols.posterior import Posterior, Stop, mean_sd
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
 
@@ -138,7 +138,7 @@ class Quest:
         return min(max(placed, self.low), self.high)
 
     def _mean(self) -> float:
-        return float(self.posterior @ self.thresholds)
+        return mean_sd(self.thresholds, self.posterior)[0]
 
     def _mode(self) -> float:
         return float(self.thresholds[int(self.posterior.argmax())])
@@ -164,7 +164,7 @@ class Quest:
     @cached_property
     def threshold_sd(self) -> float:
         """The posterior standard deviation."""
-        return math.sqrt(float(self.posterior @ (self.thresholds - self._mean()) ** 2))
+        return mean_sd(self.thresholds, self.posterior)[1]
 
     @property
     def finished(self) -> bool:
@@ -172,12 +172,8 @@ class Quest:
 
     @cached_property
     def ended(self) -> Ending | None:
-        if self.contradicted:
-            return "aborted"
-        converged = self.sd_stop is not None and bool(self.responses) and self.threshold_sd <= self.sd_stop
-        if not converged and len(self.responses) < self.n_trials:
-            return None
-        return edge(self.thresholds, self.posterior) or ("converged" if converged else "trials")
+        stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
+        return stop.ending(self.thresholds, self.posterior, n_told=n_told, contradicted=self.contradicted)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The posterior after an answer to the level that was delivered (default: the one asked for)."""

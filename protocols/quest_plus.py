@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import Chances, OutcomeModel, p_log_p, size
-from tactometry.protocols.posterior import Posterior, edge, log_prior
+from tactometry.protocols.posterior import Posterior, Stop, log_prior, mean_sd
 from tactometry.protocols.procedure import Ending, checked_outcome, finite_level, refuse_finished
 
 Array = NDArray[np.float64]
@@ -186,12 +186,12 @@ class QuestPlus:
         """The posterior mean of the first parameter; None for a censored or aborted run."""
         if self.ended in ("censored_above", "censored_below", "aborted"):
             return None
-        return self._mean
+        return mean_sd(self._values, self._marginal)[0]
 
     @cached_property
     def threshold_sd(self) -> float:
         """The posterior standard deviation of the first parameter."""
-        return math.sqrt(float(self._marginal @ (self._values - self._mean) ** 2))
+        return mean_sd(self._values, self._marginal)[1]
 
     @cached_property
     def _values(self) -> Array:
@@ -201,22 +201,14 @@ class QuestPlus:
     def _marginal(self) -> Array:
         return np.asarray(self.posterior.sum(axis=1), dtype=np.float64)
 
-    @cached_property
-    def _mean(self) -> float:
-        return float(self._marginal @ self._values)
-
     @property
     def finished(self) -> bool:
         return self.ended is not None
 
     @cached_property
     def ended(self) -> Ending | None:
-        if self.contradicted:
-            return "aborted"
-        converged = self.sd_stop is not None and bool(self.responses) and self.threshold_sd <= self.sd_stop
-        if not converged and len(self.responses) < self.n_trials:
-            return None
-        return edge(self._values, self._marginal) or ("converged" if converged else "trials")
+        stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
+        return stop.ending(self._values, self._marginal, n_told=n_told, contradicted=self.contradicted)
 
     @property
     def remark(self) -> str | None:

@@ -1,13 +1,13 @@
 """What a trial is: how it is presented, and what is asked."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from tactometry.protocols.touch import Touch
-from tactometry.request import Adjusted, Chosen, Filled, Rated, Touched
+from tactometry.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
 from tactometry.run import Course
 
 
@@ -95,6 +95,16 @@ class Outcome:
         """The onset of the first stimulus, or of the first question where nothing was felt."""
         onsets_s = [touch.onset_s for touch in self.touches] + [each.onset_s or 0.0 for each in self.replies]
         return onsets_s[0]
+
+
+def touched(shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tuple[Reply, bool]]) -> Course[Outcome]:
+    """One stimulus (or none), then, if its touch was valid, a question: `heard` makes a reply of the answer, and says
+    whether it is a success to the procedure."""
+    touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+    if not touch.valid:
+        return Outcome((touch,), touch)
+    said, success = heard((yield ask))
+    return Outcome((touch,), touch, (said,), success=success)
 
 
 class Task(Protocol):

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.protocols.task import Outcome, Presentation, reply
-from tactometry.request import Choose, Chosen, Touched
+from tactometry.protocols.task import Outcome, Presentation, Reply, reply, touched
+from tactometry.request import Choose, Chosen
 from tactometry.run import Course
 
 
@@ -18,9 +18,9 @@ class YesNo:
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         del rng
-        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
-        if not touch.valid:
-            return Outcome((touch,), touch)
-        choice: Chosen = yield Choose("felt", (0, 1), ("no", "yes"))
-        correct = choice.option == (shown.level is not None)
-        return Outcome((touch,), touch, (reply(choice, choice.option, correct=correct),), success=correct)
+
+        def heard(choice: Chosen) -> tuple[Reply, bool]:
+            correct = choice.option == (shown.level is not None)
+            return reply(choice, choice.option, correct=correct), correct
+
+        return (yield from touched(shown, Choose("felt", (0, 1), ("no", "yes")), heard))

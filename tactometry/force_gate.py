@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import above_zero, at_least_zero
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,8 @@ class ForceGate:
     last_s: float | None = None
 
     def __post_init__(self) -> None:
-        _above_zero("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
-        if not 0 <= self.hold_s < math.inf:
-            raise InvalidParameter(f"ForceGate.hold_s: found {self.hold_s}, expected a finite number, at least 0")
+        above_zero("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
+        at_least_zero("ForceGate", hold_s=self.hold_s)
 
     @property
     def open(self) -> bool:
@@ -119,7 +119,7 @@ def compliance(
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
-    _above_zero("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
+    above_zero("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
     times, forces = _trace(times_s, forces_n)
     in_band = np.abs(_running_mean(times, forces, window_s) - target_n) <= tolerance * target_n
     return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
@@ -154,9 +154,3 @@ def _all_finite(name: str, values: NDArray[np.float64]) -> None:
         raise InvalidParameter(
             f"compliance.{name}[{k}]: found {values[k]}, expected a finite number; leave lost samples out"
         )
-
-
-def _above_zero(owner: str, **values: float) -> None:
-    for name, value in values.items():
-        if not 0 < value < math.inf:
-            raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number above 0")

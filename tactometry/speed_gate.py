@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import above_zero, at_least_zero
 
 WINDOW_S = 0.05
 """A speed is the way between the ends of a window of this length over its duration (unverified default)."""
@@ -55,13 +56,9 @@ class SpeedGate:
     since_s: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("target_m_per_s", "tolerance", "window_s", "max_gap_s"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise InvalidParameter(
-                    f"SpeedGate.{name}: found {getattr(self, name)}, expected a finite number above 0"
-                )
-        if not 0 <= self.hold_s < math.inf:
-            raise InvalidParameter(f"SpeedGate.hold_s: found {self.hold_s}, expected a finite number, at least 0")
+        above_zero("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
+        above_zero("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
+        at_least_zero("SpeedGate", hold_s=self.hold_s)
 
     @property
     def speed_m_per_s(self) -> float | None:

@@ -96,6 +96,20 @@ def test_the_speed_gate_is_open_if_and_only_if_a_speed_was_kept(trace, hold_s):
         assert gate.open == motion_was_held(samples, hold_s)
 
 
+def test_the_speed_gate_opens_half_a_window_and_a_hold_after_the_first_sample():
+    gate, opened_s = SpeedGate(0.05, 0.2, hold_s=0.1, window_s=0.05), []
+    for n in range(200):
+        gate = gate.after(5.0 + 0.001 * n, 0.00005 * n)
+        opened_s += [0.001 * n] if gate.open else []
+    assert opened_s[0] == pytest.approx(0.125, abs=0.0015)
+    assert len(opened_s) == 200 - round(opened_s[0] * 1000)
+
+
+def test_samples_further_apart_than_the_window_have_the_speed_between_them():
+    assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.1], 0.05, tolerance=0.1, window_s=0.05).in_band == 1.0
+    assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.5], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(2 / 3)
+
+
 def test_a_finger_at_rest_never_opens_the_speed_gate():
     gate = SpeedGate(0.05, 0.99)
     for n in range(1000):

@@ -18,6 +18,10 @@ def test_each_condition_follows_each_other_equally_often(n):
     assert len(set(pairs.values())) == 1
 
 
+def test_one_condition_has_one_row():
+    assert williams_square(1) == [[0]]
+
+
 @given(n=st.integers(1, 14))
 def test_each_condition_stands_equally_often_in_each_position(n):
     rows = williams_square(n)

@@ -54,6 +54,12 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
     assert (rule.ended, rule.threshold()) == (ended, None)
 
 
+def test_half_of_the_series_without_a_transition_are_not_too_many():
+    _, rule = follow(RULE, [0, 0, 1, 0, 0, 1])
+    assert rule.transitions == (None, 1.0, None, 1.0)
+    assert (rule.ended, rule.threshold()) == ("trials", 1.0)
+
+
 def test_starts_are_drawn_inwards_by_whole_steps():
     rule = MethodOfLimits(low=0.0, high=10.0, step=1.0, n_series=200, n_start_steps=3, direction="ascending")
     starts = {rule.level for rule in firsts(rule.shuffled(np.random.default_rng()))}

@@ -20,6 +20,7 @@ from tactometry.protocols import (
     Condition,
     ConstantStimuli,
     Localisation,
+    Magnitude,
     Rating,
     Track,
 )
@@ -27,7 +28,7 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.rating import filled_in, pages
 from tactometry.protocols.task import Alternative, Outcome, Presentation
 from tactometry.questionnaire import load
-from tactometry.request import Adjust, Choose, Enter, Fill, Filled, Press, Record, Slide
+from tactometry.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
 from tactometry.rigs.simulated import ANSWERS
 from tactometry.run import run
 
@@ -114,6 +115,12 @@ def test_magnitudes_rise_with_the_level_and_tell_the_procedure_whether_anything_
     }
     assert means[10.0] < means[30.0]
     assert {request for request, _ in memory.entries if isinstance(request, Enter)} == {Enter("how_strong", 0.0)}
+
+
+@pytest.mark.parametrize(("said", "felt"), [(0.0, False), (0.5, True), (None, False)])
+def test_a_magnitude_of_nothing_was_not_felt(said, felt):
+    outcome = answered(Magnitude(), shown(20.0), np.random.default_rng(1), lambda _: Rated(said, 0.0, 1.0))
+    assert (outcome.success, outcome.replies[0].response) == (felt, said)
 
 
 PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2, 3))

@@ -1,0 +1,35 @@
+"""Numbers that must be finite, and above 0 or not below it."""
+
+import math
+
+from tactometry.errors import InvalidParameter
+
+
+def above_zero(owner: str, **values: float) -> None:
+    """Refuse what is not finite and above 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not; the sentence names `owner` and the value's name.
+
+    >>> above_zero("ForceGate", target_n=1.0, tolerance=0.2)
+    """
+    for name, value in values.items():
+        if not 0 < value < math.inf:
+            raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number above 0")
+
+
+def at_least_zero(owner: str, **values: float) -> None:
+    """Refuse what is not finite and at least 0.
+
+    Raises
+    ------
+    InvalidParameter
+        As `above_zero`.
+
+    >>> at_least_zero("ForceGate", hold_s=0.0)
+    """
+    for name, value in values.items():
+        if not 0 <= value < math.inf:
+            raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number, at least 0")
