@@ -12,8 +12,8 @@ import pytest
 from test_device_audio import alsa  # noqa: F401  # a fixture
 from test_device_sensors import Emulator, available
 
-from tactometry.experiments.bench_file import parse_bench
-from tactometry.experiments.checking import Finding, exit_status, tone_of
+from tactometry.experiments.bench_file import load_bench, parse_bench
+from tactometry.experiments.checking import Finding, _devices, exit_status, tone_of
 from tactometry.limits import Limits
 
 LIMITS = '[limits]\nvoltage_peak_v = 80.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
@@ -41,9 +41,10 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     try:
         bench = SCREEN + AUDIO + GAIN + LOAD + LIMITS + SERIAL.format(port=device.port) + FORCE
         env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
-        _, findings = checked(tmp_path, bench, "tutorial", env=env)
+        status, findings = checked(tmp_path, bench, "tutorial", env=env)
     finally:
         device.close()
+    assert status == 3
     expected = {
         ("study", "tutorial"),
         ("computer", "blas threads"),
@@ -73,12 +74,14 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
         (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
     ],
 )
-def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, alsa, bench, part, message):  # noqa: F811
-    status, findings = checked(tmp_path, SCREEN + bench, env=alsa)
-    failed = [each["found"] for (where, _), each in findings.items() if where in (part, "output") and not each["fine"]]
-    assert any(message in found for found in failed), findings
-    assert status == 3
-    assert not (tmp_path / "played.raw").exists()
+def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
+    path = tmp_path / "bench.toml"
+    path.write_text(bench, encoding="utf-8")
+    findings = list(_devices(load_bench(path), Limits(80.0), None))
+    [failed] = [each for each in findings if each.fine is False]
+    assert failed.part == part
+    assert failed.found.startswith(message)
+    assert exit_status(findings) == 3
 
 
 def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():

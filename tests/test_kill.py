@@ -20,7 +20,7 @@ from hard_cases import exact_case
 
 SCRIPT = str(Path(__file__).with_name("killed_session.py"))
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
-N_MOMENTS = {"simulate": 350 if SOAK else 20, "console": 150 if SOAK else 6}
+N_MOMENTS = {"simulate": 350 if SOAK else 12, "console": 150 if SOAK else 4}
 SIGNALS = [signal.SIGKILL, signal.SIGTERM]
 TIMES = re.compile(rb'"(at_s|onset_s|latency_s|timestamp_utc|started_utc|crc32)":("[^"]*"|[-0-9.e]+|null)')
 TIME_COLUMNS = ("onset_s", "latency_s", "timestamp_utc")

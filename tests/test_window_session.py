@@ -11,8 +11,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactometry.experiments.replaying import replay_data_set
+from tactometry.experiments.study import load
+from tactometry.experiments.validation import validate
+
 LONGEST_S = 240
-PAUSE_S = 0.05
+PAUSE_S = 0.03
+SHORT = {
+    'duration_s = "500 ms"': 'duration_s = "100 ms"',
+    'hold_s = "300 ms"': 'hold_s = "20 ms"',
+    "repeats = 4": "repeats = 2",
+}
 
 
 def tactometry(*arguments, **how):
@@ -70,8 +79,14 @@ class Sitting:
 
 @pytest.fixture(scope="module")
 def sitting(display, tmp_path_factory):
-    data = tmp_path_factory.mktemp("session") / "pilot"
-    run = ("run", "tutorial", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", data)
+    folder = tmp_path_factory.mktemp("session")
+    text = load("tutorial")[1].decode()
+    for old, new in SHORT.items():
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "short.toml").write_text(text, encoding="utf-8")
+    data = folder / "pilot"
+    run = ("run", folder / "short.toml", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", data)
     escaped = sit(tactometry(*run), display, until_trials(data / "journals", 5))
     resumed = sit(tactometry(*run, "--resume"), display, any_keys(2))
     return Sitting(data, escaped, resumed)
@@ -92,7 +107,7 @@ def test_a_resumed_session_is_completed(sitting):
 
 def test_every_trial_of_the_tutorial_is_there_once(sitting):
     levels = [(row["frequency_hz"], row["level"]) for row in sitting.rows if row["level"]]
-    assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("10", "18", "26", "34")] * 4)
+    assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("10", "18", "26", "34")] * 2)
     assert [row["trial"] for row in sitting.rows] == [str(n + 1) for n in range(len(sitting.rows))]
 
 
@@ -110,8 +125,6 @@ def test_the_journal_names_display_keyboard_and_clock(sitting):
     assert all(fact in head for fact in ('"ptb"', '"time.perf_counter"', '"display_width_px"', '"psychopy"'))
 
 
-@pytest.mark.parametrize("command", ["validate", "replay"])
-def test_the_data_set_is_sound_and_replays(sitting, command):
-    process = tactometry(command, sitting.data)
-    output, errors = process.communicate(timeout=LONGEST_S)
-    assert process.returncode == 0, output + errors
+def test_the_data_set_is_sound_and_replays(sitting):
+    assert validate(sitting.data).defects == ()
+    assert [session.complete for session in replay_data_set(sitting.data)] == [True]

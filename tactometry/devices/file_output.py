@@ -50,7 +50,10 @@ class FileOutput:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise DeviceFailed(f"{self._folder}: cannot write ({error.strerror}), expected a folder") from None
+            raise DeviceFailed(
+                f"{self._folder}: cannot write ({error.strerror}), expected a folder that may be written; nothing was "
+                "played"
+            ) from None
         self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
 
     def final(self, signal: Signal) -> Signal:

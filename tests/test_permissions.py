@@ -1,0 +1,159 @@
+"""Devices and files that this user may not open: one clear sentence, status 3 for devices, and nothing was played."""
+
+import os
+import shutil
+import tempfile
+import tty
+from contextlib import contextmanager
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_device_sensors import available
+from tutorial_session import EXPERIMENT, TOML
+
+from tactometry.dataset import prepare
+from tactometry.devices.file_output import FileSettings
+from tactometry.devices.gain import Gain
+from tactometry.devices.packed_output import PackedSettings
+from tactometry.devices.reader import Reader
+from tactometry.devices.recorded import RecordedSettings
+from tactometry.devices.serial_line import SerialSettings
+from tactometry.devices.touch_input import TouchSettings
+from tactometry.errors import DeviceFailed, InvalidFile
+from tactometry.experiments.bench_file import load_bench
+from tactometry.experiments.checking import _guarded, exit_status
+from tactometry.experiments.study import load
+from tactometry.limits import Limits
+from tactometry.signal import Signal
+
+NOBODY = 65534
+TONE = Signal(np.zeros((1, 10)), 1e3, "V")
+pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no users as POSIX has them")
+
+
+@contextmanager
+def unprivileged():
+    """As another user where this one may do everything."""
+    root = os.geteuid() == 0
+    if root:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        if root:
+            os.seteuid(0)
+
+
+@pytest.fixture
+def folder():
+    """One that every user may enter and write in."""
+    path = Path(tempfile.mkdtemp())
+    path.chmod(0o777)
+    yield path
+    shutil.rmtree(path)
+
+
+@pytest.fixture
+def line(folder):
+    """A serial line that nobody else may open."""
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    path = Path(os.ttyname(slave))
+    path.chmod(0)
+    yield path
+    os.close(slave)
+    os.close(master)
+
+
+@pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
+def test_a_serial_line(line):
+    with (
+        unprivileged(),
+        pytest.raises(DeviceFailed, match="serial /dev/.*: cannot open the line .*Permission denied") as no,
+    ):
+        Reader(SerialSettings(str(line), 1000.0).source()).open()
+    assert no.value.exit_status == 3
+
+
+def closed(folder, name, content=""):
+    path = folder / name
+    path.write_text(content, encoding="utf-8")
+    path.chmod(0)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (TouchSettings, "touch .*: cannot open it .Permission denied., expected an event device that may be read"),
+        (lambda path: RecordedSettings(path, 100.0), "cannot be read as a recording .*Permission denied"),
+    ],
+)
+def test_a_sensor(folder, settings, message):
+    path = closed(folder, "event5", "time_s,count\n0,1\n")
+    with unprivileged(), pytest.raises(DeviceFailed, match=message) as refused:
+        Reader(settings(str(path)).source()).open()
+    assert refused.value.exit_status == 3
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        lambda path: FileSettings(str(path / "played"), n_channels=1, rate_hz=1e3),
+        lambda path: PackedSettings(str(path / "played"), n_channels=1, rate_hz=1e3),
+    ],
+)
+def test_an_output(folder, settings):
+    inner = folder / "inner"
+    inner.mkdir(mode=0o755)
+    output = settings(inner).driver(Gain())
+
+    def played():
+        output.open()
+        output.play(TONE)
+
+    with (
+        unprivileged(),
+        pytest.raises(DeviceFailed, match="played: .*Permission denied.*nothing was played") as refused,
+    ):
+        played()
+    assert refused.value.exit_status == 3
+    assert list(inner.iterdir()) == []
+
+
+def test_a_data_set(folder):
+    inner = folder / "inner"
+    inner.mkdir(mode=0o755)
+    with (
+        unprivileged(),
+        pytest.raises(DeviceFailed, match="cannot make the folder .Permission denied., expected room and"),
+    ):
+        prepare(inner / "data", EXPERIMENT.design(TOML))
+    with unprivileged():
+        prepare(folder / "data", EXPERIMENT.design(TOML))
+
+
+def test_a_bench_file_and_a_study(folder):
+    path = closed(folder, "bench.toml")
+    with unprivileged(), pytest.raises(InvalidFile, match="bench.toml: cannot read the bench file .Permission denied."):
+        load_bench(path)
+    with unprivileged(), pytest.raises(InvalidFile, match="bench.toml.*Permission denied"):
+        load(str(path))
+
+
+@pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
+def test_check_finds_it_and_its_exit_status_is_3(line, folder):
+    path = folder / "bench.toml"
+    path.write_text(f'[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nport = "{line}"\n', encoding="utf-8")
+    reader = load_bench(path).devices(Limits(1.0), date(2026, 11, 21)).readers["hand"]
+
+    def opened():
+        reader.open()
+        yield
+
+    with unprivileged():
+        findings = _guarded("sensor hand", opened)
+    assert "Permission denied" in findings[0].found
+    assert exit_status(findings) == 3
