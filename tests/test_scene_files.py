@@ -86,9 +86,9 @@ def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
     assert max(map(len, lines)) <= 100
     rule = lines.index("-" * 100)
     rows = [line for line in lines[rule + 1 : -3] if not line.startswith("    ")]
-    assert {row[20:22] for row in rows} == {"  "}
-    assert {row[22:26].strip() for row in rows} == {"on", "off"}
-    on = [row.split()[0] for row in rows if row[22:26].strip() == "on"]
+    assert {row[24:26] for row in rows} == {"  "}
+    assert {row[26:30].strip() for row in rows} == {"on", "off"}
+    on = [row.split()[0] for row in rows if row[26:30].strip() == "on"]
     assert on == [stage.name for stage in found.scene.resolve().stages]
     assert lines[-2].startswith(f"accuracy {found.scene.accuracy:g}: predicted error")
     assert lines[-1].startswith("one more digit")
@@ -99,13 +99,13 @@ def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
     said = explained(found.scene, found.given)
     kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
     for kind in found.scene.surface.effects:
-        assert kind in kinds or f"\n{kind.ljust(20)}  off" in said, kind
+        assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
 
 
 def test_an_effect_that_nothing_needs_says_so():
     sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
     found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
-    assert "friction              off   no output needs it" in explained(found.scene, found.given)
+    assert "friction                  off   no output needs it" in explained(found.scene, found.given)
 
 
 def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):

@@ -99,3 +99,6 @@ class Surface(Protocol):
     cures: ClassVar[Mapping[str, str]]
 
     def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]: ...
+
+    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        """The stages of an effect on this surface."""

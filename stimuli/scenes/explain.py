@@ -10,7 +10,7 @@ from tactometry.stimuli.scenes.plan import Plan, predicted_s
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stage import Stage
 
-COLUMNS = (("stage", 20), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
+COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
 WIDTH = 100
 
 

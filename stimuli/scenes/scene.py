@@ -86,7 +86,7 @@ class Scene:
         ordered = sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot))
         stages = [*self.surface.stages(self, budget)]
         for effect in ordered:
-            stages += effect.stages(self, budget)
+            stages += self.surface.stages_of(effect, self, budget)
         return needed(self.outputs, stages, self.surface.given, self.surface.cures)
 
     def _overridden(self, stages: Sequence[Stage]) -> Sequence[Stage]:

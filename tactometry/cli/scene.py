@@ -11,6 +11,7 @@ from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.file import SceneFile
+    from tactometry.stimuli.scenes.plan import Plan
     from tactometry.stimuli.scenes.result import Result
 
 FIGURE_FORMATS = (".png", ".pdf", ".svg")
@@ -22,8 +23,11 @@ FILM_ACCURACY = 0.05
 @click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Draw the outputs as a PNG, PDF or SVG.")
 @click.option("--movie", type=click.Path(path_type=Path), help="Film the wave that focuses, as a GIF or MP4.")
+@click.option("--cache", type=click.Path(path_type=Path, file_okay=False), help="Keep results in a folder, by content.")
 @json_option
-def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None, as_json: bool) -> None:
+def command(
+    *, file: str, explain: bool, figure: Path | None, movie: Path | None, cache: Path | None, as_json: bool
+) -> None:
     """Compute a scene: a TOML file, or the name of a built-in one.
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
@@ -31,7 +35,6 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
     from tactometry.experiments.scenes import path_of
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
-    from tactometry.stimuli.scenes.result import computed
 
     found = load_scene(path_of(file))
     if explain:
@@ -39,13 +42,24 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         say(text, {"plan": text.splitlines()}, as_json=as_json)
         return
     plan = found.scene.resolve()
-    result = computed(plan, values_for(plan, found.given))
+    result = _result(plan, values_for(plan, found.given), cache)
     if figure is not None:
         _draw(result, found, figure)
     if movie is not None:
         _film(found, movie)
     record = _record(result)
     say(_text(found, record, result), record, as_json=as_json)
+
+
+def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Result":
+    if cache is None:
+        from tactometry.stimuli.scenes.result import computed
+
+        return computed(plan, given)
+    from tactometry.stimuli.scenes.cache import cached
+
+    with _writing(cache):
+        return cached(plan, given, cache)
 
 
 def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
@@ -125,6 +139,11 @@ def _record(result: "Result") -> dict[str, Any]:
         "elapsed_s": result.elapsed_s,
         "prepared_s": result.prepared_s,
         "versions": dict(result.versions),
+        "seed": None,
+        "plan": [
+            {"stage": stage.name, "gives": stage.gives, "target": stage.target, "settings": dict(stage.settings)}
+            for stage in result.plan.stages
+        ],
     }
 
 

@@ -4,10 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import n_modes, remainder
+from tactometry.stimuli.scenes.time_reversal.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.time_reversal.emission import Emission
@@ -39,6 +40,11 @@ class DriveEnergy:
         lost = 4 * remainder(scene) ** 2
         ratio = max(4.0, 1.01 * lost / budget.error)
         static_to_hz = ratio * surface.band_max_hz
+        if n_modes(scene, static_to_hz) > MOST_MODES and "energy_j" in scene.outputs:
+            raise InvalidParameter(
+                f"energy_j: found an error of {budget.error:.2g} left, which takes {n_modes(scene, static_to_hz):.2g} "
+                f"modes, expected at most {MOST_MODES:.2g}; loosen the accuracy"
+            )
         strain = Stage(
             "strain_energy",
             ("motion",),

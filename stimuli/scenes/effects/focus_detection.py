@@ -25,7 +25,7 @@ class FocusDetection:
     """
 
     kind: ClassVar[str] = "focus_detection"
-    slot: ClassVar[str] = "sensitivity"
+    slot: ClassVar[str] = "detection"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
 

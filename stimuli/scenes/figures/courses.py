@@ -30,10 +30,10 @@ def courses(result: Result, title: str) -> Figure:
     return figure
 
 
-def names(values: Mapping[str, Any]) -> list[str]:
-    """The outputs that are courses over ``t_s``, one or a row for each contact."""
-    n = len(values["t_s"])
-    return [name for name, value in values.items() if np.ndim(value) and np.shape(value)[-1] == n and name != "t_s"]
+def names(values: Mapping[str, Any], time: str = "t_s") -> list[str]:
+    """The outputs that are courses over a time, one or a row for each contact."""
+    n = len(values[time])
+    return [name for name, value in values.items() if np.ndim(value) and np.shape(value)[-1] == n and name != time]
 
 
 def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> None:

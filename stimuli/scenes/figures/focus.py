@@ -9,7 +9,8 @@ from matplotlib.figure import Figure, SubFigure
 from tactometry.stimuli.scenes.figures.courses import COLOURS, PANEL_IN, draw_course, names, numbers
 from tactometry.stimuli.scenes.result import Result
 
-WIDTH_IN, MAP_IN, HEAD_IN = 10.0, 3.6, 0.5
+WIDTH_IN, MAP_IN, HEAD_IN, AXIS_IN = 10.0, 3.6, 0.5, 0.3
+SLIDING_TIME = "sliding_t_s"
 NEAR_M, NEAR_S = 15e-3, 0.25e-3
 HALF = 0.5
 DIVERGING = "RdBu_r"
@@ -19,15 +20,17 @@ def focus_sheet(result: Result, title: str) -> Figure:
     """The map, its middle and all courses; single numbers in the title."""
     values = result.values
     drawn = names(values) if "t_s" in values else []
+    slid = names(values, SLIDING_TIME) if SLIDING_TIME in values else []
     said = numbers(values)
     lines = [title, *(";  ".join(said[n : n + 3]) for n in range(0, len(said), 3))]
     head_in = HEAD_IN * (1 + len(lines) / 3)
-    heights = [MAP_IN, *([PANEL_IN * len(drawn)] if drawn else [])]
+    heights = [MAP_IN, *(PANEL_IN * len(part) + AXIS_IN for part in (drawn, slid) if part)]
     figure = Figure(figsize=(WIDTH_IN, sum(heights) + head_in), layout="constrained")
     above, *below = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     _maps(above, values)
-    for part in below:
-        _courses(part, values, drawn)
+    draw = [*([_courses] if drawn else []), *([_slid] if slid else [])]
+    for part, one, found in zip(below, draw, [part for part in (drawn, slid) if part], strict=True):
+        one(part, values, found)
     figure.suptitle("\n".join(lines), fontsize="medium")
     return figure
 
@@ -77,3 +80,12 @@ def _courses(figure: SubFigure, values: Any, drawn: list[str]) -> None:
     for panel in panels[-1]:
         panel.set_xlabel("time from the focus (ms)")
     figure.align_ylabels(panels[:, 0])
+
+
+def _slid(figure: SubFigure, values: Any, drawn: list[str]) -> None:
+    """What a finger that slides meets, over a time of its own."""
+    panels = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]
+    for panel, name, colour in zip(panels, drawn, COLOURS[2:], strict=False):
+        draw_course(panel, values[SLIDING_TIME], values[name], name, colour)
+    panels[-1].set_xlabel("time of sliding (ms)")
+    figure.align_ylabels(panels)

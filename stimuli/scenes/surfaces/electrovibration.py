@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.circuit import divider_stage
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Budget, Effect, Surroundings
 from tactometry.stimuli.scenes.sampling import chord_error, n_samples
 from tactometry.stimuli.scenes.stage import Stage
 
@@ -107,6 +107,10 @@ class Electrovibration:
             ),
             Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", n_operations=float(n)),
         )
+
+    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        """The stages of an effect, as it brings them."""
+        return effect.stages(scene, budget)
 
     def _tone(self) -> dict[str, float]:
         return {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Budget, Effect, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import Cut, cut, n_frequencies, n_modes
 
@@ -60,7 +60,7 @@ class TimeReversal:
     kind: ClassVar[str] = "time_reversal"
     order: ClassVar[tuple[str, ...]] = (
         "edges", "shear", "attenuation", "patches", "foci", "drift", "amplifier", "filter", "quantiser",
-        "repetition", "load", "movie", "sound", "energy", "sensitivity",
+        "repetition", "load", "movie", "sound", "energy", "detection",
     )  # fmt: skip
     effects: ClassVar[tuple[str, ...]] = (
         "edges", "shear", "attenuation", "patches", "foci", "temperature_drift", "amplifier", "audible_filter",
@@ -123,6 +123,10 @@ class TimeReversal:
             *self._courses(scene, found, budget),
             *self._map(scene, found, budget),
         )
+
+    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        """The stages of an effect, as it brings them."""
+        return effect.stages(scene, budget)
 
     def _emission(self) -> tuple[Stage, ...]:
         learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}

@@ -22,6 +22,7 @@ HEARD = ((1e-3, 1.1), (0.0, 1.3))
 """How far above its band an emission is followed, by the error from which on that is enough."""
 MOST_NUMBERS = 3e7
 MOST_RITZ_MODES = 4000
+MOST_MODES = 9e5
 MAPS = frozenset(("field_m", "movie_m"))
 
 
@@ -98,7 +99,7 @@ def _train_s(scene: Surroundings) -> float:
 def _check_size(scene: Surroundings, found: Cut, error: float) -> None:
     moving = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
     following = n_modes(scene, found.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
-    numbers = max(moving, following)
+    numbers = max(moving, following, n_modes(scene, found.static_to_hz) * MOST_NUMBERS / MOST_MODES)
     if numbers > MOST_NUMBERS:
         raise InvalidParameter(
             f"scene.accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "

@@ -1,0 +1,83 @@
+"""Results on disk, by content: of a plan, what was given, and the versions of what computes.
+
+A file holds the outputs as arrays and their digest. One that is torn or altered is found out and computed anew.
+"""
+
+import hashlib
+import json
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tactometry.provenance import versions
+from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.result import Result, computed
+
+DIGEST = "digest"
+
+
+def cached(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
+    """The result of a run, from `folder` if it is there and whole, else computed and kept there.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be made or written to.
+    """
+    path = folder / f"{key_of(plan, given)}.npz"
+    values = _read(path)
+    if values is not None:
+        return Result(values, plan, given, elapsed_s=0.0)
+    result = computed(plan, given)
+    _write(path, result.values)
+    return result
+
+
+def key_of(plan: Plan, given: Mapping[str, float]) -> str:
+    """A digest of all that a result depends on.
+
+    >>> key_of(Plan((), (), ()), {}) == key_of(Plan((), (), ()), {}) != key_of(Plan((), (), ()), {"voltage_v": 1.0})
+    True
+    """
+    stages = [[stage.name, stage.needs, stage.gives, stage.target, dict(stage.settings)] for stage in plan.stages]
+    content = {"stages": stages, "outputs": plan.outputs, "given": dict(given), "versions": dict(versions())}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _digest(values: Mapping[str, Any]) -> str:
+    import numpy as np
+
+    total = hashlib.sha256()
+    for name in sorted(values):
+        array = np.ascontiguousarray(values[name])
+        total.update(f"{name} {array.dtype} {array.shape}".encode())
+        total.update(array.tobytes())
+    return total.hexdigest()
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    """The outputs of a file, or None if it is absent or damaged."""
+    import numpy as np
+
+    try:
+        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
+            values = {name: file[name] for name in file.files}
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        return None
+    digest = str(values.pop(DIGEST, ""))
+    return {n: v.item() if v.ndim == 0 else v for n, v in values.items()} if digest == _digest(values) else None
+
+
+def _write(path: Path, values: Mapping[str, Any]) -> None:
+    """Whole or not at all."""
+    import numpy as np
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+    arrays = {name: np.asarray(value) for name, value in values.items()}
+    with os.fdopen(handle, "wb") as file:
+        np.savez(file, **arrays, **{DIGEST: np.array(_digest(arrays))})  # type: ignore[arg-type]
+    Path(name).replace(path)

@@ -1,0 +1,101 @@
+"""Both on one plate at once: a focus by time reversal, and electrovibration under a finger that slides."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Surroundings, Touch
+from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
+
+SLIDING = "sliding_"
+"""In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
+OF_BOTH = ("t_s", "motion", "sensation_db")
+ELECTRODE_V = "electrode_voltage_v"
+
+
+@dataclass(frozen=True)
+class Part:
+    """What of a hybrid scene one of its surfaces looks at."""
+
+    scene: Surroundings
+    surface: Surface
+    contacts: tuple[Touch, ...]
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        return self.scene.outputs
+
+    def find(self, slot: str) -> Effect | None:
+        return self.scene.find(slot)
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """A plate that focuses, with an electrode on it.
+
+    Fingers that rest feel the focus, the first that slides feels friction. To the plate all are loads at their places,
+    those at rest first: in the time of a focus a finger slides less than a tenth of a wavelength. The attraction does
+    not bend the plate, and the focus does not change friction: both are left out.
+
+    Parameters
+    ----------
+    electrovibration : Electrovibration
+    time_reversal : TimeReversal
+
+    >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+    >>> Hybrid(Electrovibration(frequency_hz=240.0)).given
+    ('voltage_v', 'level_db_re_1v')
+    """
+
+    kind: ClassVar[str] = "hybrid"
+    order: ClassVar[tuple[str, ...]] = (*TimeReversal.order, *Electrovibration.order)
+    effects: ClassVar[tuple[str, ...]] = (*TimeReversal.effects, *Electrovibration.effects)
+    given: ClassVar[tuple[str, ...]] = (*TimeReversal.given, *Electrovibration.given)
+    cures: ClassVar[Mapping[str, str]] = {
+        **Electrovibration.cures,
+        **TimeReversal.cures,
+        "sliding_sensation_db": "add the effects friction and sensitivity",
+    }
+
+    electrovibration: Electrovibration
+    time_reversal: TimeReversal = field(default_factory=TimeReversal)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        slides, rests = self._sliding(scene), self._resting(scene)
+        panel = (_renamed(stage) for stage in self.electrovibration.stages(slides, budget))
+        return (*self.time_reversal.stages(rests, budget), *panel)
+
+    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        """The stages of an effect, on the side where it acts."""
+        if effect.slot in TimeReversal.order:
+            return effect.stages(self._resting(scene), budget)
+        return tuple(_renamed(stage) for stage in effect.stages(self._sliding(scene), budget))
+
+    def _sliding(self, scene: Surroundings) -> Part:
+        return Part(scene, self.electrovibration, tuple(touch for touch in scene.contacts if touch.slides))
+
+    def _resting(self, scene: Surroundings) -> Part:
+        _check_places(scene.contacts)
+        touches = sorted(scene.contacts, key=lambda touch: touch.slides)
+        return Part(scene, self.time_reversal, tuple(replace(touch, speed_m_per_s=0.0) for touch in touches))
+
+
+def _check_places(contacts: tuple[Touch, ...]) -> None:
+    for n, touch in enumerate(contacts):
+        if touch.slides and (touch.x_m is None or touch.y_m is None):
+            raise InvalidParameter(
+                f"contacts[{n}]: found a finger that slides without a place, expected one, for on a hybrid plate it is "
+                "a load there; add x_m and y_m"
+            )
+
+
+def _renamed(stage: Stage) -> Stage:
+    """A stage of the panel, so that its names are its own."""
+    return replace(stage, name=f"{SLIDING}{stage.name}", needs=tuple(map(_own, stage.needs)), gives=_own(stage.gives))
+
+
+def _own(quantity: str) -> str:
+    return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in OF_BOTH else quantity

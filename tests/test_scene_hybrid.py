@@ -1,0 +1,151 @@
+"""Hybrid scenes: a focus and electrovibration on one plate at once; results that are kept; films."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scene_cases import effect, panel, screen, small_screen
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.scenes import path_of
+from tactometry.stimuli.scenes import cache
+from tactometry.stimuli.scenes.cache import cached
+from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.figures.film import write_film
+from tactometry.stimuli.scenes.file import load_scene
+from tactometry.stimuli.scenes.result import computed
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+
+TONE = Electrovibration(60.0, duration_s=0.05, ramp_s=0.01)
+REST, SLIDE = Touch(2.0), Touch(2.0, speed_m_per_s=0.05, x_m=0.09, y_m=0.06)
+GIVEN = {"voltage_v": 30.0, "level_db_re_1v": 40.0}
+FOCUS = (effect("attenuation", tau_s=2e-3), effect("one_bit"), effect("finger_load"))
+FRICTION = (effect("force_law", law="sc_layer"), effect("skin_leakage"), effect("friction"))
+HYBRID = Scene(Hybrid(TONE, small_screen()), (*FOCUS, *FRICTION), ("peak_m", "friction_force_n"), 0.01, (SLIDE, REST))
+
+
+def run(scene):
+    plan = scene.resolve()
+    return plan.run({name: GIVEN[name] for name in plan.given})
+
+
+def test_each_side_of_a_hybrid_scene_is_what_it_is_alone():
+    alone = Scene(small_screen(), FOCUS, ("peak_m",), 0.01, (REST, replace(SLIDE, speed_m_per_s=0.0)))
+    got = run(HYBRID)
+    assert got["peak_m"] == pytest.approx(run(alone)["peak_m"], rel=1e-3)
+    dragged = run(replace(panel(*FRICTION[1:], outputs=("friction_force_n",), accuracy=1e-3)))["friction_force_n"]
+    assert got["friction_force_n"].max() == pytest.approx(dragged.max(), rel=1e-2)
+
+
+def test_a_finger_that_slides_takes_some_of_the_focus_of_the_one_that_rests():
+    both, one = run(HYBRID), run(screen(*FOCUS))
+    assert both["peak_m"] < 0.995 * one["peak_m"]
+
+
+def test_those_at_rest_have_the_first_rows_and_feel_the_focus():
+    felt = replace(
+        HYBRID, effects=(*HYBRID.effects, effect("focus_detection")), outputs=("contact_force_n", "sensation_db")
+    )
+    got = run(felt)
+    rest, slide = np.abs(got["contact_force_n"]).max(axis=1)
+    assert rest > slide
+    assert run(replace(felt, contacts=(REST, SLIDE)))["sensation_db"] == got["sensation_db"]
+
+
+def test_a_side_that_no_output_needs_has_no_stage():
+    dragged = replace(HYBRID, outputs=("friction_force_n",)).resolve()
+    assert not any("time_reversal" in stage.target or stage.gives == "motion" for stage in dragged.stages)
+    assert dragged.given == ("level_db_re_1v",)
+    focused = replace(HYBRID, outputs=("peak_m",)).resolve()
+    assert not any("electrovibration" in stage.target for stage in focused.stages)
+
+
+def test_stages_of_both_sides_have_names_of_their_own():
+    plan = replace(HYBRID, outputs=("t_s", "focus_displacement_m", "sliding_t_s", "friction_force_n")).resolve()
+    names = [stage.name for stage in plan.stages]
+    assert len(set(names)) == len(names)
+    assert {"sampling", "sliding_sampling"} <= set(names)
+
+
+def test_a_finger_that_slides_has_a_place_on_a_hybrid_plate():
+    with pytest.raises(InvalidParameter, match=r"contacts\[0\]: .* slides without a place, .*add x_m and y_m"):
+        replace(HYBRID, contacts=(Touch(1.0, 0.05), REST)).resolve()
+
+
+# --- kept results
+
+
+def counting(monkeypatch):
+    runs = []
+
+    def counted(plan, given):
+        runs.append(plan)
+        return computed(plan, given)
+
+    monkeypatch.setattr(cache, "computed", counted)
+    return runs
+
+
+def kept(scene, folder):
+    plan = scene.resolve()
+    return cached(plan, {name: GIVEN[name] for name in plan.given}, folder).values
+
+
+def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path, monkeypatch):
+    runs = counting(monkeypatch)
+    first, second = kept(HYBRID, tmp_path), kept(HYBRID, tmp_path)
+    assert len(runs) == 1
+    assert first["peak_m"] == second["peak_m"]
+    np.testing.assert_array_equal(first["friction_force_n"], second["friction_force_n"])
+    kept(replace(HYBRID, accuracy=0.1), tmp_path)
+    assert len(runs) == 2
+
+
+@pytest.mark.parametrize("damage", ["torn", "altered", "empty"])
+def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, damage):
+    runs = counting(monkeypatch)
+    first = kept(HYBRID, tmp_path)
+    (file,) = tmp_path.glob("*.npz")
+    if damage == "altered":
+        with np.load(file) as held:
+            arrays = {name: held[name] for name in held.files}
+        np.savez(file, **(arrays | {"peak_m": 2 * arrays["peak_m"]}))
+    else:
+        content = file.read_bytes()
+        file.write_bytes(content[: len(content) // 2] if damage == "torn" else b"")
+    assert kept(HYBRID, tmp_path)["peak_m"] == first["peak_m"]
+    assert kept(HYBRID, tmp_path)["peak_m"] == first["peak_m"]
+    assert len(runs) == 2
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+# --- films
+
+
+def film():
+    outputs = ("x_m", "y_m", "frames_s", "movie_m")
+    shot = screen(*FOCUS, effect("movie", n_frames=3, span_s=1e-4), outputs=outputs, accuracy=0.1)
+    plan = shot.resolve()
+    return computed(plan, {"voltage_v": 30.0})
+
+
+def test_a_film_has_a_picture_for_each_frame(tmp_path):
+    from PIL import Image
+
+    write_film(film(), "a focus", tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as picture:
+        assert picture.n_frames == 3
+    with pytest.raises(InvalidParameter, match=r"--movie: .*ends in \.gif or \.mp4"):
+        write_film(film(), "a focus", tmp_path / "a.avi")
+
+
+def test_a_film_longer_than_what_is_watched_is_refused_with_the_cure():
+    with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise those"):
+        screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
+
+
+def test_the_built_in_hybrid_screen_has_a_finger_at_rest_and_one_that_slides():
+    contacts = load_scene(path_of("hybrid-screen")).scene.contacts
+    assert [touch.slides for touch in contacts] == [False, True]
