@@ -124,3 +124,11 @@ def test_thick_modes_keep_rigid_motions_shapes_and_order():
     amplitude = np.random.default_rng(0).normal(size=len(thick.frequency_hz))
     points = values(thick, *(axis.ravel() for axis in np.meshgrid(x, y, indexing="ij")))
     assert thick.field(amplitude, x, y).ravel() == pytest.approx(amplitude @ points, abs=1e-9)
+
+
+def test_every_thick_mode_below_a_frequency_is_there():
+    """Some of them are slower than their thin mode by more than the plane wave of that frequency is."""
+    plate = Plate(0.2, 0.15, 8e-3, 64e9, 0.2, 2230.0, "CFFC")
+    found, more = (plate.modes(f_hz, shear_factor=5 / 6).frequency_hz for f_hz in (40e3, 55e3))
+    assert found == pytest.approx(more[more <= 40e3], rel=1e-3)
+    assert len(found) > 30
