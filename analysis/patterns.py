@@ -24,6 +24,25 @@ THESIS: Mapping[str, tuple[str, str]] = {
 """Repetition frequency and envelope of each pattern; an unverified inference from the names of figures."""
 
 
+def grouped_profile(
+    profile: pd.DataFrame, *, design: Mapping[str, tuple[str, str]] = THESIS, reference: str = "P0"
+) -> pd.DataFrame:
+    """Mean of each word pair over the patterns of one repetition frequency, and of one envelope, beside the reference's
+    own: rows as in `word_pairs`, `of` is ``frequency`` or ``envelope``.
+
+    `profile` has the columns `condition, item, dimension, negative, positive, mean`.
+    """
+    words = ["item", "dimension", "negative", "positive"]
+    found = []
+    for place, of in enumerate(("frequency", "envelope")):
+        names = {code: parts[place] for code, parts in design.items()} | {reference: reference}
+        kept = profile[profile["condition"].isin(names)]
+        kept = kept.assign(condition=kept["condition"].map(names))
+        means = kept.groupby([*words, "condition"], sort=False)["mean"].mean().reset_index()
+        found.append(means.assign(of=of))
+    return pd.concat(found, ignore_index=True)
+
+
 def frequency_by_envelope(
     scored: pd.DataFrame, *, design: Mapping[str, tuple[object, object]] = THESIS, pattern: str = "pattern"
 ) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import pandas as pd
 from tactometry.analysis import apa
 from tactometry.analysis.attrakdiff import consistency, item_scores, portfolio, scores, summary, word_pairs
 from tactometry.analysis.labels import value_of
-from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
 from tactometry.analysis.table import Trials, used_rows
 from tactometry.questionnaire import Questionnaire, load, shipped
 
@@ -19,8 +19,8 @@ PATTERN, REFERENCE = "pattern", "P0"
 @dataclass(frozen=True)
 class Ratings:
     """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item,
-    `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis where its
-    patterns were rated (None: not)."""
+    `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis, and the
+    profile `grouped` by frequency and by envelope, where its patterns were rated (None: not)."""
 
     form: Questionnaire
     factors: tuple[str, ...]
@@ -31,6 +31,7 @@ class Ratings:
     portfolio: pd.DataFrame | None
     crossed: pd.DataFrame | None
     against: pd.DataFrame | None
+    grouped: pd.DataFrame | None = None
 
     @property
     def name(self) -> str:
@@ -44,6 +45,7 @@ class Ratings:
             f"{stem}_summary": self.summary,
             f"{stem}_word_pairs": self.profile,
             f"{stem}_consistency": self.consistency,
+            f"{stem}_word_pairs_grouped": self.grouped,
             f"{stem}_portfolio": self.portfolio,
             f"{stem}_frequency_by_envelope": self.crossed,
             f"{stem}_against_{REFERENCE}": self.against,
@@ -99,17 +101,19 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], name: str) -> Ratings:
     varied = [factor for factor in factors if rows[factor].nunique() > 1]
     scored = scores(rows, questionnaire=form, within=varied)
     items = item_scores(rows, questionnaire=form, within=varied)
+    profile = _with_condition(word_pairs(items), varied)
     has_patterns = varied == [PATTERN] and set(THESIS) <= set(scored[PATTERN])
     return Ratings(
         form=form,
         factors=tuple(varied),
         scores=scored,
         summary=_with_condition(summary(scored), varied),
-        profile=_with_condition(word_pairs(items), varied),
+        profile=profile,
         consistency=consistency(items),
         portfolio=_with_condition(portfolio(scored), varied) if {"PQ", "HQ"} <= set(form.dimensions) else None,
         crossed=frequency_by_envelope(scored) if has_patterns else None,
         against=against_reference(scored) if has_patterns and REFERENCE in set(scored[PATTERN]) else None,
+        grouped=grouped_profile(profile) if has_patterns else None,
     )
 
 

@@ -152,6 +152,18 @@ def _form_figures(form: Ratings) -> list[Figure]:
         drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
         text = f"Word pairs: means over participants of {', '.join(chosen)}."
         found.append(figure(part, drawing, text, "word_pairs"))
+    return found + ([] if form.grouped is None else _grouped_figures(form, form.grouped, stem))
+
+
+def _grouped_figures(form: Ratings, grouped: pd.DataFrame, stem: str) -> list[Figure]:
+    """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
+    found = []
+    for of, part in grouped.groupby("of", sort=False):
+        names = list(dict.fromkeys(part["condition"]))
+        drawing = attrakdiff.profile_figure(part, names, form.form.score_low, form.form.score_high)
+        text = f"Word pairs by {of}: means over participants and patterns; {REFERENCE} beside them."
+        table = f"{stem}_word_pairs_grouped"
+        found.append(Figure(f"{stem}_word_pairs_by_{of}", drawing, text, table, Place.FORM, form.name, ("of", str(of))))
     return found
 
 

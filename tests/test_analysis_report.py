@@ -375,6 +375,20 @@ def test_a_study_of_a_questionnaire_alone_is_reported(patterns, tmp_path) -> Non
     assert found.summary()["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
 
 
+def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(patterns) -> None:
+    """Figures 5.9 to 5.13 of the thesis."""
+    (form,) = (found := analyse(patterns)).forms
+    names = {figure.name.removeprefix("attrakdiff_") for figure in figures_of(found)}
+    by = {"word_pairs_by_frequency", "word_pairs_by_envelope", "word_pairs_low_frequency", "word_pairs_high_frequency"}
+    assert names == by | {"scores", "portfolio", "frequency_by_envelope"}
+    means = form.grouped.set_index(["of", "condition", "item"])["mean"]
+    own = form.profile.set_index(["condition", "item"])["mean"]
+    item = form.profile["item"].iloc[0]
+    assert means["frequency", "high", item] == pytest.approx(np.mean([own[code, item] for code in ("P4", "P5", "P6")]))
+    assert means["envelope", "sinc", item] == pytest.approx(np.mean([own[code, item] for code in ("P3", "P6")]))
+    assert means["envelope", "P0", item] == own["P0", item]
+
+
 def test_the_terminal_shows_scores_and_comparisons(patterns) -> None:
     result = CliRunner().invoke(command, [str(patterns)])
     assert result.exit_code == 0, result.output

@@ -1,6 +1,6 @@
 """What the figures share: which factor runs along x, which make series, and where values lie."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.labels import condition_name, title_of
+from tactometry.analysis.style import Drawing, drawn, house_style, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,3 +68,32 @@ def shift(place: int, n: int, where: dict[object, float], *, log: bool) -> dict[
     spots = sorted(where.values())
     step = min(np.diff(spots), default=1.0)
     return {value: x + 0.05 * step * offset for value, x in where.items()}
+
+
+def panels(
+    table: pd.DataFrame,
+    axis: Axis,
+    draw: "Callable[[Axes, pd.DataFrame], None]",
+    *,
+    labels: tuple[str, str],
+    height_in: float,
+    share_x: bool,
+) -> Drawing:
+    """A panel per series, at most three side by side, each drawn by `draw`, with one legend for all."""
+    parts = series(table, axis.series)
+    columns = min(3, len(parts))
+    rows = -(-len(parts) // columns)
+    with house_style():
+        figure = new_figure(2.6 * columns + 1.4, height_in * rows + 0.4)
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=True).ravel()
+        for axes, (name, panel) in zip(grid, parts, strict=False):
+            draw(axes, panel)
+            axes.set_title(name)
+            axes.set_xlabel(labels[0])
+        for axes in grid[len(parts) :]:
+            axes.set_visible(False)
+        for axes in grid[::columns]:
+            axes.set_ylabel(labels[1])
+        if axis.along:
+            figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
+        return drawn(figure)

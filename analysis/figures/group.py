@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.figures.axes import RATE_LABEL, Axis, place, series, shift
+from tactometry.analysis.figures.axes import RATE_LABEL, Axis, panels, place, series, shift
 from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure, shades
 
 if TYPE_CHECKING:
@@ -69,27 +69,15 @@ def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
     """Detection rate against level, one panel per series (force), one line per value of the main factor
     (frequency)."""
     axis = Axis.of(rates, factors)
-    panels = series(rates, axis.series)
-    columns = min(3, len(panels))
-    rows = -(-len(panels) // columns)
-    with house_style():
-        figure = new_figure(2.6 * columns + 1.4, 2.5 * rows + 0.4)
-        grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-        for axes, (name, panel) in zip(grid, panels, strict=False):
-            lines = series(panel, [axis.along] if axis.along else [])
-            for (line, part), colour in zip(lines, shades(len(lines)), strict=True):
-                axes.plot(part["level"], part["rate"], "-", color=colour, label=line, marker="o", markersize=3)
-            axes.set_title(name)
-            axes.set_xlabel(f"Level ({unit})" if unit else "Level")
-            axes.set_ylim(-0.03, 1.03)
-        for axes in grid[len(panels) :]:
-            axes.set_visible(False)
-        for axes in grid[::columns]:
-            axes.set_ylabel(RATE_LABEL[str(rates["task"].iloc[0])])
-        handles, labels = grid[0].get_legend_handles_labels()
-        if axis.along:
-            figure.legend(handles, labels, loc="outside right center")
-        return drawn(figure)
+
+    def draw(axes: "Axes", panel: pd.DataFrame) -> None:
+        lines = series(panel, [axis.along] if axis.along else [])
+        for (line, part), colour in zip(lines, shades(len(lines)), strict=True):
+            axes.plot(part["level"], part["rate"], "-", color=colour, label=line, marker="o", markersize=3)
+        axes.set_ylim(-0.03, 1.03)
+
+    labels = f"Level ({unit})" if unit else "Level", RATE_LABEL[str(rates["task"].iloc[0])]
+    return panels(rates, axis, draw, labels=labels, height_in=2.5, share_x=True)
 
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:

@@ -1,6 +1,7 @@
 """Figures of one participant: psychometric curves and tracks."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.analysis.cells import Estimate
-from tactometry.analysis.figures.axes import RATE_LABEL, Axis, series
+from tactometry.analysis.figures.axes import RATE_LABEL, Axis, panels, series
 from tactometry.analysis.labels import condition_name
 from tactometry.analysis.status import Status
 from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure, shades
@@ -84,24 +85,8 @@ def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
     main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
     out."""
     axis = Axis.of(rows, factors)
-    panels = series(rows, axis.series)
-    columns = min(3, len(panels))
-    lines = -(-len(panels) // columns)
-    with house_style():
-        figure = new_figure(2.6 * columns + 1.4, 2.1 * lines + 0.4)
-        grid = figure.subplots(lines, columns, squeeze=False, sharey=True).ravel()
-        for axes, (name, panel) in zip(grid, panels, strict=False):
-            _draw_tracks(axes, panel, axis)
-            axes.set_title(name)
-            axes.set_xlabel("Trial of the track")
-        for axes in grid[len(panels) :]:
-            axes.set_visible(False)
-        for axes in grid[::columns]:
-            axes.set_ylabel(f"Level ({unit})" if unit else "Level")
-        handles, labels = grid[0].get_legend_handles_labels()
-        if axis.along:
-            figure.legend(handles, labels, loc="outside right center")
-        return drawn(figure)
+    labels = "Trial of the track", f"Level ({unit})" if unit else "Level"
+    return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
 
 
 def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: Axis) -> None:
