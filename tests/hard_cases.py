@@ -35,9 +35,11 @@ HEAD = """# Hard cases
 Every hard case of the tests with its reference, the worst error that the run which wrote this page has seen, and the
 bound that every run asserts. An error is relative to the size of what is expected, unless the case says otherwise;
 0 is equality. The page is written from the tests' own data by `make stability`; a test fails when it names a case that
-is gone or lacks one, or when an error has grown a hundredfold.
+is gone or lacks one, or when an error has grown a hundredfold (and passes a thousandth of its bound).
 """
-DRIFT, ROUNDING = 100.0, 1e-14
+DRIFT, MARGIN, ROUNDING = 100.0, 1e-3, 1e-14
+"""An error may grow by the first factor, or up to the second part of its bound: other processors round otherwise."""
+UNSEEN = "-"
 SEEN: dict[str, float] = {}
 
 
@@ -65,9 +67,9 @@ def hard_case(case, found, expected, bound, *, against, floor=0.0):
     away, size = np.abs(found - expected), np.abs(expected) + floor
     error = float(np.max(np.divide(away, size, out=np.where(away == 0, 0.0, np.inf), where=size > 0), initial=0.0))
     assert error <= bound, f"{case}: found an error of {error:.3g}, the bound is {bound:g}"
-    stated = rows().get(case)
-    assert stated is None or error <= max(DRIFT * float(stated), ROUNDING), (
-        f"{case}: found an error of {error:.3g} where docs/stability.md says {stated}; run make stability"
+    before = stated().get(case, np.inf)
+    assert error <= max(DRIFT * before, MARGIN * bound, ROUNDING), (
+        f"{case}: found an error of {error:.3g} where docs/stability.md says {before}; run make stability"
     )
     SEEN[case] = max(SEEN.get(case, 0.0), error)
 
@@ -113,14 +115,21 @@ def rows() -> dict[str, str]:
 
 
 def page(seen: dict[str, float]) -> str:
-    """The page from the errors of a run in which every case was seen."""
-    missing = [case.name for case in cases() if case.name not in seen]
-    assert not missing, f"the run did not see {missing}"
+    """The page from the errors of the cases; one that was never seen has none."""
     lines = [HEAD]
     for room, part in groupby(cases(), key=lambda case: case.room):
         lines += [f"## {room}", "", "| case | reference | worst error seen | bound | test |", "|---|---|---|---|---|"]
-        lines += [*(case.row(f"{seen[case.name]:.1e}" if seen[case.name] else "0") for case in part), ""]
+        lines += [*(case.row(_stated(seen.get(case.name))) for case in part), ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _stated(error: float | None) -> str:
+    return UNSEEN if error is None else f"{error:.1e}" if error else "0"
+
+
+def stated() -> dict[str, float]:
+    """The errors on the page."""
+    return {name: float(error) for name, error in rows().items() if error != UNSEEN}
 
 
 def only_hard_cases(items):
@@ -136,4 +145,4 @@ def pytest_sessionfinish(session, exitstatus):
     """Write the page; a case that this run left out, as one of a single file does, keeps the error that was stated."""
     if session.config.getoption("--stability") and exitstatus == 0:
         rows.cache_clear()
-        PAGE.write_text(page({name: float(error) for name, error in rows().items()} | SEEN), encoding="utf-8")
+        PAGE.write_text(page(stated() | SEEN), encoding="utf-8")

@@ -235,7 +235,6 @@ def test_identical_participants_are_a_singular_fit(study) -> None:
     assert found.status == GroupStatus.SINGULAR
     assert found.note
     assert found.components["threshold"] < 0.05
-    exact_case("identical participants in a hierarchy", against="said to be singular")
 
 
 def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
