@@ -28,6 +28,9 @@ ELECTROVIBRATION: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] =
     "dry_friction": ({}, ("finger_dynamics",), "friction_force_n"),
     "finger_dynamics": ({}, ("friction",), "skin_displacement_m"),
     "sensitivity": ({}, ("friction",), "sensation_db"),
+    "receptors": ({}, ("friction",), "sensation_db"),
+    "summation": ({}, ("receptors", "friction"), "sensation_db"),
+    "masking": ({"level_db_re_threshold": 25.0}, ("sensitivity", "friction"), "sensation_db"),
 }
 """Of each effect that can be on or off: its values, what it needs beside it, an output that it changes or brings."""
 

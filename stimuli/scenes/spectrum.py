@@ -10,6 +10,9 @@ from math import log, pi, sin
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.pieces import Real
@@ -24,7 +27,7 @@ STEEPEST_DB_PER_HZ = 0.69
 N_OFFSETS = 21
 
 
-def peak_error(padding: int, duration_s: float) -> float:
+def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> float:
     """Largest relative error of a component above threshold by lines ``1/padding`` apart.
 
     >>> peak_error(1, duration_s=1.0) < 0.03, peak_error(8, duration_s=1.0) < 1e-4
@@ -32,11 +35,11 @@ def peak_error(padding: int, duration_s: float) -> float:
     """
     offsets = [k / (2 * (N_OFFSETS - 1)) for k in range(N_OFFSETS)]
     found = [_read_off(offset, padding) for offset in offsets]
-    per_line = STEEPEST_DB_PER_HZ * log(10) / 20 / duration_s
+    per_line = steepest_db_per_hz * log(10) / 20 / duration_s
     return max(abs(height - 1) + per_line * abs(away) / padding for height, away in found)
 
 
-def padding_for(error: float, duration_s: float) -> int:
+def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> int:
     """The smallest padding whose error is at most `error`.
 
     Raises
@@ -45,11 +48,30 @@ def padding_for(error: float, duration_s: float) -> int:
         If no padding reaches it.
     """
     for padding in PADDINGS:
-        if peak_error(padding, duration_s) <= error:
+        if peak_error(padding, duration_s, steepest_db_per_hz) <= error:
             return padding
     raise InvalidParameter(
         f"sensation_db: found an accuracy that leaves {error:.3g} for the spectrum, expected at least "
-        f"{peak_error(PADDINGS[-1], duration_s):.3g} for a record of {duration_s} s; loosen the accuracy"
+        f"{peak_error(PADDINGS[-1], duration_s, steepest_db_per_hz):.3g} for a record of {duration_s} s; loosen the "
+        "accuracy"
+    )
+
+
+def spectrum_stage(
+    scene: Surroundings, budget: Budget, effect: str, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ
+) -> Stage:
+    """The components of friction, as finely as a threshold of that slope asks for."""
+    duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
+    padding = padding_for(budget.error, duration_s, steepest_db_per_hz)
+    return Stage(
+        "spectrum",
+        ("t_s", "friction_force_n"),
+        "components",
+        f"{__name__}:components_of",
+        {"padding": padding},
+        error=peak_error(padding, duration_s, steepest_db_per_hz),
+        n_operations=300.0 * padding * n_samples(scene, budget.error),
+        effect=effect,
     )
 
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.sampling import n_samples
-from tactometry.stimuli.scenes.spectrum import padding_for, peak_error
+from tactometry.stimuli.scenes.spectrum import spectrum_stage
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -27,7 +26,9 @@ class Sensitivity:
     kind: ClassVar[str] = "sensitivity"
     slot: ClassVar[str] = "sensitivity"
     requires: ClassVar[tuple[str, ...]] = ("friction",)
-    excludes: ClassVar[Mapping[str, str]] = {}
+    excludes: ClassVar[Mapping[str, str]] = {
+        "receptors": "both are thresholds by frequency; remove 'sensitivity' or 'receptors'"
+    }
 
     reference_force_n: float = 6.7e-6
 
@@ -35,18 +36,7 @@ class Sensitivity:
         require.positive("Sensitivity", reference_force_n=self.reference_force_n)
 
     def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
-        padding = padding_for(budget.error, duration_s)
-        spectrum = Stage(
-            "spectrum",
-            ("t_s", "friction_force_n"),
-            "components",
-            "tactometry.stimuli.scenes.spectrum:components_of",
-            {"padding": padding},
-            error=peak_error(padding, duration_s),
-            n_operations=300.0 * padding * n_samples(scene, budget.error),
-            effect=self.kind,
-        )
+        spectrum = spectrum_stage(scene, budget, self.kind)
         settings = {"reference_force_n": self.reference_force_n}
         level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings, effect=self.kind)
         return spectrum, level

@@ -42,11 +42,12 @@ class Electrovibration:
     kind: ClassVar[str] = "electrovibration"
     order: ClassVar[tuple[str, ...]] = (
         "carrier", "offset", "texture", "body", "leakage", "gap", "area", "law", "polarity", "friction", "dynamics",
-        "sensitivity",
+        "sensitivity", "receptors", "summation", "masking",
     )  # fmt: skip
     effects: ClassVar[tuple[str, ...]] = (
         "carrier", "dc_offset", "texture", "body_resistance", "skin_leakage", "air_gap", "contact_area", "force_law",
-        "polarity", "friction", "dry_friction", "friction_lag", "finger_dynamics", "sensitivity",
+        "polarity", "friction", "dry_friction", "friction_lag", "finger_dynamics", "sensitivity", "receptors",
+        "summation", "masking",
     )  # fmt: skip
     given: ClassVar[tuple[str, ...]] = ("level_db_re_1v",)
     cures: ClassVar[Mapping[str, str]] = {
@@ -54,7 +55,8 @@ class Electrovibration:
         "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact",
         "skin_displacement_m": "add the effects friction (or dry_friction) and finger_dynamics",
         "slip_events_s": "add the effects dry_friction and finger_dynamics",
-        "sensation_db": "add the effects friction and sensitivity",
+        "channels_db": "add the effects friction and receptors",
+        "sensation_db": "add the effects friction and sensitivity, or receptors",
     }
 
     frequency_hz: float

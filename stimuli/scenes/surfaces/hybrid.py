@@ -57,7 +57,7 @@ class Hybrid:
     cures: ClassVar[Mapping[str, str]] = {
         **Electrovibration.cures,
         **TimeReversal.cures,
-        "sliding_sensation_db": "add the effects friction and sensitivity",
+        "sliding_sensation_db": "add the effects friction and sensitivity, or receptors",
     }
 
     electrovibration: Electrovibration

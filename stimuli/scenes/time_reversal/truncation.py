@@ -71,7 +71,11 @@ def _heard(error: float) -> float:
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
     """About how many modes there are below a frequency."""
-    return float(scene.surface.plate.modal_density_s) * frequency_hz  # type: ignore[attr-defined]
+    surface: Any = scene.surface
+    shear: Any = scene.find("shear")
+    if shear is None:
+        return float(surface.plate.modal_density_s * frequency_hz)
+    return float(surface.plate.area_m2 * shear.wavenumber_rad_per_m(surface.plate, frequency_hz) ** 2 / (4 * pi))
 
 
 def n_frequencies(scene: Surroundings, found: Cut) -> int:

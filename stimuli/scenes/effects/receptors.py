@@ -1,0 +1,58 @@
+"""Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.spectrum import spectrum_stage
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.pieces import Real
+    from tactometry.stimuli.perception.detection import Components
+
+STEEPEST_DB_PER_HZ = 2.5
+"""Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
+
+
+@dataclass(frozen=True)
+class Receptors:
+    """The channels NP III, NP I and P, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
+
+    6.7 uN and the thresholds of the channels are unverified defaults.
+
+    >>> Receptors().slot
+    'receptors'
+    """
+
+    kind: ClassVar[str] = "receptors"
+    slot: ClassVar[str] = "receptors"
+    requires: ClassVar[tuple[str, ...]] = ("friction",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    reference_force_n: float = 6.7e-6
+
+    def __post_init__(self) -> None:
+        require.positive("Receptors", reference_force_n=self.reference_force_n)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        settings = {"reference_force_n": self.reference_force_n}
+        return (
+            spectrum_stage(scene, budget, self.kind, STEEPEST_DB_PER_HZ),
+            Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings, effect=self.kind),
+            Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest", effect=self.kind),
+        )
+
+
+def levels(reference_force_n: float) -> "Callable[[Components], Real]":
+    """(3,): the level of each channel."""
+    from tactometry.stimuli.perception.channels import channel_levels_db
+
+    return lambda components: channel_levels_db(components, reference_force_n)
+
+
+def strongest() -> "Callable[[Real], float]":
+    """The highest level."""
+    return lambda channels_db: float(channels_db.max())

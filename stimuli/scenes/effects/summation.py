@@ -1,0 +1,46 @@
+"""Spatial summation: the Pacinian channel adds up what a larger contact feels."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from tactometry.stimuli.scenes import require
+from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.stage import Stage
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.pieces import Real
+
+
+@dataclass(frozen=True)
+class Summation:
+    """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds.
+
+    >>> Summation().reference_m2
+    0.00029
+    """
+
+    kind: ClassVar[str] = "summation"
+    slot: ClassVar[str] = "summation"
+    requires: ClassVar[tuple[str, ...]] = ("receptors",)
+    excludes: ClassVar[Mapping[str, str]] = {}
+
+    reference_m2: float = 2.9e-4
+
+    def __post_init__(self) -> None:
+        require.positive("Summation", reference_m2=self.reference_m2)
+
+    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+        del scene, budget
+        needs, settings = ("channels_db", "area_m2"), {"reference_m2": self.reference_m2}
+        return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings, effect=self.kind),)
+
+
+def summed(reference_m2: float) -> "Callable[[Real, float], Real]":
+    """The levels of the channels, P raised by the area."""
+    import numpy as np
+
+    from tactometry.stimuli.perception.channels import P, summation_db
+
+    pacini = np.eye(3)[P]
+    return lambda channels_db, area_m2: channels_db + pacini * summation_db(area_m2, reference_m2)
