@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
+from tactometry.require import one_of
 
 Direction = Literal["ascending", "descending", "alternating"]
 
@@ -58,6 +59,7 @@ class MethodOfLimits:
     name = "method_of_limits"
 
     def __post_init__(self) -> None:
+        one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
         for key in ("low", "high", "step"):
             if not math.isfinite(getattr(self, key)):
                 raise InvalidParameter(f"MethodOfLimits.{key}: found {getattr(self, key)}, expected a finite number")

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from tactometry.protocols.parameter_grid import ParameterGrid
 from tactometry.protocols.posterior import Posterior, Stop, mean_sd
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
+from tactometry.require import one_of
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
@@ -82,6 +83,7 @@ class Quest:
         object.__setattr__(self, "state", Posterior.of(-0.5 * ((self.thresholds - self.start) / self.start_sd) ** 2))
 
     def _check(self) -> None:
+        one_of("Quest.placing", self.placing, get_args(Placing))
         for name in ("start", "low", "high", "target", "guess_rate", "blind_share"):
             if not math.isfinite(getattr(self, name)):
                 raise InvalidParameter(f"Quest.{name}: found {getattr(self, name)}, expected a finite number")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import Chances, OutcomeModel, p_log_p, size
 from tactometry.protocols.posterior import Posterior, Stop, log_prior, mean_sd
 from tactometry.protocols.procedure import Ending, checked_outcome, finite_level, refuse_finished
+from tactometry.require import one_of
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
@@ -91,7 +92,9 @@ class QuestPlus:
             )
         if not all(map(math.isfinite, self.levels)):
             raise InvalidParameter(f"QuestPlus.levels: found {self.levels}, expected finite numbers")
-        if self.n_trials < 1 or (self.sd_stop is not None and not self.sd_stop > 0):
+        one_of("QuestPlus.aim", self.aim, get_args(Aim))
+        one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
+        if not self.n_trials >= 1 or (self.sd_stop is not None and not self.sd_stop > 0):
             raise InvalidParameter(
                 f"QuestPlus: found n_trials {self.n_trials} and sd_stop {self.sd_stop}, expected at least 1 and above 0"
             )

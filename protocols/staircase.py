@@ -71,7 +71,7 @@ class Staircase:
                     f"({self.high - self.low:g})"
                 )
         for key in ("n_up", "n_down", "n_reversals", "n_trials", "n_at_bound"):
-            if getattr(self, key) < 1:
+            if not getattr(self, key) >= 1:
                 raise InvalidParameter(f"Staircase.{key}: found {getattr(self, key)}, expected at least 1")
 
     @property

@@ -1,8 +1,9 @@
-"""Numbers that must be finite, and above 0 or not below it."""
+"""Numbers that must be finite, above 0 or not below it; words that must be of a list."""
 
 import math
+from collections.abc import Collection
 
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidParameter, nearest
 
 
 def above_zero(owner: str, **values: float) -> None:
@@ -33,3 +34,19 @@ def at_least_zero(owner: str, **values: float) -> None:
     for name, value in values.items():
         if not 0 <= value < math.inf:
             raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number, at least 0")
+
+
+def one_of(where: str, found: str, expected: Collection[str]) -> None:
+    """Refuse a word that is none of those expected.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is none; the sentence opens with `where`.
+
+    >>> one_of("QuestPlus.aim", "threshold", ("parameters", "threshold"))
+    """
+    if found not in expected:
+        raise InvalidParameter(
+            f"{where}: found {found!r}, expected one of {', '.join(expected)}{nearest(str(found), expected)}"
+        )

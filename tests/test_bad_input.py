@@ -103,7 +103,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step, focus, pattern, measured_focus; did you mean 'sine'?",
+        "pulse_train, step, focus, pattern, measured_focus, hybrid; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),

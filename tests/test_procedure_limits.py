@@ -114,3 +114,8 @@ def test_impossible_limits_are_refused(options, message):
     with pytest.raises(InvalidParameter) as refused:
         MethodOfLimits(**({"low": 0.0, "high": 10.0, "step": 2.0, "n_series": 4} | options))
     assert str(refused.value) == message
+
+
+def test_an_unknown_direction_is_refused():
+    with pytest.raises(InvalidParameter, match=r"MethodOfLimits.direction: found 'up', expected one of ascending"):
+        MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=4, direction="up")

@@ -224,3 +224,9 @@ def test_a_delivered_level_that_is_no_number_is_refused():
     rule = Staircase(start=20.0, steps=(2.0,), low=0.0, high=40.0)
     with pytest.raises(InvalidParameter, match="found the delivered level nan, expected a finite number"):
         rule.after(1, delivered=float("nan"))
+
+
+@pytest.mark.parametrize("name", ["n_up", "n_down", "n_reversals", "n_trials", "n_at_bound"])
+def test_a_count_that_is_no_number_is_refused(name):
+    with pytest.raises(InvalidParameter, match=rf"Staircase.{name}: found nan, expected at least 1"):
+        Staircase(start=20.0, steps=(4.0,), low=0.0, high=40.0, **{name: float("nan")})

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import FunctionModel, ParameterGrid, QuestPlus, QuestPlusSettings, TableModel
+from tactometry.protocols.quest_plus_settings import spaced
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = tuple(np.linspace(-5, 45, 26))
@@ -260,3 +261,11 @@ def test_what_makes_no_model_is_refused(build, message):
 
 def half_table():
     return TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.5))
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "n"), [(math.nan, 1.0, 3), (0.0, math.inf, 3), (0.0, 1.0, 0), (1.0, 1.0, 2), (2.0, 1.0, 2)]
+)
+def test_values_that_make_no_rising_grid_are_refused(low, high, n):
+    with pytest.raises(InvalidParameter, match=f"grid: found {n} values from .*, expected a rising grid"):
+        spaced(low, high, n, "linear", "grid")

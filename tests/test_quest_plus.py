@@ -173,6 +173,9 @@ def test_it_stops_at_the_spread_that_is_asked_for():
         (lambda: QuestPlus((1.0, 1.0), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 2 levels, 1 of them"),
         (lambda: small().after(1, delivered=math.nan), "found the delivered level nan"),
         (lambda: small(n_trials=0), "QuestPlus: found n_trials 0"),
+        (lambda: small(n_trials=math.nan), "QuestPlus: found n_trials nan"),
+        (lambda: small("treshold"), "QuestPlus.aim: found 'treshold', .*did you mean 'threshold'"),
+        (lambda: small(criterion="entropie"), "QuestPlus.criterion: found 'entropie', .*did you mean 'entropy'"),
     ],
 )
 def test_an_impossible_grid_is_refused(build, message):

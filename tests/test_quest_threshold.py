@@ -77,3 +77,8 @@ def test_constant_stimuli_with_equal_answers_say_on_which_side_the_threshold_lie
     for answer in answers:
         rule = rule.after(answer)
     assert rule.ended == ended
+
+
+def test_an_unknown_placing_is_refused():
+    with pytest.raises(InvalidParameter, match=r"Quest.placing: found 'median', expected one of quantile, mean, mode"):
+        Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="median")

@@ -19,6 +19,7 @@ from tactometry.protocols import (
     Comparison,
     Condition,
     ConstantStimuli,
+    ForcedChoice,
     Localisation,
     Magnitude,
     Rating,
@@ -96,6 +97,22 @@ def test_a_comparison_is_scored_by_which_one_was_called_stronger(seed, level, op
     stronger = option == outcome.target
     assert told.response == int(stronger) == int(outcome.success)
     assert told.correct == (None if level == 20.0 else stronger == (level > 20.0))
+
+
+def test_a_pair_is_called_same_or_different():
+    asked = {request for request, _ in lived("same_different").entries if isinstance(request, Choose)}
+    assert asked == {Choose("same_different", (0, 1), ("same", "different"))}
+
+
+@pytest.mark.parametrize("n_intervals", [2, 3, 4])
+def test_two_to_four_intervals_can_be_chosen_from(n_intervals):
+    assert ForcedChoice(n_intervals).n_intervals == n_intervals
+
+
+@pytest.mark.parametrize("n_intervals", [1, 5])
+def test_fewer_or_more_intervals_are_refused(n_intervals):
+    with pytest.raises(InvalidParameter, match=f"n_intervals: found {n_intervals}, expected"):
+        ForcedChoice(n_intervals)
 
 
 def test_a_same_pair_is_a_catch_trial_and_delivers_no_level():
