@@ -1,22 +1,26 @@
 """Scenes: time against the number of effects, and predicted against measured time, in one run on one thread.
 
-The times of each scene are medians over interleaved rounds; the ratio is to the scene without effects.
+The times of each scene are medians of processor time over interleaved rounds; the ratio is to the first of them.
 """
 
 import statistics
 import time
+from collections.abc import Sequence
 
 from threadpoolctl import threadpool_limits
 
+from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.scenes.effect import Effect, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.target import resolve
 
 N_ROUNDS = 7
-GIVEN = {"level_db_re_1v": 40.0}
+GIVEN = {"level_db_re_1v": 40.0, "voltage_v": 30.0}
 GROWING: tuple[tuple[str, dict[str, object]], ...] = (
     ("contact_area", {}),
     ("air_gap", {"gap_m": 1e-6}),
@@ -25,6 +29,20 @@ GROWING: tuple[tuple[str, dict[str, object]], ...] = (
     ("friction_lag", {}),
     ("carrier", {"carrier_hz": 1000.0}),
 )
+FOCUSING: tuple[tuple[str, dict[str, object]], ...] = (
+    ("attenuation", {}),
+    ("patches", {}),
+    ("audible_filter", {}),
+    ("one_bit", {}),
+    ("finger_load", {}),
+)
+LATER: tuple[tuple[str, dict[str, object]], ...] = (
+    ("airborne_sound", {}),
+    ("drive_energy", {}),
+    ("movie", {}),
+    ("focus_detection", {}),
+)
+"""Effects that bring outputs of their own, on top of the losses that sound needs."""
 
 
 def effect(kind: str, **values: object) -> Effect:
@@ -41,26 +59,62 @@ def plan_of(n_effects: int, *, asked: bool) -> Plan:
     return scene.resolve()
 
 
+def focus_of(n_effects: int, *, asked: bool) -> Plan:
+    """A time-reversal plan: effects on the focus, or effects that the focus does not need."""
+    named = FOCUSING[:n_effects] if asked else (FOCUSING[0], *LATER[:n_effects])
+    chosen = tuple(effect(kind, **values) for kind, values in named)
+    return Scene(TimeReversal(), chosen, ("peak_m",), 1e-2, (Touch(2.0),)).resolve()
+
+
 def timed(plan: Plan) -> float:
-    start_s = time.perf_counter()
+    start_s = time.process_time()
     plan.timed({name: GIVEN[name] for name in plan.given})
-    return time.perf_counter() - start_s
+    return time.process_time() - start_s
+
+
+def compare(title: str, plans: Sequence[Plan], named: Sequence[str]) -> None:
+    """Print the median times of plans, and their ratios to the first."""
+    print(title)
+    for plan in plans:
+        timed(plan)
+    rounds = [[timed(plan) for plan in plans] for _ in range(N_ROUNDS)]
+    medians = [statistics.median(column) for column in zip(*rounds, strict=True)]
+    for n, (plan, median_s) in enumerate(zip(plans, medians, strict=True)):
+        print(
+            f"  {n} (+ {named[n]}): {median_s * 1e3:8.3f} ms, {median_s / medians[0]:7.2f} x, "
+            f"{len(plan.stages)} stages, predicted {plan.predicted_s * 1e3:8.3f} ms"
+        )
+
+
+def built_in(name: str) -> None:
+    """Print predicted and measured time of a built-in scene as a whole."""
+    found = load_scene(path_of(name))
+    plan = found.scene.resolve()
+    given = {key: found.given[key] for key in plan.given}
+    plan.timed(given)
+    times = []
+    for _ in range(3):
+        start_s = time.process_time()
+        plan.timed(given)
+        times.append(time.process_time() - start_s)
+    median_s = statistics.median(times)
+    print(
+        f"  {name}: measured {median_s:.3f} s, predicted {plan.predicted_s:.3f} s, {plan.predicted_s / median_s:.2f} x"
+    )
 
 
 def main() -> None:
-    for asked in (False, True):
-        print("effects that an output needs" if asked else "effects that no output needs")
-        plans = [plan_of(n, asked=asked) for n in range(len(GROWING) + (1 if asked else 0))]
-        for plan in plans:
-            timed(plan)
-        rounds = [[timed(plan) for plan in plans] for _ in range(N_ROUNDS)]
-        medians = [statistics.median(column) for column in zip(*rounds, strict=True)]
-        for n, (plan, median_s) in enumerate(zip(plans, medians, strict=True)):
-            named = GROWING[n - 1][0] if n else "none"
-            print(
-                f"  {n} (+ {named}): {median_s * 1e3:8.3f} ms, {median_s / medians[0]:7.2f} x, "
-                f"{len(plan.stages)} stages, predicted {plan.predicted_s * 1e3:8.3f} ms"
-            )
+    growing = ["none", *(kind for kind, _ in GROWING)]
+    focusing, later = ["none", *(kind for kind, _ in FOCUSING)], ["attenuation", *(kind for kind, _ in LATER)]
+    panels = [plan_of(n, asked=False) for n in range(len(GROWING))]
+    compare("electrovibration: effects that no output needs", panels, growing)
+    panels = [plan_of(n, asked=True) for n in range(len(GROWING) + 1)]
+    compare("electrovibration: effects that an output needs", panels, growing)
+    compare("time reversal: effects that no output needs", [focus_of(n, asked=False) for n in range(5)], later)
+    compare("time reversal: effects that an output needs", [focus_of(n, asked=True) for n in range(6)], focusing)
+    print("built-in scenes")
+    for name in names():
+        built_in(name)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ class AirborneSound:
             f"{__name__}:heard",
             {"modes_to_hz": modes_to_hz, "distance_m": self.distance_m},
             error=lost / ratio**3,
-            n_operations=n * (2.0 * surface.n_transducers + 20),
+            n_operations=n * (0.2 * surface.n_transducers + 30),
             effect=self.kind,
         )
         needs = ("level_at_1v_dba", "voltage_v")

@@ -18,6 +18,8 @@ EMISSION = "tactometry.stimuli.scenes.time_reversal.emission"
 MOTION = "tactometry.stimuli.scenes.time_reversal.motion"
 MAP = "tactometry.stimuli.scenes.time_reversal.map"
 MOST_POINTS = 4e7
+PRODUCT, DIVISION = 0.15, 15.0
+"""Operations per number in a product of matrices, and where it is divided."""
 MARGIN_FLANKS = 5.0
 """Margin around an emission, in periods of the flank: where what the flank rings is gone."""
 
@@ -163,7 +165,7 @@ class TimeReversal:
                 f"{MOTION}:driven",
                 settings,
                 error=found.error,
-                n_operations=modes * n * (4.0 * self.n_transducers + 20),
+                n_operations=modes * n * (PRODUCT * self.n_transducers + DIVISION),
             ),
             Stage(
                 "instant", ("motion", "foci_m"), "per_volt_peaks", f"{MOTION}:focus_value", n_operations=4 * modes * n
@@ -189,7 +191,7 @@ class TimeReversal:
             return ()
         n_x, n_y = self.grid(scene, budget.error)
         still = n_modes(scene, found.static_to_hz)
-        drawn = 2 * sqrt(still) * n_x * n_y + 4.0 * still * self.n_transducers
+        drawn = PRODUCT * 4 * sqrt(still) * n_x * n_y + 4.0 * still * self.n_transducers
         step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
         return (
             Stage("grid_x", ("plate",), "x_m", f"{MAP}:along_x", {"n": n_x}),
