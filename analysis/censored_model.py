@@ -116,10 +116,10 @@ def _numbers(table: pd.DataFrame, name: str) -> Array:
     if name not in known:
         raise InvalidParameter(f"censored_model: found no column {name!r}{nearest(name, known)}")
     found = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-    bad = np.isinf(found) | (np.isnan(found) & table[name].notna().to_numpy())
+    bad = np.isnan(found) & table[name].notna().to_numpy()
     if bad.any():
         row = int(np.flatnonzero(bad)[0])
-        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a finite number or nothing")
+        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a number or nothing")
     return found
 
 

@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.special import expit
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry
 from tactometry.analysis.pipeline import analyse
@@ -92,6 +94,8 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
     assert abs(found.order["worth"][0] - 0.4) < 8 * found.order["standard_error"][0]
     alone = bradley_terry(table["item"], table["item_b"], table["response"])
     np.testing.assert_allclose(found.worths["worth"], alone.worths["worth"], rtol=1e-9)
+    reach = (found.worths["high"] - found.worths["worth"]) / found.worths["standard_error"]
+    np.testing.assert_allclose(reach, student.ppf(0.975, 11) if n_participants == 12 else norm.ppf(0.975), rtol=1e-9)
     same = np.allclose(found.worths["standard_error"], alone.worths["standard_error"], rtol=1e-9)
     assert same == (n_participants < 5)
 

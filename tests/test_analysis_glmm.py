@@ -95,6 +95,7 @@ def test_the_observed_information_is_nearer_to_the_quadrature_than_lme4s() -> No
         near, far = (abs(one.effects[name] - exact.effects[name]) for one in (observed, expected))
         assert near < 0.2 * far
         assert near < 0.005 * exact.standard_errors[name]
+    assert exact.log_likelihood == pytest.approx(observed.log_likelihood, abs=0.5)
 
 
 def test_no_variance_between_participants_is_said_to_be_singular() -> None:
