@@ -61,7 +61,7 @@ def test_the_mode_is_at_least_as_probable_as_any_node_of_a_fine_grid() -> None:
     """Under psignifit's own priors and likelihood."""
     pytest.importorskip("psignifit")
     rng = np.random.default_rng()
-    for _ in range(4):
+    for _ in range(50 if SOAK else 2):
         k = rng.binomial(20, np.array([0.5, 0.55, 0.6, 0.75, 0.9, 0.95, 0.97]))
         found = fitted(k, method="map")
         if found.status != Status.OK:
