@@ -132,6 +132,7 @@ def main():
 
     from tactometry.rigs.frames import timing_of
     from tactometry.rigs.layout import marker_page
+    from tactometry.rigs.trigger import quick_turns
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=False, size=(1280, 800))
@@ -147,7 +148,8 @@ def main():
                 time.sleep(SETTLING_S)
                 gated.begin()
                 listener.read(3)
-                every, peer, intervals_s = drawn(window, page, listener, work_s)
+                with quick_turns():
+                    every, peer, intervals_s = drawn(window, page, listener, work_s)
                 device.close()
             lost, n = int(np.sum(np.diff(gated.counters) - 1)), len(gated.counters)
             dropped = timing_of(intervals_s, window.period_s)["n_dropped_frames"]

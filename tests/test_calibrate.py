@@ -11,11 +11,13 @@ from datetime import date
 
 import numpy as np
 import pytest
+from conftest import SCREEN_PX
 from hypothesis import given
 from hypothesis import strategies as st
 from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available
 
+from tactometry.cli import main
 from tactometry.devices.reader import Block, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.experiments.bench_file import parse_bench
@@ -364,3 +366,33 @@ def test_the_figures_are_drawn(artefacts):
     responses = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=150e3, duration_s=7e-3, f_max_hz=60e3)
     responses_figure(responses.of_channels([0, 5]), artefacts / "responses.png")
     assert (artefacts / "responses.png").stat().st_size > 10_000
+
+
+class Ruler:
+    """Someone at the screen: answers the question for the bar with its length in pixels, as the X server shows it."""
+
+    def __init__(self, hands):
+        self._display = hands._display
+        self.length_px = None
+
+    def readline(self, size=-1):
+        from Xlib import X
+
+        del size
+        root = self._display.screen().root
+        shown = root.get_image(0, 0, *SCREEN_PX, X.ZPixmap, 0xFFFFFFFF)
+        pixels = np.frombuffer(shown.data, np.uint8).reshape(SCREEN_PX[1], SCREEN_PX[0], 4)[..., :3].min(axis=2)
+        rows = np.flatnonzero((pixels > 200).sum(axis=1) > 5)
+        self.length_px = int(rows[-1] - rows[0] + 1)
+        return f"{self.length_px * 2.5e-4}\n"
+
+
+def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypatch, capsys):
+    """The window of the command opens beside that of the other tests, in front of it and full screen."""
+    ruler = Ruler(display)
+    monkeypatch.setattr("sys.stdin", ruler)
+    with pytest.raises(SystemExit) as ended:
+        main(["calibrate", "display"])
+    assert ended.value.code == 0
+    assert ruler.length_px == pytest.approx(SCREEN_PX[1] / 2, abs=2)
+    assert capsys.readouterr().out.startswith(f"[screen]\nheight_m = {2 * ruler.length_px * 2.5e-4!r}")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from learnt_file import write_responses
+from screens import entry_page, form_page
 
 from tactometry.devices.output import with_ramps
 from tactometry.errors import InvalidParameter
@@ -21,7 +22,7 @@ from tactometry.journal import read
 from tactometry.protocols.rating import pages
 from tactometry.questionnaire import load
 from tactometry.request import Enter, Press, Show
-from tactometry.rigs import entry, form
+from tactometry.rigs import form
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
 
@@ -127,26 +128,13 @@ def test_a_questionnaire_without_the_language_is_refused(bench, watched, output)
 
 @pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
 def test_pages_are_drawn_for_a_look(screen, artefacts, name, language):
-    loaded = load(name)
-    page = pages(loaded, loaded.items)[0]
-    texts = texts_in(language, {})
-    drawn = form.Form(
-        tuple(texts.question(question) for question in page.questions),
-        page.steps,
-        True,
-        texts.message("hint_fill"),
-        texts.message("hint_gaps"),
-    )
-    marks = form.Marks((2, *(None,) * (len(page.questions) - 1)), row=1, warned=name == "sus")
-    image = screen.picture(form.form_page(drawn, marks, screen.aspect))
+    image = screen.picture(form_page(name, language, screen.aspect))
     image.save(artefacts / f"form_{name}.png")
     assert len(set(image.convert("L").getdata())) > 20
 
 
 def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
-    texts = texts_in("en", {})
-    page = entry.entry_page(texts.message("how_strong"), "12.5", texts.message("hint_enter"), screen.aspect, ready=True)
-    screen.picture(page).save(artefacts / "entry.png")
+    screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
 
 
 # --- studies from start to end

@@ -1,14 +1,19 @@
 """Every page in a real window, answered by real X key and mouse events."""
 
+import subprocess
+import sys
 import time
 
 import numpy as np
 import pytest
+import screens
+from conftest import SOAK
+from PIL import Image
+from screens import all_pages
 
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
 from tactometry.limits import Limits
 from tactometry.request import Adjust, Choose, Play, Press, Rate, Record, Show, Slide, Wait
-from tactometry.rigs import layout
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.page import KeyDown, Page
 from tactometry.rigs.texts import languages, texts_in
@@ -302,72 +307,6 @@ def test_frames_are_counted_and_paced(bench, screen):
     assert screen.frame_intervals_s() == []
 
 
-def message_pages(texts, aspect):
-    values = {"block": 2, "n_blocks": 21}
-    names = [
-        "welcome",
-        "instructions_yes_no",
-        "instructions_forced_choice",
-        "block",
-        "practice",
-        "rest",
-        "end",
-    ]
-    hint = texts.message("hint_continue")
-    pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
-    resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
-    progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
-    pause = layout.message_page(texts.message("pause"), "", aspect)
-    return pages | {"resting": resting, "block": progress, "pause": pause}
-
-
-def question_pages(texts, aspect):
-    def page(question, *labels):
-        options = tuple(range(len(labels))) if question == "felt" else tuple(range(1, len(labels) + 1))
-        return layout.question_page(texts.message(question), options, labels, texts.message("hint_choose"), aspect)
-
-    return {
-        "felt": page("felt", texts.label("no"), texts.label("yes")),
-        "which": page("which_interval", "1", "2"),
-        "which_of_four": page("which_interval", "1", "2", "3", "4"),
-        "same": page("which_interval", texts.label("same"), texts.label("different")),
-    }
-
-
-def scale_pages(texts, aspect):
-    def page(name, n_positions, mark):
-        rings = n_positions < 10
-        scale = layout.Scale(texts.message("rate"), "unpleasant", "pleasant", texts.message(name), n_positions, rings)
-        return layout.scale_page(scale, mark, aspect)
-
-    return {
-        "scale": page("hint_rate", 7, None),
-        "scale_marked": page("hint_rate", 7, 4),
-        "line_marked": page("hint_rate_continuous", 101, 70),
-        "adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect),
-    }
-
-
-def marker_pages(texts):
-    press, slide = texts.message("press_force"), texts.message("slide_force")
-    low = layout.force_page(layout.marker_page(2, playing=False, words=press), 0.6, 1.0, 0.2)
-    held = layout.force_page(layout.marker_page(2, playing=True, words=slide), 1.1, 1.0, 0.2)
-    return {
-        "ready": layout.marker_page(1, playing=False, words=texts.message("press")),
-        "playing": layout.marker_page(None, playing=True, words=texts.message("slide")),
-        "force_low": low,
-        "force_held": layout.track_page(held, 0.4, 1 / 3, finger=0.2),
-        "waiting": layout.waiting_page(),
-    }
-
-
-def all_pages(language, aspect):
-    texts = texts_in(language, {})
-    return (
-        message_pages(texts, aspect) | question_pages(texts, aspect) | scale_pages(texts, aspect) | marker_pages(texts)
-    )
-
-
 @pytest.mark.parametrize("language", languages())
 def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, artefacts, language):
     """The pictures are kept: look at them."""
@@ -378,6 +317,20 @@ def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, arte
         edge = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
         assert set(edge) == {pixels[0, 0]}, f"{name} touches the edge of the screen"
         assert pixels.max() - pixels[0, 0] > 100, f"{name} is hardly seen"
+
+
+@pytest.mark.skipif(not SOAK, reason="full size only: the other pages and sizes are slow to draw in software")
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
+def test_every_page_is_drawn_on_screens_of_other_sizes(display, artefacts, width, height):
+    """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
+    folder = artefacts / f"{width}x{height}"
+    subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=600)
+    assert {path.stem for path in folder.glob("*.png")} == set(screens.every_page(width / height))
+    for path in folder.glob("*.png"):
+        pixels = np.asarray(Image.open(path).convert("L"), dtype=int)
+        edge = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+        assert set(edge) == {pixels[0, 0]}, f"{path.stem} touches the edge of the screen"
 
 
 def test_events_are_given_once(screen, hands):

@@ -1,5 +1,7 @@
 """A sensor on a serial line, in the frames of `devices.framing` (extra: serial)."""
 
+import os
+import select
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +11,7 @@ from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed
 
 WAIT_S = 0.02
+LARGEST_READ = 65_536
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class SerialSource:
     def receive(self) -> Block | None:
         serial = _library()
         try:
-            data = self._line.read(max(self._framing.n_missing, self._line.in_waiting))
+            data = _available(self._line, self._framing.n_missing)
         except (serial.SerialException, OSError, TypeError) as error:
             raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
         arrival_s = now_s()
@@ -73,6 +76,17 @@ class SerialSource:
             self._n_skipped += self._framing.n_skipped
             self._n_lost += self._samples.n_lost
             line.close()
+
+
+def _available(line: Any, n_missing: int) -> bytes:
+    """What has come, after `WAIT_S` at most, in as few calls as possible: each may wait for a thread that computes."""
+    if os.name != "posix":
+        return bytes(line.read(max(n_missing, line.in_waiting)))
+    ready, _, _ = select.select([line.fd], [], [], WAIT_S)
+    data = os.read(line.fd, LARGEST_READ) if ready else b""
+    if ready and not data:
+        raise OSError("the device hung up")
+    return data
 
 
 def _library() -> Any:

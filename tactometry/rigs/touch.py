@@ -17,7 +17,7 @@ from tactometry.rigs.grip import Grip
 from tactometry.rigs.page import Page
 from tactometry.rigs.stage import Dress, Stage
 from tactometry.rigs.trace import Trace, speed_m_per_s
-from tactometry.rigs.trigger import Trigger, hearing
+from tactometry.rigs.trigger import Trigger, hearing, quick_turns
 from tactometry.signal import Signal
 from tactometry.speed_gate import SpeedGate
 
@@ -131,6 +131,7 @@ class Touch:
             lambda: held.open, lambda: held.lost, lambda: self.emitter.emit_if_allowed(signal), self.emitter.stop
         )
         with ExitStack() as last_first:
+            last_first.enter_context(quick_turns())
             last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
             if held.glide is not None:
                 last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))

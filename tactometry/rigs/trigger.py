@@ -1,11 +1,15 @@
 """A decision that is taken where the samples arrive: in the threads of the sensors, whatever the screen does."""
 
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from tactometry.devices.reader import FloatArray, Hear, Told
+
+TURN_S = 0.002
+"""While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""
 
 
 class Trigger:
@@ -78,6 +82,17 @@ class Trigger:
         """Neither fire nor stop any more; waits for one that is under way."""
         with self._lock:
             self._step = None
+
+
+@contextmanager
+def quick_turns() -> Iterator[None]:
+    """Threads take turns every `TURN_S`, so that drawing keeps the sensors' threads from no decision."""
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(min(TURN_S, usual_s))
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(usual_s)
 
 
 @contextmanager

@@ -1,0 +1,122 @@
+"""All pages of the participant, and `python screens.py WIDTH HEIGHT FOLDER`: pictures of them on such a screen."""
+
+import sys
+from pathlib import Path
+
+from tactometry.protocols.rating import pages
+from tactometry.questionnaire import load
+from tactometry.rigs import entry, form, layout
+from tactometry.rigs.texts import languages, texts_in
+
+FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
+
+
+def message_pages(texts, aspect):
+    values = {"block": 2, "n_blocks": 21}
+    names = [
+        "welcome",
+        "instructions_yes_no",
+        "instructions_forced_choice",
+        "block",
+        "practice",
+        "rest",
+        "end",
+    ]
+    hint = texts.message("hint_continue")
+    pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
+    resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
+    progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
+    pause = layout.message_page(texts.message("pause"), "", aspect)
+    return pages | {"resting": resting, "block": progress, "pause": pause}
+
+
+def question_pages(texts, aspect):
+    def page(question, *labels):
+        options = tuple(range(len(labels))) if question == "felt" else tuple(range(1, len(labels) + 1))
+        return layout.question_page(texts.message(question), options, labels, texts.message("hint_choose"), aspect)
+
+    return {
+        "felt": page("felt", texts.label("no"), texts.label("yes")),
+        "which": page("which_interval", "1", "2"),
+        "which_of_four": page("which_interval", "1", "2", "3", "4"),
+        "same": page("which_interval", texts.label("same"), texts.label("different")),
+    }
+
+
+def scale_pages(texts, aspect):
+    def page(name, n_positions, mark):
+        rings = n_positions < 10
+        scale = layout.Scale(texts.message("rate"), "unpleasant", "pleasant", texts.message(name), n_positions, rings)
+        return layout.scale_page(scale, mark, aspect)
+
+    return {
+        "scale": page("hint_rate", 7, None),
+        "scale_marked": page("hint_rate", 7, 4),
+        "line_marked": page("hint_rate_continuous", 101, 70),
+        "adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect),
+    }
+
+
+def marker_pages(texts):
+    press, slide = texts.message("press_force"), texts.message("slide_force")
+    low = layout.force_page(layout.marker_page(2, playing=False, words=press), 0.6, 1.0, 0.2)
+    held = layout.force_page(layout.marker_page(2, playing=True, words=slide), 1.1, 1.0, 0.2)
+    return {
+        "ready": layout.marker_page(1, playing=False, words=texts.message("press")),
+        "playing": layout.marker_page(None, playing=True, words=texts.message("slide")),
+        "force_low": low,
+        "force_held": layout.track_page(held, 0.4, 1 / 3, finger=0.2),
+        "waiting": layout.waiting_page(),
+    }
+
+
+def all_pages(language, aspect):
+    texts = texts_in(language, {})
+    return (
+        message_pages(texts, aspect) | question_pages(texts, aspect) | scale_pages(texts, aspect) | marker_pages(texts)
+    )
+
+
+def form_page(name, language, aspect):
+    """The first page of a questionnaire, with one answer; that of the SUS as it is where gaps were pointed out."""
+    loaded = load(name)
+    page = pages(loaded, loaded.items)[0]
+    texts = texts_in(language, {})
+    drawn = form.Form(
+        tuple(texts.question(question) for question in page.questions),
+        layout.N_POSITIONS_CONTINUOUS if page.steps is None else page.steps,
+        page.steps is not None,
+        texts.message("hint_fill"),
+        texts.message("hint_gaps"),
+    )
+    marks = form.Marks((2, *(None,) * (len(page.questions) - 1)), row=1, warned=name == "sus")
+    return form.form_page(drawn, marks, aspect)
+
+
+def entry_page(aspect):
+    texts = texts_in("en", {})
+    return entry.entry_page(texts.message("how_strong"), "12.5", texts.message("hint_enter"), aspect, ready=True)
+
+
+def every_page(aspect):
+    """Those of both languages, the questionnaires and the typed number, by name."""
+    found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
+    found |= {f"form_{name}_{lang}": form_page(name, lang, aspect) for name, lang in FORMS}
+    return found | {"entry": entry_page(aspect)}
+
+
+def main(width, height, folder):
+    """Picture every page in a window of this size on the display that is there."""
+    from tactometry.rigs.window import Window
+
+    folder.mkdir(parents=True, exist_ok=True)
+    window = Window(fullscreen=False, size=(width, height))
+    for name, page in every_page(window.aspect).items():
+        picture = window.picture(page)
+        assert picture.size == (width, height), picture.size
+        picture.save(folder / f"{name}.png")
+    window.close()
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
