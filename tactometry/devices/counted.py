@@ -9,6 +9,8 @@ from tactometry.devices.reader import Block
 
 SETTLING_S = 0.5
 """Samples of the first while only tell how the clocks are related, and are dropped."""
+STANDS_S = 1e-3
+"""A difference that falls by more within that while still falls (unverified default)."""
 SLEW = 1e-3
 """Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
 
@@ -24,7 +26,8 @@ class CountedSamples:
 
     def _begin(self, ticks: int) -> None:
         self._clocks, self._ticks = ClockMap(), ticks
-        self._first_s: float | None = None
+        self._best: tuple[float, float] | None = None
+        self._is_settled = False
         self._last: tuple[float, float] | None = None
 
     @property
@@ -39,13 +42,21 @@ class CountedSamples:
         devices_s = [self._device_s(counter, ticks) for counter, ticks, _ in samples]
         for device_s in devices_s:
             self._clocks = self._clocks.after(device_s, arrival_s)
-        settled = [n for n, device_s in enumerate(devices_s) if self._settled(device_s)]
+        settled = [n for n, device_s in enumerate(devices_s) if self._settled(device_s, devices_s[-1])]
         times_s = [self._stamp_s(devices_s[n]) for n in settled]
         return Block(np.array(times_s), np.array([samples[n][2] for n in settled], dtype=np.float64))
 
-    def _settled(self, device_s: float) -> bool:
-        self._first_s = device_s if self._first_s is None else self._first_s
-        return device_s - self._first_s >= self._settling_s
+    def _settled(self, device_s: float, newest_s: float) -> bool:
+        """Whether the difference of the clocks has stood for a while: what had waited to be read is through."""
+        if self._is_settled:
+            return True
+        offset_s = self._clocks.offset_s or 0.0
+        if self._best is None:
+            self._best = offset_s, device_s
+        elif offset_s < self._best[0] - STANDS_S:
+            self._best = offset_s, newest_s
+        self._is_settled = device_s - self._best[1] >= self._settling_s
+        return self._is_settled
 
     def _stamp_s(self, device_s: float) -> float:
         stamp_s = self._clocks.ours_s(device_s)
