@@ -95,7 +95,7 @@ def test_stamps_of_a_device_never_go_back_nor_stretch_its_time(seed, late_s):
     samples, times_s = CountedSamples(1e-6), []
     for n, delay_s in enumerate(delays_s):
         times_s += samples.block([(n, 2000 * n, (0,))], n * 2e-3 + delay_s).times_s.tolist()
-    assert 700 <= len(times_s) <= 750
+    assert 500 <= len(times_s) <= 750
     assert np.allclose(np.diff(times_s), 2e-3, rtol=1.01e-3)
 
 

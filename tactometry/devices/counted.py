@@ -9,7 +9,7 @@ from tactometry.devices.reader import Block
 
 SETTLING_S = 0.5
 """Samples of the first while only tell how the clocks are related, and are dropped."""
-STANDS_S = 1e-3
+STANDS_S = 5e-3
 """A difference that falls by more within that while still falls (unverified default)."""
 SLEW = 1e-3
 """Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
