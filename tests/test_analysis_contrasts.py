@@ -43,7 +43,13 @@ def analysed(values: np.ndarray) -> pd.DataFrame:
 
 @pytest.mark.parametrize("shape", [(6, 3), (10, 3, 7), (13, 3, 4), (9, 2, 2), (30, 2, 5)])
 def test_contrasts_equal_pingouin(shape) -> None:
-    values = drawn(shape, np.random.default_rng())
+    """Of 100 random studies in the soak."""
+    rng = np.random.default_rng()
+    for _ in range(20 if SOAK else 1):
+        check_against_pingouin(drawn(shape, rng))
+
+
+def check_against_pingouin(values) -> None:
     found = analysed(values)
     for effect, (_, row) in zip(effects(design_of(values)), found.iterrows(), strict=False):
         shape_of_errors = effect.sphericity
