@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -30,6 +31,7 @@ from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.transducer import border
 
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 LOSSY, PATCHES, ONE_BIT = effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3), effect("one_bit")
 
@@ -308,7 +310,7 @@ def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(out
 
 
 @given(screens(outputs=("t_s", "focus_displacement_m", "peak_m", "contact_force_n")))
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=200 if SOAK else 8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenes_keep_their_accuracy(scene):
     if scene.find("load") is None:
         scene = replace(scene, outputs=scene.outputs[:-1])
