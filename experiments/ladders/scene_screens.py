@@ -1,0 +1,109 @@
+"""The built-in screens as a whole, against the accuracy that is asked of them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.scenes import path_of
+from tactometry.signal import Signal
+from tactometry.stimuli.scenes.file import SceneFile, load_scene
+from tactometry.stimuli.time_reversal import (
+    Attenuation,
+    Band,
+    Finger,
+    Load,
+    OneBit,
+    Screen,
+    band_limited,
+    border,
+    drive,
+    emitted,
+    impulse_responses,
+    inaudible,
+    loaded_responses,
+)
+
+ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
+OUTPUTS = ("t_s", "focus_displacement_m")
+FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
+HIGHER = (1.5, 3.0)
+"""Highest modes of the physics in time, over the band; what lies above moves less in proportion to 1 / frequency."""
+Real = NDArray[np.float64]
+
+
+def thin_screen() -> Problem:
+    """0.5 mm, 20 to 70 kHz, no finger."""
+    return _problem("thin-screen", (), 2e-4)
+
+
+def a4_screen() -> Problem:
+    """The prototype under a finger of 2 N at the focus."""
+    return _problem("a4-screen", (Finger(0.121, 0.093, 2.0).load(),), 5e-3)
+
+
+def hybrid_screen() -> Problem:
+    """A resting finger at the focus, a sliding one elsewhere."""
+    return _problem("hybrid-screen", (Finger(0.121, 0.093, 2.0).load(), Finger(0.22, 0.15, 1.5).load()), 5e-3)
+
+
+def _problem(name: str, loads: Sequence[Load], uncertainty: float) -> Problem:
+    found = load_scene(path_of(name))
+    at_s = np.arange(-round(AROUND_S * FINER * _surface(found).rate_hz), 1) / (FINER * _surface(found).rate_hz)
+    return Problem(
+        f"scene-{name}",
+        "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
+        f"the scene at an accuracy of {FINEST:g}",
+        "impulse responses and the drive in time, extrapolated to all modes",
+        reference=lambda: (_run(found, at_s, FINEST), FINEST),
+        independent=lambda: (_in_time(found, loads, len(at_s)), uncertainty),
+        error=lambda course, reference: float(np.abs(course - reference).max() / np.abs(reference).max()),
+        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, found, at_s, accuracy)) for accuracy in ACCURACIES),
+    )
+
+
+def _surface(found: SceneFile) -> Any:
+    return getattr(found.scene.surface, "time_reversal", found.scene.surface)
+
+
+def _run(found: SceneFile, at_s: Real, accuracy: float) -> Real:
+    plan = replace(found.scene, outputs=OUTPUTS, accuracy=accuracy).resolve()
+    values = plan.run({name: found.given[name] for name in plan.given})
+    return np.asarray(np.interp(at_s, values["t_s"], values["focus_displacement_m"]))
+
+
+def _in_time(found: SceneFile, loads: Sequence[Load], n: int) -> Real:
+    """The drive is learnt and emitted sample by sample; two numbers of modes tell what all of them do."""
+    surface, (screen, cutoff_hz) = _surface(found), _screen(found)
+    focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)
+    timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.band_max_hz}
+    learnt = inaudible(band_limited(impulse_responses(screen, focus, **timing), band), cutoff_hz, 2e3)
+    signal = _band_limited(drive(learnt, found.given["voltage_v"], OneBit()), band)
+    courses = []
+    for factor in HIGHER:
+        timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.band_max_hz}
+        heard = loaded_responses(screen, focus, loads, **timing)
+        last = FINER * (2 * learnt.n_samples - 1)
+        courses.append(emitted(signal, heard)[0, last - n + 1 : last + 1])
+    return np.asarray((HIGHER[1] * courses[1] - HIGHER[0] * courses[0]) / (HIGHER[1] - HIGHER[0]))
+
+
+def _screen(found: SceneFile) -> tuple[Screen, float]:
+    """As the file says, and where the audible band ends."""
+    effects, surface = {effect.kind: vars(effect) for effect in found.scene.effects}, _surface(found)
+    patches = border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
+    shear_factor = 5 / 6 if "shear" in effects else None
+    screen = Screen(surface.plate, patches, Attenuation(effects["attenuation"]["tau_s"]), shear_factor)
+    return screen, effects["audible_filter"]["cutoff_hz"]
+
+
+def _band_limited(signal: Signal, band: Band) -> Signal:
+    """Finer samples of what is emitted below the end of the band, as long again before and after."""
+    n = signal.samples.shape[1]
+    gain = band.at(np.asarray(np.fft.rfftfreq(3 * n, 1 / signal.rate_hz), dtype=np.float64))
+    lines = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n)))) * gain
+    return Signal(FINER * np.fft.irfft(lines, 3 * FINER * n), FINER * signal.rate_hz, "V")
