@@ -221,6 +221,11 @@ def test_a_lag_too_short_to_be_resolved_is_refused(corner_hz: float) -> None:
         lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=np.linspace(0, 0.1, 101))
 
 
+def test_the_first_time_is_resolved_too() -> None:
+    with pytest.raises(InvalidParameter, match=r"with times up to 0.09 s apart"):
+        lagged_n(FrictionLag(0.0, 0.0, 1e9), CoulombFriction(), 0.0, t_s=[0.09, 0.091])
+
+
 @pytest.mark.parametrize(("speed_m_per_s", "sentence"), [(1e8, "lag: found a corner of"), (1e200, "found 1e\\+200")])
 def test_a_speed_beyond_all_is_refused(speed_m_per_s: float, sentence: str) -> None:
     with pytest.raises(InvalidParameter, match=sentence):

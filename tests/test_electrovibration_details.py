@@ -8,6 +8,7 @@ from tactometry.stimuli.electrovibration import (
     DryFriction,
     Finger,
     Grating,
+    Noise,
     PositionSensor,
     PowerLawArea,
     PulseTrain,
@@ -88,6 +89,18 @@ def test_a_second_reversal_starts_from_where_the_pile_lay() -> None:
     turned = 1 - 0.8 * np.exp(-0.5)
     assert share[510] == pytest.approx(turned, rel=1e-9)
     np.testing.assert_allclose(share[511:], 0.2 + (turned - 0.2) * np.exp(-(path_m[511:] - 0.049) / 2e-3), rtol=1e-9)
+
+
+def test_a_wait_on_the_way_does_not_turn_the_pile() -> None:
+    back_m, velvet = np.linspace(0.05, 0.03, 201), Velvet(tuft_depth=0.0)
+    path_m = np.r_[0.0, 0.05, back_m]
+    waiting_m = np.r_[path_m[:50], np.full(7, path_m[49]), path_m[50:]]
+    found = np.delete(velvet.force_share_along(waiting_m), np.s_[50:57])
+    np.testing.assert_allclose(found, velvet.force_share_along(path_m), rtol=1e-14)
+
+
+def test_noise_has_no_line_at_0() -> None:
+    assert Noise.drawn(1e-9, 100.0, 0.1, rng=np.random.default_rng(1)).lines_per_m[0] == pytest.approx(10.0)
 
 
 def test_a_sensor_knows_nothing_of_the_future() -> None:

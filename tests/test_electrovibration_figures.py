@@ -69,6 +69,15 @@ def test_ellipses_have_the_measured_axes() -> None:
     figure = figures.contact_ellipse([Print(1.0, 0.012, 0.01), Print(2.0, 0.014, 0.011)])
     axes_mm = [(patch.width, patch.height) for patch in figure.axes[0].patches]
     np.testing.assert_allclose(axes_mm, [(10.0, 12.0), (11.0, 14.0)])
+    one, two = (line.get_xydata()[0] for line in figure.axes[1].get_lines()[:2])
+    np.testing.assert_allclose([one, two], [(1.0, np.pi / 4 * 1.2), (2.0, np.pi / 4 * 1.4 * 1.1)])
+
+
+def test_more_curves_than_colours_are_all_drawn() -> None:
+    prints = [Print(float(n), 0.01 + 1e-4 * n, 0.01) for n in range(1, 10)]
+    assert len(figures.contact_ellipse(prints).axes[0].patches) == 9
+    forces = figures.force_for_inputs([1e-5 * n for n in range(1, 10)]).axes[3]
+    assert len(forces.get_lines()) == 9
 
 
 def test_importing_the_package_imports_neither_matplotlib_nor_numba() -> None:

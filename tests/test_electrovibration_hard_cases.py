@@ -183,13 +183,14 @@ def test_voltage_0_and_1_kilovolt() -> None:
     hard_case("1 kV", kilovolt_n, scaled_n, 1e-14, against="the square of the voltage")
 
 
-def steady_v(corners: list[tuple[float, float]], period_s: float) -> float:
-    """Corneum voltage just before a period of lines between corners (time, voltage), over and over, of 100 V."""
-    tau_s, total = P0.tau_s, 0.0
+def pulsed_v(corners: list[tuple[float, float]], period_s: mp.mpf, before_s: mp.mpf) -> float:
+    """Steady corneum voltage a time before a period ends, of lines between corners (time, voltage of 1), of 100 V."""
+    tau_s, total = mp.mpf(P0.tau_s), mp.mpf(0)
     for (start_s, low), (end_s, high) in pairwise(corners):
-        left, span = np.exp(-(period_s - end_s) / tau_s), end_s - start_s
-        total += (high - low) * left * (1.0 if span == 0 else -np.expm1(-span / tau_s) * tau_s / span)
-    return float(100 * P0.k * total / -np.expm1(-period_s / tau_s))
+        span = end_s - start_s
+        left = mp.exp(-(period_s - before_s - end_s) / tau_s)
+        total += (high - low) * left * (1 if span == 0 else (1 - mp.exp(-span / tau_s)) * tau_s / span)
+    return float(100 * mp.mpf(P0.k) * total / (1 - mp.exp(-period_s / tau_s)))
 
 
 MANY = {"frequency_hz": 1e5, "width_s": 2e-6, "duration_s": 10.0, "ramp_s": 0.0, "rate_hz": 1e6}
@@ -206,11 +207,16 @@ PULSES = [
 def test_a_million_pulses(train: PulseTrain | Trapezoid, period_s: float, corners: list[tuple[int, float]]) -> None:
     pieces = train.pieces(40.0)
     assert len(pieces.starts_s) >= 2_000_000
-    late_s = 10.0 - period_s
-    found_v = float(Solution(pieces, P0.relaxations(AREA_M2)).at(late_s - 1e-12))
-    expected_v = steady_v([(1e-6 * t, value) for t, value in corners], period_s)
+    late_s = 10.0 - period_s - 1e-9
+    found_v = Solution(pieces, P0.relaxations(AREA_M2)).at(late_s)
+    with mp.workdps(40):
+        micro_s = mp.mpf(10) ** -6
+        whole_s = round(1e6 * period_s) * micro_s
+        exact = [(t * micro_s, value) for t, value in corners]
+        expected_v = pulsed_v(exact, whole_s, 10 - whole_s - mp.mpf(late_s))
     assert abs(expected_v) > 0.1
-    hard_case("a million pulses", found_v, expected_v, 1e-5, against="closed steady state")
+    # A double resolves 10 s to 1.8e-15 s, which is 1e-9 of a pulse of 2 us.
+    hard_case("a million pulses", found_v, expected_v, 1e-9, against="closed form in 40 digits")
 
 
 @pytest.mark.parametrize("ratio", [0.5, -3.0])

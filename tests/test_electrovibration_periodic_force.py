@@ -66,6 +66,20 @@ def test_the_spectrum_of_the_square_holds_sums_and_differences_of_the_lines() ->
     np.testing.assert_allclose(lines_n, per_v2 * expected_n, rtol=0, atol=1e-12 * abs(expected_n[0]) * per_v2)
 
 
+def test_in_sc_layer_each_line_has_the_permittivity_of_its_frequency() -> None:
+    rows = ((100, 1, 10.0, 4e3, 1e5), (50, 10, 100.0, 2e3, 6e4))
+    field_v_per_m, displacement = np.zeros(N), np.zeros(N)
+    for height_v, harmonic, f_hz, permittivity, rho in rows:
+        h = complex(Stack((GLASS, Layer(200e-6, permittivity, rho))).response(f_hz, 1, AREA_M2))
+        line = height_v * (h * np.exp(1j * harmonic * PHASE)).real / 200e-6
+        field_v_per_m += line
+        displacement += E0 * permittivity * line
+    voltage_v = 100 * np.cos(PHASE) + 50 * np.cos(10 * PHASE)
+    expected_n = AREA_M2 / 2 * field_v_per_m * displacement
+    found_n = force_n(voltage_v, N * 10.0, "sc_layer")
+    np.testing.assert_allclose(found_n, expected_n, rtol=0, atol=1e-12 * expected_n.max())
+
+
 def test_the_mean_force_of_a_square_is_the_closed_form() -> None:
     n = 2**17
     voltage_v = Square(frequency_hz=60.0, ramp_s=0.0).corners.at(np.arange(n) / n) * 100

@@ -104,6 +104,39 @@ def test_an_offset_brings_the_frequency_of_the_voltage_into_the_force(
     assert WithOffset(waveform, ratio).force_frequency_hz == force_hz
 
 
+@pytest.mark.parametrize("frequency_hz", [5.0, 10.0, 60.0])
+@pytest.mark.parametrize("duration_s", [0.47, 0.5])
+@pytest.mark.parametrize("ratio", [0.0, 0.5])
+def test_a_ramp_is_a_raised_cosine_of_any_length(frequency_hz: float, duration_s: float, ratio: float) -> None:
+    tone = WithOffset(Sine(frequency_hz=frequency_hz, duration_s=duration_s, ramp_s=0.05, phase_rad=0.4), ratio)
+    t_s = np.linspace(0, duration_s, 1001)
+    ramp = np.sin(np.pi / 2 * np.clip(np.minimum(t_s, duration_s - t_s) / 0.05, 0, 1)) ** 2
+    plain_v = 10 * (np.sin(2 * np.pi * frequency_hz * t_s + 0.4) + ratio) / (1 + ratio)
+    np.testing.assert_allclose(tone.pieces(20.0).at(t_s), ramp * plain_v, rtol=0, atol=1e-12)
+
+
+def test_after_its_end_a_voltage_stays() -> None:
+    pieces = Sine(frequency_hz=60.0, duration_s=0.104, ramp_s=0.0).pieces(20.0)
+    assert pieces.at(0.104) != 0
+    np.testing.assert_array_equal(pieces.at([0.105, 3.0]), pieces.at(0.104))
+
+
+def test_no_sample_with_an_offset_passes_the_peak_by_rounding() -> None:
+    tone = Sine(frequency_hz=50.0, rate_hz=1000.0, duration_s=0.1, ramp_s=0.0, phase_rad=np.pi / 2)
+    levels = (20.0, 13.0, 7.3, 40.0)
+    peaks = [(WithOffset(tone, r).at(x).peak, 10 ** (x / 20)) for r in np.linspace(-3, 3, 121) for x in levels]
+    assert all(found <= highest for found, highest in peaks)
+
+
+@pytest.mark.parametrize("frequency_hz", [0.3, 60.0, 123.0])
+@pytest.mark.parametrize("duty", [0.1, 0.3, 0.5, 0.9])
+def test_all_periods_of_a_square_have_the_same_samples(frequency_hz: float, duty: float) -> None:
+    square = Square(frequency_hz, duration_s=50 / frequency_hz, ramp_s=0.0, rate_hz=20 * frequency_hz, duty=duty)
+    n_high = round(20 * duty)
+    expected = np.tile(np.r_[np.ones(n_high), -np.ones(20 - n_high)], 50)
+    np.testing.assert_array_equal(square.at(0.0).samples[0], expected)
+
+
 def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:
     tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
     assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
@@ -160,7 +193,8 @@ def test_a_trapezoid_with_equal_holds_and_both_signs_has_doubled_force_frequency
     both = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3, low_ratio=-1.0)
     one = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3)
     assert (both.voltage_frequency_hz, both.force_frequency_hz) == pytest.approx((100.0, 200.0))
-    assert one.force_frequency_hz == pytest.approx(100.0)
+    almost = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3, low_ratio=-0.95)
+    assert one.force_frequency_hz == almost.force_frequency_hz == pytest.approx(100.0)
 
 
 def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> None:
@@ -216,6 +250,18 @@ def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> N
         (
             lambda: WithOffset(Sine(frequency_hz=60.0), ratio=float("inf")),
             "WithOffset.ratio: found inf, expected a finite number",
+        ),
+        (
+            lambda: Pieces(np.array(0.0), 1.0, np.zeros(1), np.zeros(1)),
+            "Pieces.starts_s: found shape (), expected (1,)",
+        ),
+        (
+            lambda: Pieces(np.zeros(1), 1.0, np.zeros(1), np.zeros(1), np.array([0.0]), np.ones((1, 1))),
+            "Pieces.frequencies_hz: found [0.], expected numbers above 0",
+        ),
+        (
+            lambda: Pieces(np.array([0.0, 1.0]), 1.0, np.zeros(2), np.zeros(2)),
+            "Pieces.starts_s: found [0. 1.] and an end of 1.0, expected ascending times from 0",
         ),
         (
             lambda: straight([0, 1], [0, 1, 2]),

@@ -124,6 +124,13 @@ def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float
     assert levels_db[0] == pytest.approx(levels_db[1], abs=0.1)
 
 
+def test_a_weak_fast_tone_beside_a_strong_one_does_not_alias_into_what_is_felt() -> None:
+    t_s = [np.arange(round(rate_hz)) / rate_hz for rate_hz in (20e3, 200e3)]
+    volts = [40 * np.sin(2 * np.pi * 3_000 * t) + 4 * np.sin(2 * np.pi * 9_875 * t) for t in t_s]
+    coarse, fine = (Signal(v[None, :], v.size, "V") for v in volts)
+    assert MODEL.sensation_db(coarse, TOUCH) == pytest.approx(MODEL.sensation_db(fine, TOUCH), abs=0.1)
+
+
 def test_silence_is_not_felt() -> None:
     assert MODEL.sensation_db(Signal(np.zeros((1, 1000)), 20e3, "V"), TOUCH) == -np.inf
 

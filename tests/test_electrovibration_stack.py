@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import Layer, Skin, Solution, Stack, Step
+from tactometry.stimuli.electrovibration import Layer, Pieces, Sine, Skin, Solution, Stack, Step
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v, shares
 from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
 from tactometry.stimuli.electrovibration.pieces import straight
@@ -118,16 +118,20 @@ def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: f
         return float(total)
 
 
-def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep() -> None:
+@pytest.mark.parametrize(
+    "pieces",
+    [straight([0, 2e-4, 6e-4, 1e-3], [0, 100, 40, 40]), Sine(3e3, duration_s=1e-3, ramp_s=2e-4).pieces(40.0)],
+    ids=["lines", "sine"],
+)
+def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep(pieces: Pieces) -> None:
     skin = Skin(body_resistance_ohm=2e4, gap_m=1e-6)
-    pieces = straight([0, 2e-4, 6e-4, 1e-3], [0, 100, 40, 40])
     solved = [Solution(pieces, skin.stack.relaxations(i, AREA_M2)) for i in range(3)]
     r_s = skin.corneum_resistance_ohm(AREA_M2)
 
     def integral_j(power_w) -> float:
         return sum(
             quad(lambda t: float(power_w(t)), low, high, epsabs=1e-16, epsrel=1e-12)[0]
-            for low, high in ((0, 2e-4), (2e-4, 6e-4), (6e-4, 1e-3))
+            for low, high in ((0, 2e-4), (2e-4, 6e-4), (6e-4, 8e-4), (8e-4, 1e-3))
         )
 
     given_j = integral_j(lambda t: pieces.at(t) * current_a_at(t, pieces, skin, AREA_M2))

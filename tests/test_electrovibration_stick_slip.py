@@ -81,7 +81,7 @@ def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: in
         return None
     return solve_ivp(
         slope, (start[0], stop), start[1:], method="DOP853", events=event, rtol=1e-11, atol=1e-14,
-        max_step=2e-4, dense_output=True,
+        max_step=5e-4, dense_output=True,
     )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def force_against_area(
     _check_some("force_against_area.laws", laws)
     areas_m2 = np.geomspace(largest_m2 / 100, largest_m2, 60)
     figure, (ax,) = _panels(1, 1, (6.0, 4.0))
-    for law, colour, dash in zip(laws, COLOURS, DASHES, strict=False):
+    for law, colour, dash in zip(laws, cycle(COLOURS), cycle(DASHES), strict=False):
         forces_n = [_force_after_step_n(law, skin or Skin(), area, voltage_v) for area in areas_m2]
         ax.loglog(1e4 * areas_m2, forces_n, color=colour, linestyle=dash, label=law)
     ax.set(xlabel="contact area (cm²)", ylabel="electrostatic force (N)")
@@ -89,7 +89,7 @@ def skin_properties(layers: Mapping[str, DispersiveLayer] | None = None) -> "Fig
     """Resistivity and relative permittivity against frequency, a line per layer (defaults: unverified tables)."""
     defaults = {"stratum corneum (unverified)": STRATUM_CORNEUM, "deeper tissue (unverified)": DEEPER_TISSUE}
     figure, axes = _panels(1, 2, (8.0, 3.6))
-    for (name, layer), colour, dash in zip((layers or defaults).items(), COLOURS, DASHES, strict=False):
+    for (name, layer), colour, dash in zip((layers or defaults).items(), cycle(COLOURS), cycle(DASHES), strict=False):
         f_hz = np.geomspace(layer.frequencies_hz[0], layer.frequencies_hz[-1], 200)
         permittivity, resistivity = layer.properties(f_hz)
         axes[0].loglog(f_hz, resistivity, color=colour, linestyle=dash, label=name)
@@ -164,7 +164,7 @@ def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     _check_some("contact_ellipse.prints", prints)
     figure, (left, right) = _panels(1, 2, (8.0, 3.8))
     ordered = sorted(prints, key=lambda one: one.force_n)
-    for one, colour, dash in zip(ordered, COLOURS, DASHES, strict=False):
+    for one, colour, dash in zip(ordered, cycle(COLOURS), cycle(DASHES), strict=False):
         ellipse = Ellipse((0, 0), 1e3 * one.width_m, 1e3 * one.length_m, fill=False, edgecolor=colour, linestyle=dash)
         left.add_patch(ellipse)
         ellipse.set(linewidth=1.8, label=f"{one.force_n:g} N")
@@ -207,7 +207,7 @@ def _force_after_step_n(law: Law, skin: Skin, area_m2: float, voltage_v: float) 
 
 
 def _draw_forces(ax: "Axes", t_s: np.ndarray, pieces: Pieces, areas_m2: Sequence[float], skin: Skin, law: Law) -> None:
-    for area_m2, colour, dash in zip(areas_m2, COLOURS, DASHES, strict=False):
+    for area_m2, colour, dash in zip(areas_m2, cycle(COLOURS), cycle(DASHES), strict=False):
         force_n = electrostatic_force_n_at(t_s, pieces, skin=skin, area_m2=area_m2, law=law)
         ax.plot(1e3 * t_s, 1e3 * force_n, color=colour, linestyle=dash, label=f"{1e4 * area_m2:g} cm²")
     ax.set_ylim(0, None)

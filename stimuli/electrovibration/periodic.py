@@ -12,7 +12,7 @@ from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.timing import check_nyquist, check_pulse, check_timing, ramped, times_s
+from tactometry.stimuli.electrovibration.timing import check_nyquist, check_pulse, check_timing, n_samples, ramped
 
 MOST_HARMONICS = 2**20
 
@@ -89,7 +89,8 @@ def check_width(waveform: Repeated, name: str, width_s: float) -> None:
 
 def _shape(waveform: Repeated) -> NDArray[np.float64]:
     f_hz = waveform.voltage_frequency_hz
-    phase = f_hz * times_s(waveform.duration_s, waveform.rate_hz)
+    turned = np.mod(f_hz * np.arange(n_samples(waveform.duration_s, waveform.rate_hz)), waveform.rate_hz)
+    phase = turned / waveform.rate_hz
     if not waveform.band_limited:
         return waveform.corners.at(np.round(phase, 12))
     return waveform.corners.band_limited(phase, int(np.ceil(waveform.rate_hz / (2 * f_hz))) - 1)

@@ -52,16 +52,25 @@ class Pieces:
     def __post_init__(self) -> None:
         check_fields(self)
         require.positive("Pieces", end_s=self.end_s)
-        n_pieces, n_harmonics = len(self.starts_s), len(self.frequencies_hz)
+        n_pieces, n_harmonics = np.size(self.starts_s), np.size(self.frequencies_hz)
         amplitudes = np.zeros((n_pieces, 0)) if self.amplitudes_v is None else self.amplitudes_v
         object.__setattr__(self, "amplitudes_v", np.asarray(amplitudes, dtype=np.complex128))
-        for name, shape in (("offsets_v", (n_pieces,)), ("slopes_v_per_s", (n_pieces,)),
-                            ("amplitudes_v", (n_pieces, n_harmonics))):  # fmt: skip
-            _check_array(name, getattr(self, name), shape)
-        if n_pieces == 0 or self.starts_s[0] != 0 or not (np.diff([*self.starts_s, self.end_s]) > 0).all():
+        for name in ("starts_s", "offsets_v", "slopes_v_per_s"):
+            self._check_shape(name, (n_pieces,))
+        self._check_shape("frequencies_hz", (n_harmonics,))
+        self._check_shape("amplitudes_v", (n_pieces, n_harmonics))
+        if not (self.frequencies_hz > 0).all():
+            raise InvalidParameter(f"Pieces.frequencies_hz: found {self.frequencies_hz}, expected numbers above 0")
+        ascend = n_pieces > 0 and (np.diff(self.starts_s) > 0).all() and self.starts_s[-1] < self.end_s
+        if not ascend or self.starts_s[0] != 0:
             raise InvalidParameter(
                 f"Pieces.starts_s: found {self.starts_s} and an end of {self.end_s}, expected ascending times from 0"
             )
+
+    def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
+        found = getattr(self, name).shape
+        if found != shape:
+            raise InvalidParameter(f"Pieces.{name}: found shape {found}, expected {shape}")
 
     @property
     def harmonics_v(self) -> Complex:
@@ -193,8 +202,3 @@ def _merged(pieces: Pieces, blocks: list[tuple[Real, Complex]]) -> Pieces:
         frequencies_hz=np.abs(f_hz[used]),
         amplitudes_v=c[:, used],
     )
-
-
-def _check_array(name: str, found: NDArray[np.generic], shape: tuple[int, ...]) -> None:
-    if found.shape != shape or not np.isfinite(found).all():
-        raise InvalidParameter(f"Pieces.{name}: found shape {found.shape}, expected {shape} finite numbers")

@@ -80,8 +80,8 @@ def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np
     """
     total, factor, reach = gained.copy(), np.r_[0.0, decays], 1
     while reach < total.size and factor.any():
-        total[reach:] += factor[reach:] * total[:-reach].copy()
-        factor[reach:] *= factor[:-reach].copy()
+        total[reach:] += factor[reach:] * total[:-reach]
+        factor[reach:] *= factor[:-reach]
         reach *= 2
     return total
 
