@@ -265,3 +265,16 @@ def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("body_ohm", [0.0, 1e4])
+def test_the_steady_current_of_a_sine_is_that_of_its_impedance(body_ohm: float) -> None:
+    skin, omega = Skin(body_resistance_ohm=body_ohm), 2 * np.pi * 240
+    c_i, c_s, r_s = (
+        skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2), skin.corneum_resistance_ohm(AREA_M2)
+    )  # fmt: skip
+    impedance_ohm = body_ohm + 1 / (1j * omega * c_i) + r_s / (1 + 1j * omega * r_s * c_s)
+    t_s = np.linspace(0.09, 0.1, 101)
+    found_a = current_a_at(t_s, Sine(240.0, duration_s=0.2, ramp_s=0.0).pieces(40.0), skin, AREA_M2)
+    expected_a = (100 / impedance_ohm * np.exp(1j * omega * t_s)).imag
+    np.testing.assert_allclose(found_a, expected_a, rtol=0, atol=1e-12 * np.abs(expected_a).max())

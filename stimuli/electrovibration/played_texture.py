@@ -51,7 +51,7 @@ class PositionSensor:
         require.positive("PositionSensor.reported_m", rate_hz=rate_hz)
         t_s = np.arange(x_m.size) / rate_hz - self.latency_s
         report_s = np.floor(t_s * self.rate_hz + 1e-9) / self.rate_hz
-        known = np.interp(np.maximum(report_s, 0.0), np.arange(x_m.size) / rate_hz, x_m)
+        known = np.interp(report_s, np.arange(x_m.size) / rate_hz, x_m)
         steps = known if self.resolution_m == 0 else np.round(known / self.resolution_m) * self.resolution_m
         return np.asarray(steps, dtype=np.float64)
 
