@@ -31,24 +31,24 @@ from tactometry.stimuli.time_reversal import (
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
 OUTPUTS = ("t_s", "focus_displacement_m")
 FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
-HIGHER = (1.5, 3.0)
+HIGHER = (3.0, 6.0)
 """Highest modes of the physics in time, over the band; what lies above moves less in proportion to 1 / frequency."""
 Real = NDArray[np.float64]
 
 
 def thin_screen() -> Problem:
     """0.5 mm, 20 to 70 kHz, no finger."""
-    return _problem("thin-screen", (), 2e-4)
+    return _problem("thin-screen", (), 1e-4)
 
 
 def a4_screen() -> Problem:
     """The prototype under a finger of 2 N at the focus."""
-    return _problem("a4-screen", (Finger(0.121, 0.093, 2.0).load(),), 5e-3)
+    return _problem("a4-screen", (Finger(0.121, 0.093, 2.0).load(),), 5e-4)
 
 
 def hybrid_screen() -> Problem:
     """A resting finger at the focus, a sliding one elsewhere."""
-    return _problem("hybrid-screen", (Finger(0.121, 0.093, 2.0).load(), Finger(0.22, 0.15, 1.5).load()), 5e-3)
+    return _problem("hybrid-screen", (Finger(0.121, 0.093, 2.0).load(), Finger(0.22, 0.15, 1.5).load()), 5e-4)
 
 
 def _problem(name: str, loads: Sequence[Load], uncertainty: float) -> Problem:

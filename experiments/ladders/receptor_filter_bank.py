@@ -1,0 +1,77 @@
+"""How strongly each receptor channel feels repeated taps, from samples, against their Fourier series."""
+
+import math
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.stimuli.perception import Components, components
+from tactometry.stimuli.perception.channels import channel_levels_db
+
+TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
+FALL_S, RISE_S = 4e-3, 5e-4
+RATES_HZ = (1_000, 4_000, 16_000, 64_000)
+Real = NDArray[np.float64]
+
+
+def problem() -> Problem:
+    """Taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with harmonics in every channel; those that fold back are the error."""
+    return Problem(
+        "receptor-filter-bank",
+        "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
+        "the Fourier series of the taps through the channels",
+        "its integrals by adaptive quadrature, thresholds written out",
+        reference=lambda: (_sensed(Components(_harmonics_hz(), _series())), 1e-12),
+        independent=lambda: (_written_out(), 1e-8),
+        error=lambda found, reference: float(np.abs(found / reference - 1).max()),
+        rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled, rate_hz)) for rate_hz in RATES_HZ),
+    )
+
+
+def _tap(time_s: Any) -> Any:
+    return np.exp(-time_s / FALL_S) - np.exp(-time_s / RISE_S)
+
+
+def _sampled(rate_hz: int) -> Real:
+    tap: Real = _tap(np.arange(round(rate_hz / TAPS_HZ)) / rate_hz)
+    return _sensed(components(np.tile(tap, N_TAPS), rate_hz))
+
+
+def _sensed(parts: Components) -> Real:
+    return np.asarray(10 ** (channel_levels_db(parts, 1.0) / 20), dtype=np.float64)
+
+
+def _harmonics_hz() -> Real:
+    return np.linspace(TAPS_HZ, HIGHEST_HZ, round(HIGHEST_HZ / TAPS_HZ))
+
+
+def _series() -> Real:
+    """Amplitudes of the harmonics."""
+    turn = 2j * np.pi * _harmonics_hz()
+    fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + turn) for tau_s in (FALL_S, RISE_S))
+    return np.asarray(2 * TAPS_HZ * np.abs(fall - rise))
+
+
+def _written_out() -> Real:
+    felt = [0.0, 0.0, 0.0]
+    for f in _harmonics_hz():
+        bowls_db = 48.0, 48 - 5 * math.log2(f / 3), 12 * abs(math.log2(250 / f))
+        heard = 0.4 <= f <= 3, 3 <= f <= 100, 35 <= f <= 800
+        amplitude = _integrated(float(f))
+        felt = [max(a, h * amplitude * 10 ** (-b / 20)) for a, h, b in zip(felt, heard, bowls_db, strict=True)]
+    return np.array(felt)
+
+
+def _integrated(frequency_hz: float) -> float:
+    return 2 * TAPS_HZ * math.hypot(*(_against(weight, 2 * math.pi * frequency_hz) for weight in ("cos", "sin")))
+
+
+def _against(weight: Literal["cos", "sin"], omega_rad_per_s: float) -> float:
+    """Integral of a tap times `weight`, in two parts as the tap is short."""
+    from scipy.integrate import quad
+
+    options: Any = {"weight": weight, "wvar": omega_rad_per_s, "epsabs": 1e-13, "limit": 200}
+    return float(sum(quad(_tap, *ends, **options)[0] for ends in ((0.0, 0.01), (0.01, 1 / TAPS_HZ))))
