@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any
 
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.experiments.study import Study
@@ -18,6 +18,7 @@ from tactometry.protocols import (
     SameDifferent,
     YesNo,
 )
+from tactometry.protocols.block import Interleaving, check_presenting
 from tactometry.protocols.task import Task
 from tactometry.questionnaire import Questionnaire, built, load
 from tactometry.strict import build
@@ -29,23 +30,14 @@ class Presenting:
 
     catch_rate: float = 0.0
     n_attempts: int = 5
-    interleaving: Literal["random", "balanced"] = "random"
+    interleaving: Interleaving = "random"
     feedback: bool = False
     rest_after: int | None = None
     rest_s: float | None = None
     longest_s: float | None = None
 
     def __post_init__(self) -> None:
-        if not 0 <= self.catch_rate <= 0.5:
-            raise InvalidParameter(f"Presenting.catch_rate: found {self.catch_rate:g}, expected from 0 to 0.5")
-        for name in ("n_attempts", "rest_after"):
-            value = getattr(self, name)
-            if value is not None and value < 1:
-                raise InvalidParameter(f"Presenting.{name}: found {value}, expected at least 1")
-        for name in ("rest_s", "longest_s"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < float("inf"):
-                raise InvalidParameter(f"Presenting.{name}: found {value:g}, expected above 0")
+        check_presenting(self)
 
 
 @dataclass(frozen=True)

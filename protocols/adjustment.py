@@ -1,6 +1,5 @@
 """The method of adjustment."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.task import Outcome, Presentation, reply
 from tactometry.request import Adjust, Adjusted, Play, Slide
+from tactometry.require import finite
 from tactometry.run import Course
 
 
@@ -32,7 +32,8 @@ class AdjustmentTask:
     takes_catch_trials = False
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+        finite("AdjustmentTask", step=self.step, low=self.low, high=self.high)
+        if not self.low < self.high:
             raise InvalidParameter(f"AdjustmentTask.low: found {self.low:g}, expected less than high ({self.high:g})")
         if not 0 < self.step <= self.high - self.low:
             raise InvalidParameter(
@@ -45,9 +46,8 @@ class AdjustmentTask:
         assert shown.level is not None
         touch = shown.touch.request(shown.stimulus, shown.level, None)
         speed_m_per_s = touch.speed_m_per_s if isinstance(touch, Slide) else None
-        force_n = getattr(touch, "target_n", None)
         force_n = None if isinstance(touch, Play) else touch.target_n
         adjusted: Adjusted = yield Adjust(
             shown.stimulus, shown.level, self.step, self.low, self.high, force_n, speed_m_per_s
         )
-        return Outcome((), None, (reply(adjusted, adjusted.level),), success=True)
+        return Outcome((), None, (reply(adjusted, adjusted.level),))

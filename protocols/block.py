@@ -2,19 +2,22 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol, Self, TypeVar, runtime_checkable
+from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 
+from tactometry.errors import InvalidParameter
 from tactometry.protocols.pool import answered
 from tactometry.protocols.procedure import Procedure
 from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
 from tactometry.protocols.touch import Touch
 from tactometry.request import Record, Show
+from tactometry.require import above_zero, is_number, of_kind, one_of, whole
 from tactometry.run import Course
 from tactometry.trial import Trial
 
 T = TypeVar("T")
+Interleaving = Literal["random", "balanced"]
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""
 
@@ -46,10 +49,53 @@ class Track:
 
 
 @runtime_checkable
-class FixedOrder(Protocol):
+class FixedOrder(Procedure, Protocol):
     """A procedure whose order no response changes: it can leave out a level that the block presents later."""
 
     def skipped(self) -> Self: ...
+
+    def told(self, response: int | bool) -> Self: ...
+
+
+class Presented(Protocol):
+    """How the trials of a block follow each other, see `Block`."""
+
+    @property
+    def catch_rate(self) -> float: ...
+
+    @property
+    def n_attempts(self) -> int: ...
+
+    @property
+    def interleaving(self) -> Interleaving: ...
+
+    @property
+    def rest_after(self) -> int | None: ...
+
+    @property
+    def rest_s(self) -> float | None: ...
+
+    @property
+    def longest_s(self) -> float | None: ...
+
+
+def check_presenting(each: Presented) -> None:
+    """Refuse what makes no course of trials.
+
+    Raises
+    ------
+    InvalidParameter
+        If a number is out of its domain or the interleaving unknown; the sentence opens with the class of `each`.
+    """
+    owner = type(each).__name__
+    if not is_number(each.catch_rate) or not 0 <= each.catch_rate <= 0.5:
+        raise InvalidParameter(f"{owner}.catch_rate: found {each.catch_rate!r:.60}, expected from 0 to 0.5")
+    one_of(f"{owner}.interleaving", each.interleaving, get_args(Interleaving))
+    whole(owner, lowest=1, n_attempts=each.n_attempts)
+    if each.rest_after is not None:
+        whole(owner, lowest=1, rest_after=each.rest_after)
+    lasting = {"rest_s": each.rest_s, "longest_s": each.longest_s}
+    above_zero(owner, **{name: value for name, value in lasting.items() if value is not None})
 
 
 @dataclass(frozen=True)
@@ -78,18 +124,31 @@ class Block:
         A rest lasts at least so long, counted down.
     longest_s : float or None
         A block that lasts longer ends; what is unfinished is aborted.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no track, or a number or the interleaving is not as stated.
     """
 
     tracks: tuple[Track, ...]
     task: Task
     catch_rate: float = 0.0
     n_attempts: int = 5
-    interleaving: Literal["random", "balanced"] = "random"
+    interleaving: Interleaving = "random"
     feedback: bool = False
     practice: bool = False
     rest_after: int | None = None
     rest_s: float | None = None
     longest_s: float | None = None
+
+    def __post_init__(self) -> None:
+        of_kind("Block", Task, task=self.task)
+        if not isinstance(self.tracks, Sequence) or not all(isinstance(each, Track) for each in self.tracks):
+            raise InvalidParameter(f"Block.tracks: found {self.tracks!r:.60}, expected tracks")
+        if not self.tracks:
+            raise InvalidParameter("Block.tracks: found no track, expected at least one")
+        check_presenting(self)
 
     @property
     def factors(self) -> dict[str, float | str]:
@@ -190,17 +249,20 @@ class Standing:
         return replace(standing, tracks=tuple(map(_stopped, standing.tracks))) if late else standing
 
     def _kept(self, asked: Asked, outcome: Outcome) -> "Standing":
-        presented_later = isinstance(self.tracks[asked.track].procedure, FixedOrder) and asked.attempt > 1
-        silent = asked.level is None or presented_later
-        standing = self if silent else self._told(asked.track, outcome)
+        standing = self if asked.level is None else self._told(asked, outcome)
         return replace(standing, in_a_row={**self.in_a_row, asked.track: 0}, n_valid=self.n_valid + 1)
 
-    def _told(self, index: int, outcome: Outcome) -> "Standing":
+    def _told(self, asked: Asked, outcome: Outcome) -> "Standing":
         """The standing after a track has learnt what came of its level."""
+        track = self.tracks[asked.track]
+        if isinstance(track.procedure, FixedOrder):
+            track = replace(track, procedure=_in_order(track.procedure, asked, outcome))
+            return replace(self, tracks=_with(self.tracks, asked.track, track))
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
-        procedures = answered([track.procedure for track in self.tracks], index, bool(outcome.success), delivered)
+        success = outcome.success is not False
+        procedures = answered([each.procedure for each in self.tracks], asked.track, success, delivered)
         pairs = zip(self.tracks, procedures, strict=True)
-        return replace(self, tracks=tuple(replace(track, procedure=procedure) for track, procedure in pairs))
+        return replace(self, tracks=tuple(replace(each, procedure=procedure) for each, procedure in pairs))
 
     def _put_back(self, asked: Asked) -> "Standing":
         n_in_a_row = self.in_a_row.get(asked.track, 0) + 1
@@ -215,6 +277,12 @@ class Standing:
             again=(*self.again, replace(asked, attempt=asked.attempt + 1)),
             in_a_row={**self.in_a_row, asked.track: n_in_a_row},
         )
+
+
+def _in_order(procedure: FixedOrder, asked: Asked, outcome: Outcome) -> FixedOrder:
+    """The procedure after an answer; it stays where it is if the level was left out before."""
+    then = procedure if asked.attempt > 1 else procedure.skipped()
+    return then if outcome.success is None else then.told(outcome.success)
 
 
 def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 from tactometry.protocols.intervals import felt_in_turn, nth
 from tactometry.protocols.task import Outcome, Presentation, reply
 from tactometry.request import Choose, Chosen
+from tactometry.require import finite
 from tactometry.run import Course
 
 
@@ -17,12 +18,20 @@ class Comparison:
     The response is 1 if the level was called stronger than the standard, and it is what the procedure is told; it is
     correct if the level was higher, and not defined at equality. `target` is the interval of the level. Gescheider,
     Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
+
+    Raises
+    ------
+    InvalidParameter
+        If the standard is not a finite number.
     """
 
     standard_level: float
 
     name = "comparison"
     takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        finite("Comparison", standard_level=self.standard_level)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         target = int(rng.integers(1, 3))

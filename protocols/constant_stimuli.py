@@ -1,6 +1,5 @@
 """The method of constant stimuli."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -9,6 +8,7 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
+from tactometry.require import numbers, whole
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,16 @@ class ConstantStimuli:
     name = "constant_stimuli"
 
     def __post_init__(self) -> None:
+        numbers("ConstantStimuli.levels", self.levels)
+        whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         if not self.levels:
             raise InvalidParameter("ConstantStimuli.levels: found no level, expected at least one")
         for n, level in enumerate(self.levels):
-            if not math.isfinite(level):
-                raise InvalidParameter(f"ConstantStimuli.levels[{n}]: found {level}, expected a finite number")
             if level in self.levels[:n]:
                 raise InvalidParameter(
                     f"ConstantStimuli.levels[{n}]: found {level:g} twice, expected each level once; raise repeats to "
                     "present it more often"
                 )
-        if self.repeats < 1:
-            raise InvalidParameter(f"ConstantStimuli.repeats: found {self.repeats}, expected at least 1")
         if not self.order:
             object.__setattr__(self, "order", tuple(self.levels) * self.repeats)
 
@@ -78,10 +76,14 @@ class ConstantStimuli:
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The next presentation; neither argument changes the order."""
         del delivered
-        yes = checked_response(response, "ConstantStimuli")
         refuse_finished(finished=self.finished, procedure="ConstantStimuli")
+        return self.skipped().told(response)
+
+    def told(self, response: int | bool) -> Self:
+        """The answer counts, the presentation stays."""
+        yes = checked_response(response, "ConstantStimuli")
         n_no, n_yes = self._n_told
-        return replace(self.skipped(), _n_told=(n_no + (not yes), n_yes + yes))
+        return replace(self, _n_told=(n_no + (not yes), n_yes + yes))
 
     def skipped(self) -> Self:
         """The next presentation; the present one is left to the block, which comes back to it."""

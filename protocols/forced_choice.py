@@ -29,8 +29,8 @@ class ForcedChoice:
     takes_catch_trials = False
 
     def __post_init__(self) -> None:
-        if not 2 <= self.n_intervals <= 4:
-            raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals}, expected 2, 3 or 4")
+        if self.n_intervals not in (2, 3, 4):
+            raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals!r:.60}, expected 2, 3 or 4")
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         intervals = tuple(range(1, self.n_intervals + 1))

@@ -6,6 +6,7 @@ import numpy as np
 
 from tactometry.protocols.task import Outcome, Presentation, Reply, reply, touched
 from tactometry.request import Enter, Rated
+from tactometry.require import above_zero
 from tactometry.run import Course
 
 
@@ -14,12 +15,21 @@ class Magnitude:
     """One stimulus, then a number for its strength, from 0, without a modulus unless `high` bounds it.
 
     Stevens, American Journal of Psychology 69, 1 (1956). The procedure is told whether anything was felt (above 0).
+
+    Raises
+    ------
+    InvalidParameter
+        If `high` is given and not a finite number above 0.
     """
 
     high: float | None = None
 
     name = "magnitude"
     takes_catch_trials = True
+
+    def __post_init__(self) -> None:
+        if self.high is not None:
+            above_zero("Magnitude", high=self.high)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         del rng

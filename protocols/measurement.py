@@ -2,15 +2,17 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 
 from tactometry.protocols.task import Outcome, Presentation, reply
 from tactometry.request import Enter, Rated, Touched
+from tactometry.require import one_of
 from tactometry.run import Course
 
 QUESTION: Final = "vibrometer_nm"
+LevelUnit = Literal["dB re 1 um", "m"]
 
 
 @dataclass(frozen=True)
@@ -24,12 +26,20 @@ class Measurement:
     ----------
     level_unit : str
         That of the stimulus, ``dB re 1 um`` or ``m``.
+
+    Raises
+    ------
+    InvalidParameter
+        If the unit is another.
     """
 
-    level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
+    level_unit: LevelUnit = "dB re 1 um"
 
     name = "measurement"
     takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        one_of("Measurement.level_unit", self.level_unit, get_args(LevelUnit))
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         del rng
@@ -38,7 +48,7 @@ class Measurement:
             return Outcome((touch,), touch)
         read: Rated = yield Enter(QUESTION, 0.0)
         found = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
-        return Outcome((touch,), touch, (found,), success=True)
+        return Outcome((touch,), touch, (found,))
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:

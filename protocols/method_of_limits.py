@@ -8,9 +8,11 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
-from tactometry.require import one_of
+from tactometry.require import finite, one_of, whole
 
 Direction = Literal["ascending", "descending", "alternating"]
+N_STEPS = 10_000
+"""More make no series that anybody sits through."""
 
 
 @dataclass(frozen=True)
@@ -60,15 +62,14 @@ class MethodOfLimits:
 
     def __post_init__(self) -> None:
         one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
-        for key in ("low", "high", "step"):
-            if not math.isfinite(getattr(self, key)):
-                raise InvalidParameter(f"MethodOfLimits.{key}: found {getattr(self, key)}, expected a finite number")
-        if not (self.step > 0 and self.low < self.high):
+        finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
+        whole("MethodOfLimits", lowest=0, n_series=self.n_series, n_start_steps=self.n_start_steps)
+        if not (self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step):
             raise InvalidParameter(
                 f"MethodOfLimits.step: found {self.step:g} from low {self.low:g} to high {self.high:g}, expected above "
-                "0, and low below high"
+                f"0, low below high, and at most {N_STEPS} steps between them"
             )
-        if self.n_series < 1 or self.n_start_steps < 0 or self.n_steps <= self.n_start_steps:
+        if self.n_series < 1 or self.n_steps <= self.n_start_steps:
             raise InvalidParameter(
                 f"MethodOfLimits.n_series: found {self.n_series} series over {self.n_steps} steps with starts up to "
                 f"{self.n_start_steps} steps inwards, expected at least one series of at least two levels"

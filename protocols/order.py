@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.require import of_kind, one_of, whole
 
 T = TypeVar("T")
 
@@ -26,8 +27,7 @@ def williams_square(n: int) -> list[list[int]]:
     InvalidParameter
         If `n` is below 1.
     """
-    if n < 1:
-        raise InvalidParameter(f"williams_square: found {n} conditions, expected at least 1")
+    whole("williams_square", lowest=1, n=n)
     zigzag = [(k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n)]
     rows = [[(start + step) % n for step in zigzag] for start in range(n)]
     return rows + [row[::-1] for row in rows] if n % 2 and n > 1 else rows
@@ -158,8 +158,14 @@ def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[st
     InvalidParameter
         If the number is below 1.
     """
-    if number < 1:
-        raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
+    if not isinstance(number, int) or number < 1:
+        raise InvalidParameter(
+            f"participant number: found {number!r:.60}, expected a whole number from 1; give --number"
+        )
+    of_kind("counterbalanced", Mapping, factors=factors)
+    of_kind("counterbalanced", Sequence, outer_first=outer_first)
+    for name in outer_first:
+        one_of("counterbalanced.outer_first", name, factors)
     names = [*outer_first, *(name for name in factors if name not in outer_first)]
     crossing = Crossing({name: factors[name] for name in names}, dict.fromkeys(outer_first, "williams"))
     cells = crossing.cells(number - 1, np.random.default_rng(0))

@@ -4,12 +4,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import numbers, of_kind, whole
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,7 @@ class Chances(Protocol):
         ...
 
 
+@runtime_checkable
 class OutcomeModel(Protocol):
     """Every combination of parameters is a cell; cells are in C order, the first parameter slowest.
 
@@ -130,15 +132,9 @@ class FunctionModel:
     log_probability: Callable[..., Array]
 
     def __post_init__(self) -> None:
-        if self.n_outcomes < 2:
-            raise InvalidParameter(f"FunctionModel.n_outcomes: found {self.n_outcomes}, expected at least 2")
-        if not self.parameters:
-            raise InvalidParameter("FunctionModel.parameters: found no parameter, expected at least one")
-        for name, values in self.parameters.items():
-            if not values or not all(map(math.isfinite, values)):
-                raise InvalidParameter(
-                    f"FunctionModel.parameters[{name!r}]: found {values}, expected at least one number, all finite"
-                )
+        whole("FunctionModel", lowest=2, n_outcomes=self.n_outcomes)
+        of_kind("FunctionModel", Callable, log_probability=self.log_probability)
+        _check_parameters("FunctionModel", self.parameters)
 
     def log_chance(self, level: float, outcome: int) -> Array:
         axes = dict(zip(self.parameters, np.ix_(*map(np.asarray, self.parameters.values())), strict=True))
@@ -186,6 +182,9 @@ class TableModel:
     table: Array
 
     def __post_init__(self) -> None:
+        _check_parameters("TableModel", self.parameters)
+        numbers("TableModel.levels", self.levels)
+        of_kind("TableModel", np.ndarray, table=self.table)
         expected = (len(self.levels), *(len(values) for values in self.parameters.values()))
         if self.table.ndim < 3 or self.table.shape[0] < 2 or self.table.shape[1:] != expected:
             raise InvalidParameter(
@@ -218,6 +217,16 @@ class TableModel:
     def chances(self, levels: Sequence[float]) -> DenseChances:
         rows = [[np.exp(self.log_chance(level, r)) for level in levels] for r in range(self.n_outcomes)]
         return DenseChances(np.array(rows).reshape(self.n_outcomes, len(levels), *size(self)))
+
+
+def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -> None:
+    of_kind(owner, Mapping, parameters=parameters)
+    if not parameters:
+        raise InvalidParameter(f"{owner}.parameters: found no parameter, expected at least one")
+    for name, values in parameters.items():
+        numbers(f"{owner}.parameters[{name!r}]", values)
+        if not values:
+            raise InvalidParameter(f"{owner}.parameters[{name!r}]: found no number, expected at least one")
 
 
 def _check_sum(total: Array, level: float) -> None:

@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import p_log_p
 from tactometry.psychometric import shape_named
+from tactometry.require import numbers
 
 Array = NDArray[np.float64]
 EQUAL = 1e-13
 """Distances that differ by less, relative to the greatest, are one."""
+NARROWEST = 1e-100
+"""A width below it: distances over it would overflow."""
 BLOCK = 512
 """Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
 
@@ -47,7 +50,7 @@ class ParameterGrid:
 
     def __post_init__(self) -> None:
         _check("thresholds", self.thresholds, 0 if shape_named(self.shape).on_log_levels else -math.inf, math.inf)
-        _check("widths", self.widths, 0, math.inf)
+        _check("widths", self.widths, NARROWEST, math.inf)
         _check("guess_rates", self.guess_rates, -1e-300, 1)
         _check("lapse_rates", self.lapse_rates, -1e-300, 1)
         if max(self.guess_rates) + max(self.lapse_rates) >= 1:
@@ -119,6 +122,7 @@ class ParameterGrid:
 
 
 def _check(name: str, values: tuple[float, ...], low: float, high: float) -> None:
+    numbers(f"ParameterGrid.{name}", values)
     if not values:
         raise InvalidParameter(f"ParameterGrid.{name}: found no value, expected at least one")
     for n, value in enumerate(values):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending
+from tactometry.require import above_zero, numbers, of_kind, whole
 
 Array = NDArray[np.float64]
 HIGHEST = 1 + 1e-9
@@ -61,7 +62,9 @@ def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, S
     InvalidParameter
         If a prior is of no parameter, of another length, or not of finite numbers from 0 with one above it.
     """
+    of_kind(where, Mapping, prior=prior)
     for name, weights in prior.items():
+        numbers(f"{where}.prior[{name!r}]", weights)
         if name not in parameters:
             raise InvalidParameter(f"{where}.prior: found {name!r}, expected parameters of {', '.join(parameters)}")
         given = np.asarray(weights, dtype=np.float64)
@@ -110,6 +113,12 @@ class Stop:
 
     n_trials: int
     sd: float | None
+
+    def check(self, owner: str) -> None:
+        """Refuse what never ends."""
+        whole(owner, lowest=1, n_trials=self.n_trials)
+        if self.sd is not None:
+            above_zero(owner, sd_stop=self.sd)
 
     def ending(self, values: Array, marginal: Array, *, n_told: int, contradicted: bool) -> Ending | None:
         """How the run ended after `n_told` answers; None if it goes on.

@@ -5,6 +5,7 @@ from typing import Self
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
+from tactometry.require import numbers, whole
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,14 @@ class Practice:
     name = "practice"
 
     def __post_init__(self) -> None:
+        numbers("Practice.levels", self.levels)
+        whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         if not self.levels:
             raise InvalidParameter("Practice.levels: found no level, expected at least one")
-        for name, low, high in (("n_correct", 1, self.n_of), ("n_of", 1, self.n_trials)):
-            if not low <= getattr(self, name) <= high:
+        for name, high in (("n_correct", self.n_of), ("n_of", self.n_trials)):
+            if getattr(self, name) > high:
                 raise InvalidParameter(
-                    f"Practice.{name}: found {getattr(self, name)}, expected from {low} to {high}; it must be possible "
+                    f"Practice.{name}: found {getattr(self, name)}, expected from 1 to {high}; it must be possible "
                     "to meet the criterion"
                 )
 

@@ -28,5 +28,4 @@ class Preference:
             return Outcome(touches, touches[0])
         choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
         answered = reply(choice, choice.option, item=first.label, item_b=second.label)
-        preferred = (first, second)[choice.option - 1]
-        return Outcome(touches, touches[0], (answered,), success=preferred is shown.alternatives[0])
+        return Outcome(touches, touches[0], (answered,))

@@ -1,11 +1,11 @@
 """What every rule for the next level is."""
 
-import math
 from typing import Literal, Protocol, Self
 
 import numpy as np
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import is_number
 
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
@@ -74,9 +74,9 @@ def finite_level(level: float, procedure: str) -> float:
     InvalidParameter
         If it is not.
     """
-    if math.isfinite(level):
+    if is_number(level):
         return level
-    raise InvalidParameter(f"{procedure}.after: found the delivered level {level}, expected a finite number")
+    raise InvalidParameter(f"{procedure}.after: found the delivered level {level!r:.60}, expected a finite number")
 
 
 def refuse_finished(*, finished: bool, procedure: str) -> None:

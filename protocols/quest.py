@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.parameter_grid import ParameterGrid
+from tactometry.protocols.parameter_grid import NARROWEST, ParameterGrid
 from tactometry.protocols.posterior import Posterior, Stop, mean_sd
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
-from tactometry.require import one_of
+from tactometry.require import above_zero, finite, one_of
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
+N_STEPS = 1_000_000
+"""Of the finest grid: a trial then takes about a tenth of a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,18 +86,16 @@ class Quest:
 
     def _check(self) -> None:
         one_of("Quest.placing", self.placing, get_args(Placing))
-        for name in ("start", "low", "high", "target", "guess_rate", "blind_share"):
-            if not math.isfinite(getattr(self, name)):
-                raise InvalidParameter(f"Quest.{name}: found {getattr(self, name)}, expected a finite number")
-        for name in ("start_sd", "step", "decade", "slope", "n_trials"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise InvalidParameter(f"Quest.{name}: found {getattr(self, name):g}, expected a number above 0")
-        if self.sd_stop is not None and not self.sd_stop > 0:
-            raise InvalidParameter(f"Quest.sd_stop: found {self.sd_stop:g}, expected a number above 0")
-        if not self.low <= self.start <= self.high or self.high - self.low < self.step:
+        finite("Quest", start=self.start, low=self.low, high=self.high, target=self.target)
+        finite("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
+        above_zero("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
+        if self.start_sd < NARROWEST * (self.high - self.low):
+            raise InvalidParameter(f"Quest.start_sd: found {self.start_sd:g}, expected more; the prior is a point")
+        Stop(self.n_trials, self.sd_stop).check("Quest")
+        if not self.low <= self.start <= self.high or not 1 <= (self.high - self.low) / self.step <= N_STEPS:
             raise InvalidParameter(
                 f"Quest.start: found {self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}, "
-                "expected a start between low and high, which are at least a step apart"
+                f"expected a start between low and high, which are 1 to {N_STEPS} steps apart"
             )
         self._check_rates()
 

@@ -1,6 +1,5 @@
 """QUEST+: the level whose answer is expected to tell most."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,7 +12,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import Chances, OutcomeModel, p_log_p, size
 from tactometry.protocols.posterior import Posterior, Stop, log_prior, mean_sd
 from tactometry.protocols.procedure import Ending, checked_outcome, finite_level, refuse_finished
-from tactometry.require import one_of
+from tactometry.require import numbers, of_kind, one_of
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
@@ -85,19 +84,16 @@ class QuestPlus:
         _ = self.level, self._log_chance(self.levels[0], 0)  # the first trial does not wait for them either
 
     def _check(self) -> None:
+        numbers("QuestPlus.levels", self.levels)
         if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
             raise InvalidParameter(
                 f"QuestPlus.levels: found {len(self.levels)} levels, {len(set(self.levels))} of them different, "
                 "expected at least two, each once"
             )
-        if not all(map(math.isfinite, self.levels)):
-            raise InvalidParameter(f"QuestPlus.levels: found {self.levels}, expected finite numbers")
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
-        if not self.n_trials >= 1 or (self.sd_stop is not None and not self.sd_stop > 0):
-            raise InvalidParameter(
-                f"QuestPlus: found n_trials {self.n_trials} and sd_stop {self.sd_stop}, expected at least 1 and above 0"
-            )
+        of_kind("QuestPlus", OutcomeModel, grid=self.grid)
+        Stop(self.n_trials, self.sd_stop).check("QuestPlus")
 
     def _prior(self) -> Posterior:
         prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))

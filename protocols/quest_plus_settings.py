@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.parameter_grid import ParameterGrid
 from tactometry.protocols.quest_plus import Aim, Criterion, QuestPlus
+from tactometry.require import finite, is_number, numbers, one_of, whole
 
 Spacing = Literal["linear", "log"]
 
@@ -24,7 +25,10 @@ def spaced(low: float, high: float, n: int, spacing: Spacing, where: str) -> tup
     >>> spaced(1.0, 100.0, 3, "log", "levels")
     (1.0, 10.0, 100.0)
     """
-    if not (math.isfinite(low) and math.isfinite(high)) or n < 1 or (n > 1 and not low < high):
+    finite(where, low=low, high=high)
+    whole(where, lowest=1, n=n)
+    one_of(f"{where}.spacing", spacing, get_args(Spacing))
+    if n > 1 and not low < high:
         raise InvalidParameter(f"{where}: found {n} values from {low:g} to {high:g}, expected a rising grid")
     if spacing == "log" and low <= 0:
         raise InvalidParameter(f"{where}: found a log grid from {low:g}, expected one that begins above 0")
@@ -91,9 +95,11 @@ class QuestPlusSettings:
 
     def _width_prior(self, widths: tuple[float, ...]) -> tuple[float, ...]:
         factor = self.width_prior_factor
-        if factor is None or not 1 < factor < math.inf:
-            raise InvalidParameter(f"QuestPlusSettings.width_prior_factor: found {factor}, expected a number above 1")
-        middle = math.sqrt(widths[0] * widths[-1])
+        if not is_number(factor) or factor <= 1:
+            raise InvalidParameter(
+                f"QuestPlusSettings.width_prior_factor: found {factor!r:.60}, expected a number above 1"
+            )
+        middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
     def _levels(self) -> tuple[float, ...]:
@@ -180,6 +186,7 @@ def psi(
     >>> psi((0.0, 1.0), (0.0, 1.0), (0.5, 1.0), guess_rate=0.5, lapse_rate=0.02, n_trials=20).name
     'quest_plus'
     """
+    numbers("psi.sds", sds)
     sd_to_width = 2 * 1.6448536269514722
     widths = tuple(sd_to_width * sd for sd in sds)
     grid = ParameterGrid(thresholds, widths, (guess_rate,), (lapse_rate,), shape="normal")

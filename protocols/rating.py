@@ -8,6 +8,7 @@ import numpy as np
 from tactometry.protocols.task import Outcome, Presentation, Reply, reply
 from tactometry.questionnaire import Item, Questionnaire
 from tactometry.request import Fill, Filled, Question, Touched
+from tactometry.require import of_kind, whole
 from tactometry.run import Course
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
@@ -44,7 +45,13 @@ def filled_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) 
 
 @dataclass(frozen=True)
 class Rating:
-    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item."""
+    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item.
+
+    Raises
+    ------
+    InvalidParameter
+        If `form` is no questionnaire, or `n_touches` below 1.
+    """
 
     form: Questionnaire
     shuffled: bool = False
@@ -53,6 +60,10 @@ class Rating:
     name = "rating"
     takes_catch_trials = False
 
+    def __post_init__(self) -> None:
+        of_kind("Rating", Questionnaire, form=self.form)
+        whole("Rating", lowest=1, n_touches=self.n_touches)
+
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         touches: list[Touched] = []
         while len(touches) < self.n_touches and all(touch.valid for touch in touches):
@@ -60,4 +71,4 @@ class Rating:
         if not touches[-1].valid:
             return Outcome(tuple(touches), touches[-1], rule=self.form.name)
         replies = yield from filled_in(self.form, rng, shuffled=self.shuffled)
-        return Outcome(tuple(touches), touches[-1], replies, success=True, rule=self.form.name)
+        return Outcome(tuple(touches), touches[-1], replies, rule=self.form.name)

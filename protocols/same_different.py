@@ -7,6 +7,7 @@ import numpy as np
 from tactometry.protocols.intervals import felt_in_turn, nth
 from tactometry.protocols.task import Outcome, Presentation, reply
 from tactometry.request import Choose, Chosen
+from tactometry.require import finite
 from tactometry.run import Course
 
 
@@ -15,12 +16,20 @@ class SameDifferent:
     """The standard and a level in random order, or (as catch trials) the standard twice, then: same or different?
 
     The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
+
+    Raises
+    ------
+    InvalidParameter
+        If the standard is not a finite number.
     """
 
     standard_level: float
 
     name = "same_different"
     takes_catch_trials = True
+
+    def __post_init__(self) -> None:
+        finite("SameDifferent", standard_level=self.standard_level)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         target = int(rng.integers(1, 3))

@@ -11,6 +11,7 @@ from tactometry.protocols.rating import filled_in
 from tactometry.protocols.task import Reply
 from tactometry.questionnaire import Questionnaire
 from tactometry.request import Done, Record, Show
+from tactometry.require import of_kind
 from tactometry.run import Course
 from tactometry.trial import Trial
 
@@ -36,7 +37,13 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Inquiry:
-    """A questionnaire on its own: a row for each item, all of one trial."""
+    """A questionnaire on its own: a row for each item, all of one trial.
+
+    Raises
+    ------
+    InvalidParameter
+        If `form` is no questionnaire.
+    """
 
     form: Questionnaire
     shuffled: bool = False
@@ -44,6 +51,9 @@ class Inquiry:
 
     instructions = "instructions_rating"
     page = "block"
+
+    def __post_init__(self) -> None:
+        of_kind("Inquiry", Questionnaire, form=self.form)
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
         for reply in (yield from filled_in(self.form, rng, shuffled=self.shuffled)):

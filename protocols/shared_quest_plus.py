@@ -14,6 +14,7 @@ from tactometry.protocols.outcome_model import size
 from tactometry.protocols.posterior import Posterior, log_prior
 from tactometry.protocols.procedure import Ending, Procedure, checked_outcome, finite_level, refuse_finished
 from tactometry.protocols.quest_plus import QuestPlus
+from tactometry.require import of_kind
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,8 @@ class SharedQuestPlus:
     answers: Mapping[str, _Answers] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
+        of_kind("SharedQuestPlus", QuestPlus, rule=self.rule)
+        of_kind("SharedQuestPlus", tuple, tracks=self.tracks)
         if not self.tracks or len(set(self.tracks)) != len(self.tracks):
             raise InvalidParameter(f"SharedQuestPlus.tracks: found {self.tracks}, expected names, each once")
         if self.rule.responses:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
+from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
+from tactometry.require import finite, numbers, whole
 
 
 @dataclass(frozen=True)
@@ -51,10 +52,12 @@ class Staircase:
     name = "staircase"
 
     def __post_init__(self) -> None:
-        numbers = {"start": self.start, "low": self.low, "high": self.high}
-        for key, value in numbers.items():
-            if not math.isfinite(value):
-                raise InvalidParameter(f"Staircase.{key}: found {value}, expected a finite number")
+        if self.levels:
+            return
+        finite("Staircase", start=self.start, low=self.low, high=self.high)
+        numbers("Staircase.steps", self.steps)
+        counts = ("n_up", "n_down", "n_reversals", "n_trials", "n_at_bound")
+        whole("Staircase", lowest=1, **{name: getattr(self, name) for name in counts})
         if not self.low < self.high:
             raise InvalidParameter(f"Staircase.low: found {self.low:g}, expected less than high ({self.high:g})")
         if not self.low <= self.start <= self.high:
@@ -70,9 +73,6 @@ class Staircase:
                     f"Staircase.steps[{n}]: found {step:g}, expected above 0 and at most the range of levels "
                     f"({self.high - self.low:g})"
                 )
-        for key in ("n_up", "n_down", "n_reversals", "n_trials", "n_at_bound"):
-            if not getattr(self, key) >= 1:
-                raise InvalidParameter(f"Staircase.{key}: found {getattr(self, key)}, expected at least 1")
 
     @property
     def level(self) -> float:
@@ -105,9 +105,7 @@ class Staircase:
         """The staircase after a response to the level that was delivered (default: the one asked for)."""
         correct = checked_response(response, "Staircase")
         refuse_finished(finished=self.finished, procedure="Staircase")
-        level = self.level if delivered is None else delivered
-        if not math.isfinite(level):
-            raise InvalidParameter(f"Staircase.after: found the delivered level {level}, expected a finite number")
+        level = finite_level(self.level if delivered is None else delivered, "Staircase")
         told = replace(
             self,
             levels=(*self.levels, level),

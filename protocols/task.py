@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -71,8 +71,9 @@ def reply(
 class Outcome:
     """What came of one presentation, a row for each reply.
 
-    `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told; `factors` are those
-    that the trial itself chose; `rule` stands in the column `procedure` in place of the procedure's name.
+    `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told (None: nothing);
+    `factors` are those that the trial itself chose; `rule` stands in the column `procedure` in place of the
+    procedure's name.
     """
 
     touches: tuple[Touched, ...]
@@ -107,6 +108,7 @@ def touched(shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tup
     return Outcome((touch,), touch, (said,), success=success)
 
 
+@runtime_checkable
 class Task(Protocol):
     """The course of one trial."""
 

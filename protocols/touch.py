@@ -5,6 +5,7 @@ from typing import Protocol
 
 from tactometry.errors import InvalidParameter
 from tactometry.request import TRAJECTORY_M, Play, Press, Slide
+from tactometry.require import above_zero
 
 
 class Touch(Protocol):
@@ -22,12 +23,12 @@ def fair_tolerance(force_n: float) -> float:
     return 0.2 if force_n >= 0.5 else 0.3
 
 
-def _check(touch: "Pressing | Sliding", names: tuple[str, ...]) -> None:
+def _check(touch: "Pressing | Sliding", **more: float | None) -> None:
     owner = type(touch).__name__
-    for name in ("duration_s", "force_n", "tolerance", "hold_s", "timeout_s", *names):
-        value = getattr(touch, name)
-        if value is not None and not 0 < value < float("inf"):
-            raise InvalidParameter(f"{owner}.{name}: found {value}, expected a finite number above 0")
+    above_zero(owner, duration_s=touch.duration_s, force_n=touch.force_n)
+    above_zero(owner, hold_s=touch.hold_s, timeout_s=touch.timeout_s)
+    optional = {"tolerance": touch.tolerance, **more}
+    above_zero(owner, **{name: value for name, value in optional.items() if value is not None})
     if touch.hold_s >= touch.timeout_s:
         raise InvalidParameter(
             f"{owner}.hold_s: found {touch.hold_s:g} s, expected less than timeout_s ({touch.timeout_s:g} s): no touch "
@@ -46,7 +47,7 @@ class Pressing:
     tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, ())
+        _check(self)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(
@@ -79,7 +80,8 @@ class Sliding:
     speed_tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, ("speed_m_per_s", "length_m", "speed_tolerance"))
+        above_zero("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m)
+        _check(self, speed_tolerance=self.speed_tolerance)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
         return Slide(

@@ -7,6 +7,7 @@ from typing import Self
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
 from tactometry.protocols.staircase import Staircase
+from tactometry.require import numbers
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,17 @@ class WeightedStaircase:
     name = "weighted_staircase"
 
     def __post_init__(self) -> None:
+        if self.state is not None:
+            return
+        numbers("WeightedStaircase.steps_up", self.steps_up)
+        numbers("WeightedStaircase.steps_down", self.steps_down)
         if len(self.steps_up) != len(self.steps_down):
             raise InvalidParameter(
                 f"WeightedStaircase.steps_up: found {len(self.steps_up)} steps and {len(self.steps_down)} steps_down, "
                 "expected pairs"
             )
         self._rule(self.steps_up)
-        if self.state is None:
-            object.__setattr__(self, "state", self._rule(self.steps_down))
+        object.__setattr__(self, "state", self._rule(self.steps_down))
 
     def _rule(self, steps: tuple[float, ...]) -> Staircase:
         return Staircase(

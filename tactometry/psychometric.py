@@ -143,7 +143,7 @@ def shape_named(name: str) -> Shape:
     InvalidParameter
         If there is none.
     """
-    if name not in SHAPES:
+    if not isinstance(name, str) or name not in SHAPES:
         raise InvalidParameter(
             f"shape: found {name!r}, expected one of {', '.join(SHAPES)}{nearest(str(name), SHAPES)}"
         )

@@ -84,7 +84,7 @@ STUDIES = {
     ),
     "no repeats": (
         TUTORIAL.replace("repeats = 4", "repeats = 0"),
-        "s.toml, procedure.repeats: found 0, expected at least 1",
+        "s.toml, procedure.repeats: found 0, expected a whole number, at least 1",
     ),
     "unknown task": (
         TUTORIAL.replace('"yes_no"', '"yesno"'),

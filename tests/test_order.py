@@ -63,5 +63,5 @@ def test_without_counterbalancing_the_order_is_that_of_the_file():
 
 
 def test_a_number_below_one_is_refused():
-    with pytest.raises(InvalidParameter, match="participant number: found 0, expected a number from 1"):
+    with pytest.raises(InvalidParameter, match="participant number: found 0, expected a whole number from 1"):
         counterbalanced({"a": [1]}, ["a"], 0)

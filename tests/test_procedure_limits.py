@@ -95,8 +95,16 @@ def test_alternating_limits_recover_the_half_point():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"step": 0.0}, "MethodOfLimits.step: found 0 from low 0 to high 10, expected above 0, and low below high"),
-        ({"high": 0.0}, "MethodOfLimits.step: found 2 from low 0 to high 0, expected above 0, and low below high"),
+        (
+            {"step": 0.0},
+            "MethodOfLimits.step: found 0 from low 0 to high 10, expected above 0, low below high, and at most "
+            "10000 steps between them",
+        ),
+        (
+            {"high": 0.0},
+            "MethodOfLimits.step: found 2 from low 0 to high 0, expected above 0, low below high, and at most "
+            "10000 steps between them",
+        ),
         ({"low": float("nan")}, "MethodOfLimits.low: found nan, expected a finite number"),
         (
             {"n_series": 0},

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import FunctionModel, ParameterGrid, QuestPlus, QuestPlusSettings, TableModel
+from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel
 from tactometry.protocols.quest_plus_settings import spaced
 from tactometry.psychometric import PsychometricFunction
 
@@ -102,6 +102,14 @@ def variance(rule, name):
     return float(rule.marginal(name) @ away**2)
 
 
+@pytest.mark.parametrize("answer", [-1, 3, 1.5, None, "1"])
+def test_an_answer_that_is_none_of_three_is_refused(answer):
+    rule = QuestPlus((0.0, 5.0), THREE)
+    with pytest.raises(InvalidParameter, match="expected a whole number from 0 to 2"):
+        rule.after(answer)
+    assert [rule.after(kept).responses for kept in (0, 1, np.int64(2))] == [(0,), (1,), (2,)]
+
+
 def test_three_answers_find_what_they_come_from():
     rng, found = np.random.default_rng(), []
     for _ in range(15):
@@ -134,6 +142,12 @@ def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
         assert math.log(log.level) == pytest.approx(linear.level, abs=1e-9)
         log, linear = log.after(answer), linear.after(answer)
     np.testing.assert_allclose(log.posterior, linear.posterior, atol=1e-10)
+
+
+def test_the_psi_method_weighs_twenty_standard_deviations_with_equal_ratios():
+    """Kontsevich and Tyler (1999); a normal is 2 * 1.6449 standard deviations wide from 0.05 to 0.95."""
+    widths = PsiSettings(low=0.0, high=40.0, n_levels=5, sd_low=1.0, sd_high=8.0).procedure().grid.widths
+    np.testing.assert_allclose(np.array(widths) / 3.2897072539, np.geomspace(1, 8, 20), rtol=1e-9)
 
 
 def test_a_log_normal_prior_of_widths_has_its_middle_and_its_factor():
@@ -224,8 +238,11 @@ def summing_to(total):
     [
         (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
         (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found no parameter"),
-        (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found \(\)"),
-        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity), "FunctionModel.n_outcomes: found 1, expected at least 2"),
+        (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found no number"),
+        (
+            lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
+            "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2",
+        ),
         (lambda: QuestPlus((0.0, 5.0), THREE).after(3), "found the response 3, expected a whole number from 0 to 2"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
@@ -264,8 +281,15 @@ def half_table():
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "n"), [(math.nan, 1.0, 3), (0.0, math.inf, 3), (0.0, 1.0, 0), (1.0, 1.0, 2), (2.0, 1.0, 2)]
+    ("low", "high", "n", "found"),
+    [
+        (math.nan, 1.0, 3, "grid.low: found nan"),
+        (0.0, math.inf, 3, "grid.high: found inf"),
+        (0.0, 1.0, 0, "grid.n: found 0"),
+        (1.0, 1.0, 2, "grid: found 2 values from 1 to 1"),
+        (2.0, 1.0, 2, "grid: found 2 values from 2 to 1"),
+    ],
 )
-def test_values_that_make_no_rising_grid_are_refused(low, high, n):
-    with pytest.raises(InvalidParameter, match=f"grid: found {n} values from .*, expected a rising grid"):
+def test_values_that_make_no_rising_grid_are_refused(low, high, n, found):
+    with pytest.raises(InvalidParameter, match=found):
         spaced(low, high, n, "linear", "grid")

@@ -73,6 +73,11 @@ def small():
     return QuestPlus((0.0, 10.0), GRID, n_trials=3)
 
 
+def test_a_pool_shows_itself_without_its_tables():
+    pool = SharedQuestPlus(RULE, ("a", "b")).after("a", 1)
+    assert "array" not in repr(pool)
+
+
 def test_each_track_ends_after_its_own_trials():
     pool = SharedQuestPlus(small(), ("a", "b"))
     for track in "aaab":

@@ -20,7 +20,7 @@ from tactometry.experiments.session_plan import session_cells
 from tactometry.experiments.study import builtin, load, parse
 from tactometry.experiments.validation import validate
 from tactometry.experiments.wiring import wire
-from tactometry.protocols import Block, Condition, ConstantStimuli, Track
+from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import run_block, turns
 from tactometry.protocols.order import ORDERS, Crossing, nth_permutation
 from tactometry.protocols.practice import Practice
@@ -291,6 +291,9 @@ def test_feedback_says_whether_the_answer_was_right():
     assert said == ["right" if trial.correct else "wrong" for trial in memory.trials if trial.valid]
 
 
+TWICE = ConstantStimuli(levels=(10.0,), repeats=2)
+
+
 class Losing:
     """A rig that loses the touches of these numbers (from 1)."""
 
@@ -322,6 +325,51 @@ def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
             t.trial for t in memory.trials if t.track == track.name and t.valid
         }
         assert track.ended == "aborted" or not owed
+
+
+class Saying(Losing):
+    """A rig whose participant gives these answers to yes or no."""
+
+    def __init__(self, lost, options):
+        super().__init__(lost)
+        self._options = iter(options)
+
+    def choose(self, request):
+        return replace(self._rig.choose(request), option=next(self._options))
+
+
+def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():
+    track = replace(catalogue.block("yes_no", "constant_stimuli", "press").tracks[0], procedure=TWICE)
+    (track,), _ = run(
+        run_block(Block((track,), YesNo()), 1, 1, np.random.default_rng(2)), Saying({2}, [1, 0]), Memory()
+    )
+    assert (track.procedure.ended, track.ended) == ("trials", "trials")
+
+
+@pytest.mark.parametrize("task", ["rating", "adjustment", "preference"])
+def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
+    block = catalogue.block(task, "constant_stimuli", "press")
+    (track,), _ = run(run_block(block, 1, 1, np.random.default_rng(2)), catalogue.simulated(), Memory())
+    assert track.ended == "trials"
+
+
+@pytest.mark.parametrize(
+    ("how", "sentence"),
+    [
+        ({"tracks": ()}, "Block.tracks: found no track, expected at least one"),
+        ({"catch_rate": 0.6}, "Block.catch_rate: found 0.6, expected from 0 to 0.5"),
+        ({"interleaving": "rounds"}, "Block.interleaving: found 'rounds', expected one of random, balanced"),
+        ({"n_attempts": 0}, "Block.n_attempts: found 0, expected a whole number, at least 1"),
+        ({"rest_s": 0.0}, "Block.rest_s: found 0.0, expected a finite number above 0"),
+    ],
+)
+def test_an_impossible_block_is_refused(how, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        replace(two_tracks(), **how)
+
+
+def test_half_of_the_presentations_may_be_catch_trials():
+    assert two_tracks(catch_rate=0.5).catch_rate == 0.5
 
 
 # --- every kind from a study file, from session to sound data set
@@ -381,8 +429,8 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
             'kind = "yes_no"\nn_intervals = 2',
             "task.n_intervals: found an unknown key, expected one of kind, catch_rate",
         ),
-        ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected at least 1"),
-        ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0, expected above 0"),
+        ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected a whole number, at least 1"),
+        ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0.0, expected a finite number above 0"),
         ('kind = "rating"\nform = "sus"\ncatch_rate = 0.1', "task.catch_rate: found 0.1 with rating, expected 0"),
     ],
 )

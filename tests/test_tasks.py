@@ -140,6 +140,14 @@ def test_a_magnitude_of_nothing_was_not_felt(said, felt):
     assert (outcome.success, outcome.replies[0].response) == (felt, said)
 
 
+def test_without_a_number_two_intervals_are_chosen_from():
+    asked = []
+    answered(
+        ForcedChoice(), shown(20.0), np.random.default_rng(1), lambda r: (asked.append(r), Choose.answer(1, 0, 1))[1]
+    )
+    assert [request.options for request in asked] == [(1, 2)]
+
+
 PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2, 3))
 
 
@@ -233,6 +241,12 @@ def test_items_come_in_the_published_order_or_in_one_drawn_for_each_trial():
 def test_pages_are_equally_long(name, sizes):
     form = load(name)
     assert [len(page.questions) for page in pages(form, form.items)] == sizes
+
+
+@pytest.mark.parametrize(("name", "most"), [("attrakdiff", 7), ("sus", 5)])
+def test_a_page_holds_seven_word_pairs_or_five_statements(name, most):
+    form = load(name)
+    assert [len(pages(form, form.items[:n])) for n in (most, most + 1)] == [1, 2]
 
 
 def test_an_item_that_was_left_open_has_an_empty_response():

@@ -1,0 +1,119 @@
+"""Every public procedure, task and touch, one argument at a time replaced by what does not belong there.
+
+What comes back goes on with finite levels, or is refused in one sentence: no NaN, no traceback of Python's own.
+"""
+
+import math
+from dataclasses import fields
+
+import catalogue
+import numpy as np
+
+import tactometry.protocols as room
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.procedures import PROCEDURES
+from tactometry.protocols import (
+    FunctionModel,
+    Inquiry,
+    Measurement,
+    ParameterGrid,
+    PsiSettings,
+    QuestPlus,
+    QuestPlusSettings,
+    SharedQuestPlus,
+    TableModel,
+    counterbalanced,
+    psi,
+    williams_square,
+)
+from tactometry.protocols.practice import Practice
+from tactometry.questionnaire import load as load_form
+
+HOSTILE = {
+    "None": None, "text": "wide", "nan": math.nan, "inf": math.inf, "-1": -1, "0": 0, "half": 0.5, "1e-320": 1e-320,
+    "1e308": 1e308, "empty": (), "with nan": (1.0, math.nan), "of texts": ("a", "b"), "of None": (None,), "True": True,
+    "complex": 1 + 1j, "mapping": {"a": "b"},
+}  # fmt: skip
+STATE = {
+    "QuestPlus": ("responses", "delivered", "contradicted", "state", "chances"),
+    "Practice": ("responses",),
+    "SharedQuestPlus": ("log_likelihoods", "answers"),
+    "SharedTrack": ("pool", "track"),
+    **{kind.table.__name__: kind.state for kind in PROCEDURES.values() if kind.state},
+}
+"""What holds the answers so far: `after` makes it, and nobody else."""
+
+
+RECORDS = ("Condition", "Track")
+"""What a block is handed as it is."""
+MOVES = ("answered", "session")
+"""What hands a course on to the rest."""
+
+
+def coin(level, outcome, *, bias):
+    return np.log(np.where(outcome == 1, bias, 1 - bias))
+
+
+SETTINGS = QuestPlusSettings(0.0, 40.0, 5, 4.0, 16.0, 2, 2.0, threshold_low=0.0, threshold_high=40.0, n_thresholds=5)
+SMALL = QuestPlus((0.0, 20.0, 40.0), ParameterGrid((0.0, 20.0, 40.0), (8.0,)), n_trials=3)
+VALID = (
+    *catalogue.PROCEDURES.values(), *catalogue.TASKS.values(), *catalogue.TOUCHES.values(),
+    Measurement(), Practice((10.0, 20.0)), SMALL.grid, SETTINGS, Inquiry(load_form("sus")),
+    PsiSettings(0.0, 40.0, 5, 1.0, 8.0, 2), SharedQuestPlus(SMALL, ("first", "second")),
+    FunctionModel({"bias": (0.25, 0.75)}, 2, coin),
+    TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2])),
+    catalogue.block("yes_no", "constant_stimuli"),
+)  # fmt: skip
+CALLS = {
+    williams_square: {"n": 4},
+    counterbalanced: {"factors": {"a": [1, 2], "b": [3, 4]}, "outer_first": ["a"], "number": 3},
+    psi: {
+        "levels": (0.0, 1.0), "thresholds": (0.0, 1.0), "sds": (0.5, 1.0), "guess_rate": 0.5, "lapse_rate": 0.02,
+        "n_trials": 3, "sd_stop": 0.1, "aim": "parameters",
+    },
+    **{each.after: {"response": 1, "delivered": 20.0} for each in catalogue.PROCEDURES.values()},
+}  # fmt: skip
+
+
+def cases():
+    for each in VALID:
+        state = STATE.get(type(each).__name__, ())
+        given = {f.name: getattr(each, f.name) for f in fields(each) if not f.name.startswith("_")}
+        yield type(each), {name: value for name, value in given.items() if name not in state}
+    yield from CALLS.items()
+
+
+def test_every_public_name_is_tried():
+    public = {name for name in room.__all__ if not getattr(getattr(room, name), "_is_protocol", False)}
+    assert public - {function.__name__ for function, _ in cases()} == {"Ending", *RECORDS, *MOVES}
+
+
+def test_hostile_arguments_are_refused_in_one_sentence_or_do_no_harm():
+    faults = [
+        f"{function.__qualname__}({name}={word}): {fault}"
+        for function, arguments in cases()
+        for name in arguments
+        for word, value in HOSTILE.items()
+        if (fault := harm(function, arguments | {name: value}))
+    ]
+    assert not faults, "\n".join(faults)
+
+
+def harm(function, arguments):
+    try:
+        gone_on(function(**arguments))
+    except InvalidParameter as error:
+        return None if "\n" not in str(error) and ": found" in str(error) else str(error)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return None
+
+
+def gone_on(made):
+    """A procedure, or what makes one, after two answers."""
+    if hasattr(made, "procedure") and callable(made.procedure) and not hasattr(made, "tracks"):
+        made = made.procedure()
+    for answer in (1, 0):
+        if hasattr(made, "after") and hasattr(made, "level") and not made.finished:
+            assert math.isfinite(made.level)
+            made = made.after(answer)
