@@ -383,6 +383,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
         "plate": {
             "Plate.contains": {"self": PLATE, "x_m": 0.1, "y_m": 0.1},
+            "Plate.check_holds": {"self": PLATE, "name": "at_m", "at_m": (0.1, 0.1)},
             "Plate.modes": {"self": PLATE, "shear_factor": 0.8, **LOW},
             "Plate.frequencies_hz": {"self": PLATE, **LOW},
             "Plate.mode_count": {"self": PLATE, "frequency_hz": 1e3},

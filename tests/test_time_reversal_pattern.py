@@ -151,6 +151,15 @@ def test_stimulus_delivers_its_level(focus, name, quantiser):
     assert signal.peak == pytest.approx(stimulus.voltage_v(2e-6), rel=1e-12)
 
 
+def test_the_level_is_that_of_the_largest_focus_also_where_it_is_a_negative_one():
+    h = Responses(1e-9 * np.array([[[3.0, -2.0, 1.0]]]), 1e3)
+    pattern = Pattern(50.0, 0.04, Table((0.6, -1.0)))
+    stimulus = TimeReversalStimulus(h, pattern)
+    heard = emitted(stimulus.at(1e-7), h)[0, focus_samples(pattern, 1e3, 3)]
+    assert heard[1] == pytest.approx(-1e-7)
+    assert 0 < heard[0] < 1e-7
+
+
 def test_levels_in_decibels(focus):
     stimulus = TimeReversalStimulus(focus.at_point(0), level_unit="dB re 1 um")
     assert stimulus.voltage_v(6.0) / stimulus.voltage_v(0.0) == pytest.approx(10 ** (6 / 20))

@@ -24,6 +24,9 @@ CASES = {
     "omega h = 1e-9": (1e-9 / STEP_S, 0.0),
     "rigid": (0.0, 0.0),
     "rigid with loss": (0.0, 300.0),
+    "rigid with hardly a loss": (0.0, 0.3),
+    "poles 1.6e-3 / h apart": (0.6 / STEP_S, 0.6 / STEP_S * (1 + 3.5e-6)),
+    "omega h just inside the series": (0.499 / STEP_S, 100.0),
 }
 
 
@@ -47,17 +50,21 @@ def test_one_step_is_exact(case):
     unit = np.array([[1, 1 / speed, STEP_S**2, STEP_S**2], [speed, 1, STEP_S, STEP_S]])
     hard_case(
         "one step of a mode: omega h of 1e-9, pi and 30, critical, overdamped, rigid",
-        (found - expected) / unit, 0, 1e-12, against="60 digits", floor=1,
+        (found - expected) / unit, 0, 1e-13, against="60 digits", floor=1,
     )  # fmt: skip
 
 
-def test_tau_of_a_nanosecond_follows_the_force_quasi_statically():
+def test_tau_of_a_nanosecond_creeps_to_the_static_deflection_as_its_two_poles_say():
+    """q = (1 - (p2 e^(p1 t) - p1 e^(p2 t)) / (p2 - p1)) / w^2 under a constant force; p1 is 1e-8 of p2."""
+    mp.dps = 60
     omega, decay = CASES["tau of 1 ns"]
-    one = Oscillators(np.array([omega]), np.array([decay]))
-    q = run_linear(one, np.ones((1, 400)), 1 / STEP_S)[0]
-    slow = omega**2 / (2 * decay)
-    expected = (1 - np.exp(-slow * STEP_S * np.arange(400))) / omega**2
-    assert q == pytest.approx(expected, abs=1e-9 * expected.max() + 1e-3 * STEP_S**2 / (decay * STEP_S))
+    found = run_linear(Oscillators(np.array([omega]), np.array([decay])), np.ones((1, 400)), 1 / STEP_S)[0]
+    root = mp.sqrt(mpf(decay) ** 2 - mpf(omega) ** 2)
+    slow, fast = -decay + root, -decay - root
+    times = [mpf(k) * mpf(STEP_S) for k in (1, 20, 399)]
+    shares = [(fast * mp.exp(slow * t) - slow * mp.exp(fast * t)) / (fast - slow) for t in times]
+    expected = [float((1 - share) / mpf(omega) ** 2) for share in shares]
+    hard_case("tau of 1 ns under a constant force", found[[1, 20, 399]], expected, 1e-12, against="60 digits")
 
 
 def test_impulses_reproduce_the_impulse_response():

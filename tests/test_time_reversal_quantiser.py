@@ -165,6 +165,21 @@ def test_pulse_width_puts_its_carrier_on_one_line_and_sigma_delta_spreads_it():
         assert spectrum[tone].max() == pytest.approx(0.5, rel=0.15), "a Hann window scallops by 15 %"
 
 
+@pytest.mark.parametrize("share", [-0.6, 0.0, 0.3])
+def test_pulse_width_is_on_for_the_share_that_the_waveform_says(share):
+    """Over whole periods the mean is the waveform, to a sample at each edge."""
+    wave = np.append(np.full(10_000, share), 1.0)[None]
+    assert PulseWidth(1e3).quantise(wave, 1e5)[0, :-1].mean() == pytest.approx(share, abs=0.02)
+
+
+def test_transitions_are_changes_of_sign_with_plus_for_0():
+    assert transitions_per_s(np.array([[1.0, -1.0, 1.0, -1.0], [1.0, 0.0, 1.0, -1.0]]), 3e3).tolist() == [3e3, 1e3]
+
+
+def test_first_order_overloads_above_a_state_of_2():
+    assert [modulate(np.full((1, n), 1.2), 1).overloaded for n in (5, 6)] == [False, True]
+
+
 def test_analogue_gains():
     wave = np.array([[1.0, -2.0], [4.0, 0.0]])
     assert Analogue().quantise(wave, 1.0).tolist() == [[0.25, -0.5], [1.0, 0.0]]
@@ -177,6 +192,7 @@ def test_analogue_gains():
     [
         (lambda: SigmaDelta(order=3), "SigmaDelta.order: found 3, expected 1 or 2"),
         (lambda: PulseWidth(0.0), "PulseWidth.carrier_hz: found 0.0"),
+        (lambda: PulseWidth(1e3, 1.5), "PulseWidth.scale: found 1.5, expected a number from 0.0 to 1.0"),
         (
             lambda: PulseWidth(3e5).quantise(np.ones((1, 4)), 1e6),
             "PulseWidth.carrier_hz: found 300000.0, expected at most",

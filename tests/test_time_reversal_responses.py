@@ -222,6 +222,13 @@ def test_border_begins_half_a_step_from_a_corner_and_goes_round_in_equal_steps()
     assert steps == pytest.approx([2 * (a + b) / n] * (n - 1))
 
 
+def test_responses_cannot_be_written_to_and_a_choice_of_channels_keeps_its_points():
+    h = Responses(np.arange(24.0).reshape(2, 3, 4), 1e3)
+    with pytest.raises(ValueError, match="read-only"):
+        h.samples[0, 0, 0] = 1.0
+    assert h.of_channels([2, 0]).samples[:, :, 0].tolist() == [[8.0, 0.0], [20.0, 12.0]]
+
+
 def test_a_duration_is_rounded_to_the_nearest_sample():
     assert 0.29 * 100.0 < 29
     assert samples_in("duration_s", 0.29, 100.0) == 29
@@ -246,6 +253,11 @@ def test_frequency_dependent_attenuation_shortens_the_high_notes():
             "points[0]: found (0.4, 0.1) m, expected a point",
         ),
         (lambda: impulse_responses(A4_PROTOTYPE, [], **FAST), "points: found none"),
+        (
+            lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **{**FAST, "f_max_hz": 25.1e3}),
+            "f_max_hz: found 25100.0, above the Nyquist frequency 25000.0",
+        ),
+        (lambda: samples_in("duration_s", 1e9, 1e3), "duration_s: found 1000000000.0 s at 1000.0 Hz, expected at most"),
         (lambda: Screen(A4_SCREEN, (), Attenuation(1e-3)), "Screen.sources: found none"),
         (
             lambda: Screen(A4_SCREEN, (Patch(0.0, 0.1, 0.01, 0.01),), Attenuation(1e-3)),

@@ -10,11 +10,14 @@ from hypothesis import strategies as st
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
+from tactometry.stimuli.perception.sensitivity import sensitivity_db
 from tactometry.stimuli.time_reversal.finger import Finger
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.focus_train import FocusTrain, measured
+from tactometry.stimuli.time_reversal.focusing import drive as reversed_drive
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.load import Load, loaded_responses
 from tactometry.stimuli.time_reversal.pattern import PATTERNS, focus_samples
+from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.sensation import (
     TimeReversalSensation,
     events,
@@ -22,6 +25,7 @@ from tactometry.stimuli.time_reversal.sensation import (
     loaded_displacement,
 )
 from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
 from tactometry.strict import build
 
@@ -146,6 +150,36 @@ def test_two_foci_half_a_millisecond_apart_are_nearly_one_to_a_sense_that_is_bes
     assert felt_amplitude_m([0.0, 2e-3], [1.0, 1.0]) == 1.0
 
 
+def test_two_events_are_weighted_by_the_sensitivity_of_touch_to_amplitudes():
+    """g(t) is the integral of 10^(-S(f) / 20) cos(2 pi f t) over that at t = 0."""
+    f = np.linspace(1.0, 1000.0, 4000)
+    gain = 10 ** (-sensitivity_db(f) / 20)
+    t = np.linspace(-5e-3, 5e-3, 2001)
+    for apart_s in (0.5e-3, 3.8e-3):
+        g = [np.cos(2 * np.pi * np.outer(t - shift, f)) @ gain / gain.sum() for shift in (0.0, apart_s)]
+        expected = max(1.0, np.abs(g[0] + g[1]).max())
+        assert felt_amplitude_m([0.0, apart_s], [1.0, 1.0]) == pytest.approx(expected, rel=0.01)
+
+
+def test_events_nearer_than_a_millisecond_or_below_half_the_largest_are_none():
+    times_s, peaks_m = events(np.array([0, 1.0, 0, 0, 0, 2.0, 0]), 10e3)
+    assert (times_s.tolist(), peaks_m.tolist()) == ([5e-4], [2.0])
+    times_s, peaks_m = events(np.array([0, 2.0, 0, 0.9, 0, 1.1, 0]), 1e3)
+    assert (times_s.tolist(), peaks_m.tolist()) == ([1e-3, 5e-3], [2.0, 1.1])
+
+
+def test_a_setup_gives_its_shear_factor_and_the_place_of_its_patches_to_the_screen():
+    screen = replace(SMALL, shear_factor=5 / 6, inset_m=20e-3).screen
+    assert screen.shear_factor == 5 / 6
+    assert min(min(patch.x_m, patch.y_m) for patch in screen.sources) == pytest.approx(20e-3)
+
+
+def test_responses_are_heard_for_60_db_and_at_least_as_long_as_they_are_learnt():
+    short = replace(SMALL, tau_s=1e-4)
+    assert short.heard_s == short.learnt_s == short.learnt().duration_s == 7e-3
+    assert SMALL.heard_s == pytest.approx(np.log(1000) * SMALL.tau_s)
+
+
 def test_events_are_timed_to_the_sample():
     times_s, peaks_m = events(np.array([0, 0, 1.0, 0, 0, 0, -2.0]), 1000.0)
     assert times_s.tolist() == [0.002, 0.006]
@@ -157,6 +191,26 @@ def test_events_are_timed_to_the_sample():
 def test_a_train_is_never_weaker_than_its_largest_focus_nor_stronger_than_their_sum(peaks_m, repetition_hz):
     times_s = np.arange(len(peaks_m)) / repetition_hz
     assert max(peaks_m) <= felt_amplitude_m(times_s, peaks_m) <= sum(peaks_m) * (1 + 1e-12)
+
+
+NAMED = {"one_bit": OneBit(), "analogue": Analogue(), "sigma_delta_1": SigmaDelta(1), "sigma_delta_2": SigmaDelta(2)}
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_a_named_drive_is_its_quantiser(name):
+    found = train(drive=name, f_max_hz=2e3).at(-40.0)
+    expected = reversed_drive(band_limited(SMALL.learnt(), Band(200.0, 2e3)), 1.0, NAMED[name])
+    assert found.samples / found.peak == pytest.approx(expected.samples / expected.peak, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rectangular", "raised_cosine", "exponential", "sinc"])
+def test_a_named_envelope_is_the_class_of_that_name(name):
+    assert type(train(pattern="P1", envelope=name).foci.envelope).__name__ == name.title().replace("_", "")
+
+
+def test_measured_responses_of_the_model_need_its_voltage_also_where_less_is_reversed_than_learnt():
+    short = train(reversal_s=3e-3)
+    assert measured(short, SMALL.responses_at(*SMALL.focus_m)).voltage_v(0.0) == short.voltage_v(0.0)
 
 
 def test_replaced_parts_of_a_pattern_are_used():
@@ -221,3 +275,5 @@ def test_a_setup_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
 def test_a_signal_of_another_screen_is_refused():
     with pytest.raises(InvalidParameter, match=r"found 2 channels in 'V' at 50000 Hz, expected 8 in volt"):
         TimeReversalSensation(SMALL).sensation_db(Signal(np.ones((2, 9)), 50e3, "V"), Contact(1.0))
+    with pytest.raises(InvalidParameter, match=r"found 8 channels in 'm' at 50000 Hz, expected 8 in volt"):
+        TimeReversalSensation(SMALL).sensation_db(Signal(np.ones((8, 9)), 50e3, "m"), Contact(1.0))

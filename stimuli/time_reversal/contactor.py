@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.checks import choice, not_negative, positive
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.load import Load
@@ -50,8 +49,7 @@ class Contactor:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
         out."""
         not_negative("force_n", force_n)
-        if not plate.contains(*at_m):
-            raise InvalidParameter(f"at_m: found {at_m}, expected a point of the plate")
+        plate.check_holds("at_m", at_m)
         if self.kind == "finger":
             return [Finger(*at_m, force_n).load()]
         return [self._share(x, y, force_n) for x, y in _disc(at_m, self.diameter_m / 2) if plate.contains(x, y)]

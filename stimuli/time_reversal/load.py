@@ -30,6 +30,12 @@ WRAP_AROUND: Final = 1e-8
 CHUNK: Final = 256
 """Frequencies at a time: the motion of some hundred modes stays in cache."""
 
+RECEPTANCES_AT_ONCE: Final = 2**20
+"""Pairs of contacts times frequencies, 16 MB: a thousand contacts are taken one frequency at a time."""
+
+WEIGHTS_AT_ONCE: Final = 2**14
+"""Pairs of contacts whose modal weights are multiplied at a time."""
+
 COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
 
 
@@ -74,6 +80,7 @@ class Load:
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
+        screen.plate.check_holds("Load", (self.x_m, self.y_m))
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
@@ -124,21 +131,30 @@ class Receptances:
         self._check(to=to, of=of, at=at)
         if of.shape[1] < to.shape[1]:
             return self.correction(of, to, at, stiffness).swapaxes(0, 1)
-        out = np.empty((to.shape[1], of.shape[1], len(stiffness)), complex)
+        n_frequencies, k = self.compliance.shape[1], at.shape[1]
+        shaped("stiffness", stiffness, (n_frequencies, k))
+        out = np.empty((to.shape[1], of.shape[1], n_frequencies), complex)
+        step = max(1, RECEPTANCES_AT_ONCE // max(k, 1) ** 2)
+        for start in range(0, n_frequencies, step):
+            part = slice(start, start + step)
+            Receptances(self.compliance[:, part])._take(to, of, at, stiffness[part], out[:, :, part])
+        return out
+
+    def _take(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray, out: ComplexArray) -> None:
         for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
             for start in range(0, len(stiffness), CHUNK):
                 part = slice(start, start + CHUNK)
-                motion = _times(at, toward[:, part]) * self.compliance[:, part]
-                taken[:, part] = _times(of.T, motion)
-        return out
+                taken[:, part] = _times(of.T, _times(at, toward[:, part]) * self.compliance[:, part])
 
     def among(self, at: FloatArray) -> ComplexArray:
         """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
         self._check(at=at)
-        i, j = np.triu_indices(at.shape[1])
-        found = self._pairs(at[:, i] * at[:, j])
-        among = np.empty((found.shape[1], at.shape[1], at.shape[1]), complex)
-        among[:, i, j] = among[:, j, i] = found.T
+        k = at.shape[1]
+        among = np.empty((self.compliance.shape[1], k, k), complex)
+        i, j = np.triu_indices(k)
+        for start in range(0, len(i), WEIGHTS_AT_ONCE):
+            left, right = i[start : start + WEIGHTS_AT_ONCE], j[start : start + WEIGHTS_AT_ONCE]
+            among[:, left, right] = among[:, right, left] = self._pairs(at[:, left] * at[:, right]).T
         return among
 
     def _check(self, **weights: FloatArray) -> None:

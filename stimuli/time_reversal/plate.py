@@ -104,6 +104,14 @@ class Plate:
         """Whether a point is on the plate, its edges included."""
         return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
 
+    def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
+        """Raise `InvalidParameter`, which names the argument, if a point is outside of the plate."""
+        if not self.contains(*at_m):
+            x_m, y_m = (float(each) for each in at_m)
+            raise InvalidParameter(
+                f"{name}: found ({x_m}, {y_m}) m, expected a point of the plate of {self.length_m} x {self.width_m} m"
+            )
+
     def modes(self, f_max_hz: float, *, shear_factor: float | None = None) -> "Modes":
         """The modes from 0 Hz to `f_max_hz`, sorted; see
         `tactometry.stimuli.time_reversal.modes.modes_of`.

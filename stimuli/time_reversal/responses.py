@@ -195,9 +195,5 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
     if place.ndim != 2 or place.shape[1] != 2:
         raise InvalidParameter(f"points: found shape {place.shape}, expected (n_points, 2), pairs (x_m, y_m)")
     for i, (x, y) in enumerate(place):
-        if not screen.plate.contains(x, y):
-            raise InvalidParameter(
-                f"points[{i}]: found ({x}, {y}) m, expected a point of the plate of "
-                f"{screen.plate.length_m} x {screen.plate.width_m} m"
-            )
+        screen.plate.check_holds(f"points[{i}]", (x, y))
     return values(screen.modes(f_max_hz), place[:, 0], place[:, 1])

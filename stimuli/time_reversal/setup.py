@@ -75,7 +75,7 @@ class Setup:
         positive("Setup.modes_to_hz", self.modes_to_hz)
         positive("Setup.learnt_s", self.learnt_s)
         positive("Setup.tau_s", self.tau_s)
-        _check_focus(self)
+        self.plate.check_holds("Setup.focus", self.focus_m)
         _check_nyquist(self)
         _ = self.screen
 
@@ -106,14 +106,6 @@ class Setup:
         """The first `learnt_s` of the responses at the focus."""
         heard = self.responses_at(*self.focus_m)
         return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
-
-
-def _check_focus(setup: Setup) -> None:
-    if not setup.plate.contains(*setup.focus_m):
-        raise InvalidParameter(
-            f"Setup.focus: found {setup.focus_m} m, expected a point of the plate of {setup.length_m} x "
-            f"{setup.width_m} m"
-        )
 
 
 def _check_nyquist(setup: Setup) -> None:

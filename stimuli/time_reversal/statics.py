@@ -49,8 +49,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     >>> round(float(deflection_m(A4_SCREEN, 2.0, (0.1485, 0.105), 0.1485, 0.105)[0]) * 1e6)
     178
     """
-    if not plate.contains(*at_m):
-        raise InvalidParameter(f"at_m: found {at_m}, expected a point of the plate")
+    plate.check_holds("at_m", at_m)
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
     finite("force_n", force_n)
@@ -58,8 +57,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
         at_least(f"number of {name}", np.size(points), 1)
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
-        if not plate.contains(*place):
-            raise InvalidParameter(f"x_m, y_m: found {place} at {i}, expected points of the plate")
+        plate.check_holds(f"(x_m, y_m)[{i}]", place)
     solve = _levy if plate.boundary == "SSSS" else _ritz
     return force_n * solve(plate, at_m, x.astype(float), y.astype(float))
 

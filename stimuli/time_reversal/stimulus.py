@@ -106,7 +106,7 @@ class TimeReversalStimulus:
         n = self.focus.n_samples if self.reversal_s is None else self._n_reversal
         instants = focus_samples(self.pattern, self.focus.rate_hz, n)
         rows = [0] * len(instants) if self.path is None else list(self.path)
-        return float(np.abs(emitted(self._unit, self.heard or self.focus)[rows, instants]).max()) / self._unit.peak
+        return float(np.abs(emitted(self._unit, self.heard or self.focus)[rows, instants]).max())
 
     @property
     def level_max(self) -> float:

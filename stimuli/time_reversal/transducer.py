@@ -47,8 +47,7 @@ class PointForce:
         return values(modes, self.x_m, self.y_m)[:, 0]
 
     def check(self, plate: Plate, name: str) -> None:
-        if not plate.contains(self.x_m, self.y_m):
-            raise InvalidParameter(f"{name}: found ({self.x_m}, {self.y_m}) m, expected a point of the plate")
+        plate.check_holds(name, (self.x_m, self.y_m))
 
 
 @checked
