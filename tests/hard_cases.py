@@ -27,6 +27,7 @@ ROOMS = {
     "test_quest": "Procedures",
     "test_device": "Devices",
     "test_force_gate": "Devices",
+    "test_window": "Window",
     "test_limits": "Devices",
     "test": "Sessions and data",
 }

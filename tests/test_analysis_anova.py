@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.anova import repeated_measures
 from tactometry.analysis.complete import largest_complete
@@ -72,6 +73,7 @@ def test_one_way_equals_statsmodels(published) -> None:
 def test_scale_and_offset_do_not_matter(published, scale: float, offset: float) -> None:
     moved = published.assign(y=published["y"] * scale + offset)
     one, other = analysed(published), analysed(moved)
+    hard_case("ANOVA of values of 1e-12 to 1e12, and 1e9 away: F", other["F"], one["F"], 1e-4, against="values of 1")
     assert other["F"].to_numpy() == pytest.approx(one["F"].to_numpy(), rel=1e-4 if offset else 1e-9)
     assert other["SS"].to_numpy() == pytest.approx(one["SS"].to_numpy() * scale**2, rel=1e-4 if offset else 1e-9)
 
@@ -167,6 +169,7 @@ CONDITIONS = np.arange(12.0)
 def test_refuses_what_has_no_answer(published, make, message: str) -> None:
     with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
         analysed(make(published))
+    exact_case("differences without error, one value, holes: ANOVA", against="one sentence")
 
 
 def test_refuses_four_factors(published) -> None:

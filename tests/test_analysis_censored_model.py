@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
 from tactometry.analysis.censored_model import _Censored, _interval, _value, censored_model
@@ -78,7 +79,7 @@ def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precis
             rows = list(part.itertuples())
             integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(of_a_value(row, u) for row in rows)  # noqa: E731
             total += mpmath.log(mpmath.quad(integrand, [-9, -4, -1.5, 0, 1.5, 4, 9]))
-    assert found.log_likelihood == pytest.approx(float(total), rel=1e-8)
+    hard_case("likelihood of censored values", found.log_likelihood, float(total), 1e-8, against="25 digits")
 
 
 @pytest.mark.parametrize(
@@ -110,7 +111,8 @@ def test_a_narrow_interval_is_its_value() -> None:
     some = table["who"].isin(["P1", "P2"])
     bounds = {"y": table["y"].where(~some), "low": table["y"] - 1e-9, "high": table["y"] + 1e-9}
     narrow = fit(table.assign(**bounds))
-    np.testing.assert_allclose(narrow.coefficients["estimate"], whole.coefficients["estimate"], rtol=1e-6)
+    estimates = narrow.coefficients["estimate"], whole.coefficients["estimate"]
+    hard_case("values censored to 1e-9 of themselves", *estimates, 1e-6, against="the values")
     assert narrow.n_censored == 0
 
 
@@ -118,7 +120,8 @@ def test_what_lies_above_mirrors_what_lies_below_and_units_scale() -> None:
     table = cut(study(np.random.default_rng()))
     above = fit(table)
     below = fit(table.assign(y=-1e-9 * table["y"], low=np.nan, high=-1e-9 * table["low"]))
-    np.testing.assert_allclose(below.coefficients["estimate"] * -1e9, above.coefficients["estimate"], rtol=1e-5)
+    estimates = below.coefficients["estimate"] * -1e9, above.coefficients["estimate"]
+    hard_case("censored values of 1e-9, mirrored", *estimates, 1e-5, against="those of 1")
     np.testing.assert_allclose(below.coefficients["se"] * 1e9, above.coefficients["se"], rtol=1e-4)
     assert below.residual_variance * 1e18 == pytest.approx(above.residual_variance, rel=1e-4)
     assert below.n_censored == above.n_censored == table["y"].isna().sum()
@@ -141,6 +144,7 @@ def test_participants_who_do_not_differ_are_a_singular_fit() -> None:
     found = fit(table)
     assert (found.status, found.participant_variance) == (ModelStatus.SINGULAR, 0.0)
     assert "valid result" in found.notes[0]
+    exact_case("a censored model of identical participants", against="a status")
 
 
 def test_refuses_what_has_no_finite_answer_and_what_is_no_number() -> None:

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.anova import repeated_measures
 from tactometry.analysis.design import DesignStatus, UndefinedStatistic
@@ -57,8 +58,9 @@ def test_groups_of_unequal_size_weigh_alike() -> None:
     codes = np.array([{"left": (1, 0), "right": (0, 1), "both": (-1, -1)}[name] for name in group])
     fit = sm.OLS((wide[1] - wide[0]).to_numpy(), sm.add_constant(codes)).fit()
     found = analysed(table)
-    assert found.loc["freq", "F"] == pytest.approx(float(fit.tvalues[0]) ** 2, rel=1e-9)
-    assert found.loc["hand * freq", "F"] == pytest.approx(float(fit.fvalue), rel=1e-9)
+    peer = [float(fit.tvalues[0]) ** 2, float(fit.fvalue)]
+    of_groups = found.loc[["freq", "hand * freq"], "F"].to_numpy(dtype=float)
+    hard_case("groups of 4, 9 and 6", of_groups, peer, 1e-9, against="a regression")
 
 
 def test_two_factors_within_have_their_interactions_with_the_groups() -> None:
@@ -130,6 +132,7 @@ def test_groups_without_error_or_members_have_no_test() -> None:
     table = pd.DataFrame({"subject": range(4), "hand": ["l", "l", "r", "r"], "y": [1.0, 1, 2, 2]})
     found = group_pairs(table, dependent="y", between="hand", subject="subject")
     assert (found["status"][0], found["difference"][0]) == ("zero_error", 1.0)
+    exact_case("groups without error", against="a status, no test")
     with pytest.raises(UndefinedStatistic, match="hand = r: found one participant, expected at least 2 a group"):
         group_pairs(table[:3], dependent="y", between="hand", subject="subject")
     with pytest.raises(UndefinedStatistic, match="hand: found 1 group"):

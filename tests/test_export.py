@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from hard_cases import exact_case
 
 from tactometry.analysis.attrakdiff import scores
 from tactometry.analysis.column_map import read_column_map
@@ -77,6 +78,7 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
         rows = [row for path in written if path.name.endswith("_events.tsv") for row in table(path)]
     assert len(rows) == len(read_trials(data_set).rows)
     assert before == {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
+    exact_case("export of a data set in any form", against="each trial once, the same bytes before")
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -171,7 +173,8 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
     again = read_trials(file, within=own.factors, column_map=read_column_map(tmp_path / "pp/columns.toml"))
     first = used_rows(own)[used_rows(own)["participant"] == "P01"]
     for name in ("level", "response", "onset_s", "latency_s"):
-        assert used_rows(again)[name].tolist() == pytest.approx(first[name].tolist(), nan_ok=True)
+        np.testing.assert_array_equal(used_rows(again)[name], first[name])
+    exact_case("PsychoPy's form and back", against="the rows")
     assert table(file)[0]["trials.thisN"] == "0"
 
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from hard_cases import exact_case
 from sampled import Sampled
 
 from tactometry.devices.calibration import ForceCalibration
@@ -75,6 +76,7 @@ def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with,
 def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
     touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).press(PRESS)
     assert touched.onset_s >= 0.18 + 0.2
+    exact_case("a gap in the samples of a held force", against="a hold anew")
 
 
 def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, participant, log):

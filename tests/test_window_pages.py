@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import screens
 from conftest import SOAK
+from hard_cases import exact_case
 from PIL import Image
 from screens import all_pages
 
@@ -97,6 +98,7 @@ def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_bac
 def test_no_tap_is_lost_however_short(bench, participant):
     participant.answers_each_page("y", "n", "n", "y", "y", "n", hold_s=0.0)
     assert [bench.choose(FELT).option for _ in range(6)] == [1, 0, 0, 1, 1, 0]
+    exact_case("taps of no duration in the window", against="every answer")
 
 
 def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participant, hands, in_background):
@@ -272,6 +274,7 @@ def test_any_failure_while_a_stimulus_plays_zeroes_the_output_first(bench, watch
     with error:
         bench.play(Play("tone", 5.0, 0.2))
     assert log == ["output.open", "play 5 V", "output.stop", "output.close", "screen.close"]
+    exact_case("any failure while a stimulus plays", against="the output is zeroed first")
 
 
 def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output, log):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 
 from tactometry.experiments.replaying import replay_data_set
 from tactometry.experiments.study import load
@@ -109,6 +110,7 @@ def test_every_trial_of_the_tutorial_is_there_once(sitting):
     levels = [(row["frequency_hz"], row["level"]) for row in sitting.rows if row["level"]]
     assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("10", "18", "26", "34")] * 2)
     assert [row["trial"] for row in sitting.rows] == [str(n + 1) for n in range(len(sitting.rows))]
+    exact_case("a session in the window, stopped and resumed", against="every trial once")
 
 
 def test_answers_have_latencies_and_times_go_on(sitting):
