@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.time_reversal.motion import Motion, times
+from tactometry.stimuli.scenes.time_reversal.motion import Motion, moving, times
 from tactometry.stimuli.time_reversal.load import Load, Receptances, carried
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.transducer import PointForce
@@ -25,9 +25,9 @@ def bearing(contacts: Sequence[Load]) -> Callable[[Motion], Motion]:
         _check_places(motion.screen, contacts)
         screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
         forces = _forces(motion, screen, contacts)
-        at = screen.modal_forces(motion.modes_to_hz)[:, -len(places) :]
-        plate = Receptances.of(screen.oscillators(motion.modes_to_hz), screen.plate.mass_kg, motion.s)
-        amplitude = motion.amplitude - times(at, forces) * plate.compliance
+        oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
+        plate = Receptances.of(oscillators, screen.plate.mass_kg, motion.s)
+        amplitude = motion.amplitude - times(at[:, -len(places) :], forces) * plate.compliance
         return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 
     return borne
@@ -47,9 +47,9 @@ def _pushed(unit: Motion, contact: int) -> Motion:
     """The motion by a unit force at one contact, at every frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
-    plate = Receptances.of(unit.screen.oscillators(unit.modes_to_hz), unit.screen.plate.mass_kg, unit.s)
-    at = unit.screen.modal_forces(unit.modes_to_hz)[:, contact, None]
-    return replace(unit, amplitude=at * plate.compliance, played=played)
+    oscillators, at = moving(unit.screen, unit.modes_to_hz, unit.static_to_hz)
+    plate = Receptances.of(oscillators, unit.screen.plate.mass_kg, unit.s)
+    return replace(unit, amplitude=at[:, contact, None] * plate.compliance, played=played)
 
 
 def _check_places(screen: Screen, contacts: Sequence[Load]) -> None:

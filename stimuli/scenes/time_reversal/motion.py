@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.time_reversal.emission import Emission, Points
 from tactometry.stimuli.time_reversal.load import Receptances, contour
+from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes, values
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.transducer import PointForce
@@ -117,6 +118,16 @@ class Motion:
         return tail_m_per_n * np.array([[place == tuple(point) for place in places] for point in points], float)
 
 
+def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
+    """Oscillators that move, and their forces (n_modes, n_channels), of the solution that holds those that follow too.
+
+    By Rayleigh and Ritz the sign of a shape is another in each solution.
+    """
+    every = screen.oscillators(static_to_hz)
+    n = int(np.searchsorted(every.omega_rad_per_s, 2 * np.pi * modes_to_hz, side="right"))
+    return Oscillators(every.omega_rad_per_s[:n], every.decay_per_s[:n]), screen.modal_forces(static_to_hz)[:n]
+
+
 def driven(
     modes_to_hz: float, static_to_hz: float, heard_to_hz: float, after_s: float
 ) -> Callable[[Screen, Emission], Motion]:
@@ -133,8 +144,8 @@ def driven(
         s, growth, n_fft = contour(n, rate_hz)
         s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
         played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
-        receptances = Receptances.of(screen.oscillators(modes_to_hz), screen.plate.mass_kg, s)
-        amplitude = times(screen.modal_forces(modes_to_hz), played) * receptances.compliance
+        oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
+        amplitude = times(forces, played) * Receptances.of(oscillators, screen.plate.mass_kg, s).compliance
         return Motion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 
     return motion
