@@ -13,6 +13,9 @@ STANDS_S = 5e-3
 """A difference that falls by more within that while still falls (unverified default)."""
 SLEW = 1e-3
 """Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
+STEP_S = 0.02
+"""Stamps that are further off than this are put right at once. A gate begins anew at such a step: it is a gap as long
+as its longest, or a stamp that goes back."""
 
 
 class CountedSamples:
@@ -37,7 +40,8 @@ class CountedSamples:
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> Block:
         """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
 
-        Their stamps never go back, unless the device started again.
+        A stamp is at most `STEP_S` later than the arrival. It goes back only where those before were further off than
+        that, or the device started again.
         """
         devices_s = [self._device_s(counter, ticks) for counter, ticks, _ in samples]
         for device_s in devices_s:
@@ -63,7 +67,10 @@ class CountedSamples:
         if self._last is not None:
             elapsed_s = device_s - self._last[0]
             expected_s = self._last[1] + elapsed_s
-            stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
+            if abs(stamp_s - expected_s) <= STEP_S:
+                stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
+            elif stamp_s < expected_s:
+                stamp_s = min(stamp_s, self._last[1] - self._tick_s)
         self._last = (device_s, stamp_s)
         return stamp_s
 

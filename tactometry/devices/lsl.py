@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from tactometry.devices.reader import Block, now_s
+from tactometry.devices.reader import SAY_S, Block, now_s
 from tactometry.errors import DeviceFailed
 
 LONGEST_SEARCH_S = 5.0
-WAIT_S = 0.02
 MOST_SAMPLES = 4096
 
 
@@ -51,7 +50,7 @@ class LslSource:
         inlet, pylsl = self._inlet, _library()
         if inlet is not None:
             with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError):
-                self._correction_s = inlet.time_correction(timeout=WAIT_S)
+                self._correction_s = inlet.time_correction(timeout=SAY_S)
 
     def open(self) -> None:
         pylsl = _library()
@@ -83,7 +82,7 @@ class LslSource:
     def receive(self) -> Block | None:
         pylsl = _library()
         try:
-            samples, stamps_s = self._inlet.pull_chunk(timeout=WAIT_S, max_samples=MOST_SAMPLES, min_samples=1)
+            samples, stamps_s = self._inlet.pull_chunk(timeout=SAY_S, max_samples=MOST_SAMPLES, min_samples=1)
         except pylsl.util.LostError:
             raise DeviceFailed(f"{self.name}: the outlet is gone") from None
         if not stamps_s:

@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 RETRY_S = 0.2
 """A device that went away is looked for this often."""
-SAY_S = 0.02
+SAY_S = 0.01
 """That nothing came is said this often."""
 KEPT_S = 60.0
 """A listener that does not read loses what is older."""

@@ -7,10 +7,9 @@ from typing import Any
 
 from tactometry.devices.counted import CountedSamples
 from tactometry.devices.framing import Framing
-from tactometry.devices.reader import Block, now_s
+from tactometry.devices.reader import SAY_S, Block, now_s
 from tactometry.errors import DeviceFailed
 
-WAIT_S = 0.02
 LARGEST_READ = 65_536
 
 
@@ -50,7 +49,7 @@ class SerialSource:
         serial = _library()
         try:
             line = serial.Serial()
-            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, WAIT_S
+            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, SAY_S
             line.exclusive = True
             line.open()
             line.reset_input_buffer()
@@ -79,10 +78,10 @@ class SerialSource:
 
 
 def _available(line: Any, n_missing: int) -> bytes:
-    """What has come, after `WAIT_S` at most, in as few calls as possible: each may wait for a thread that computes."""
+    """What has come, after `SAY_S` at most, in as few calls as possible: each may wait for a thread that computes."""
     if os.name != "posix":
         return bytes(line.read(max(n_missing, line.in_waiting)))
-    ready, _, _ = select.select([line.fd], [], [], WAIT_S)
+    ready, _, _ = select.select([line.fd], [], [], SAY_S)
     data = os.read(line.fd, LARGEST_READ) if ready else b""
     if ready and not data:
         raise OSError("the device hung up")

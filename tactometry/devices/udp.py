@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from tactometry.devices.counted import CountedSamples
-from tactometry.devices.reader import Block, now_s
+from tactometry.devices.reader import SAY_S, Block, now_s
 from tactometry.errors import DeviceFailed
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
 RECORD: Final = struct.Struct(">III6i")
-WAIT_S = 0.02
 RECEIVED_BYTES = 2**22
 """What the system is asked to keep for us, as far as it allows."""
 SILENT_S = 0.5
@@ -81,7 +80,7 @@ class UdpSource:
         try:
             self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
-            self._socket.settimeout(WAIT_S)
+            self._socket.settimeout(SAY_S)
             self._socket.connect((self._settings.address, self._settings.port))
             self._heard_s = now_s() - SILENT_S
         except OSError as error:

@@ -25,7 +25,8 @@ class Grip:
 
     @property
     def open(self) -> bool:
-        return self._gate.open
+        """Whether the force was held long enough, and is known of now: not of what waited to be read."""
+        return self._gate.open and self._trace.age_s <= SILENT_S
 
     def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         self._trace.hear(times_s, forces_n)

@@ -16,7 +16,8 @@ class Trace:
 
     def __init__(self) -> None:
         self._blocks: list[tuple[FloatArray, FloatArray]] = []
-        self._told_s = self._arrived_s = time.perf_counter()
+        self._told_s = self._taken_s = time.perf_counter()
+        self._silent_s = 0.0
         self.last_s: float | None = None
         self.last: FloatArray | None = None
 
@@ -24,12 +25,18 @@ class Trace:
         now_s = time.perf_counter()
         if times_s.size:
             self._blocks.append((times_s, values))
-            self._arrived_s, self.last_s, self.last = now_s, float(times_s[-1]), values[-1]
-        self._told_s = now_s
+            self.last_s, self.last = float(times_s[-1]), values[-1]
+            self._taken_s = min(now_s, self.last_s)
+        self._told_s, self._silent_s = now_s, 0.0 if times_s.size else now_s - self._taken_s
 
     def quiet(self, longest_s: float) -> bool:
-        """Whether nothing has come for longer. What waits to be read while the process is held up is no silence."""
-        return self._told_s - self._arrived_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
+        """Whether nothing is known of longer. What waits to be read while the process is held up is no silence."""
+        return self._silent_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
+
+    @property
+    def age_s(self) -> float:
+        """How long ago the last sample was taken, or the trace begun."""
+        return time.perf_counter() - self._taken_s
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
         """Times and values of the finite samples of an interval; none where a stamp goes back."""

@@ -1,0 +1,57 @@
+"""A grip knows of now: a sensor is silent by its last stamp, and nothing begins on what waited to be read."""
+
+import time
+
+import numpy as np
+import pytest
+
+from tactometry.force_gate import ForceGate
+from tactometry.rigs.grip import SILENT_S, Grip
+
+NOTHING = np.empty(0)
+
+
+@pytest.fixture
+def grip():
+    return Grip(ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.2))
+
+
+def hold_that_ended(grip, ago_s):
+    times_s = time.perf_counter() - ago_s - np.arange(300)[::-1] / 1000
+    grip.hear(times_s, np.ones(300))
+
+
+def opens_now(grip):
+    """Tried again, in case that the process is held up just then."""
+    for _ in range(20):
+        hold_that_ended(grip, 0.0)
+        if grip.open:
+            return True
+    return False
+
+
+def test_a_hold_that_is_known_of_now_is_open(grip):
+    assert opens_now(grip)
+
+
+def test_a_hold_that_waited_to_be_read_is_not_open_until_the_samples_of_now_came(grip):
+    hold_that_ended(grip, SILENT_S + 1e-3)
+    assert not grip.open
+    assert not grip.silent
+    assert opens_now(grip)
+
+
+def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(grip):
+    """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
+    hold_that_ended(grip, SILENT_S + 1e-3)
+    assert not grip.silent
+    grip.hear(NOTHING, NOTHING)
+    assert grip.silent
+
+
+def test_stamps_of_the_future_hide_no_silence(grip):
+    hold_that_ended(grip, -5.0)
+    time.sleep(SILENT_S + 1e-3)
+    grip.hear(NOTHING, NOTHING)
+    assert grip.silent
+    assert not grip.open
