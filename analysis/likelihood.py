@@ -19,7 +19,13 @@ THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
     """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
     z = _z(shape, u, theta)
-    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., LAPSE + 1, None], theta[..., LAPSE, None])
+    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., GUESS, None], theta[..., LAPSE, None])
+
+
+def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
+    """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
+    z = _z(shape, u, theta[:, :1])
+    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., GUESS, None], theta[..., LAPSE, None])
 
 
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:

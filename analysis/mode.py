@@ -18,7 +18,7 @@ from tactometry.analysis.likelihood import (
     THRESHOLD,
     Expansion,
     expansion,
-    log_chances,
+    log_chances_by_curve,
     log_likelihood,
 )
 from tactometry.analysis.prior import Prior, log_prior, prior_expansion
@@ -26,11 +26,14 @@ from tactometry.psychometric import Shape
 
 MAX_STEPS = 80
 SMALL_DECREMENT = 1e-13
+ENDLESS_GAIN, ENDLESS_STEP = 1e-7, 1e-3
+"""A log width that still moves so far for so little gain has no end: separated answers, whose likelihood rises with the
+steepness for ever."""
 WORTH_LEAVING = 0.6
 NARROWEST_START = 0.03
+N_THRESHOLDS, N_WIDTHS = 19, 8
+N_CURVES = N_THRESHOLDS * N_WIDTHS
 SMALLEST_CURVATURE = 1e-12
-RIVAL = 5.0
-"""A coarse start this far behind the best (log density) may still lead to a higher summit."""
 
 
 @dataclass(frozen=True)
@@ -62,26 +65,15 @@ def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Arr
 def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = None) -> Mode:
     """Climb from `start` (n_sets, 4), or from the best narrow and the best wide node of a coarse grid.
 
-    A density may have two summits, a steep function with lapses and a shallow one without: the lower start is climbed
-    from too where it is no more than `RIVAL` behind.
+    A density may have several summits, such as a steep function with lapses and a shallow one without, and the lower
+    start may lead to the highest.
     """
     if start is not None:
         return _climbed(shape, counts, prior, start)
-    first, second, behind = _coarse_starts(shape, counts, prior)
-    n, rivals = len(counts), np.flatnonzero(behind < RIVAL)
-    both = np.concatenate([np.arange(n), rivals])
-    found = _climbed(shape, counts[both], prior[both], np.concatenate([first, second[rivals]]))
-    return _higher(found[:n], found[n:], rivals)
-
-
-def _higher(best: Mode, other: Mode, places: NDArray[np.int64]) -> Mode:
-    """`best`, with those of `other` at `places` that are denser."""
-    denser = other.log_density > best.log_density[places]
-    at = places[denser]
-    parts = {name: getattr(best, name).copy() for name in ("theta", "log_density", "covariance", "interior")}
-    for name, part in parts.items():
-        part[at] = getattr(other, name)[denser]
-    return Mode(**parts)
+    both = np.tile(np.arange(len(counts)), 2)
+    found = _climbed(shape, counts[both], prior[both], _coarse_starts(shape, counts, prior))
+    densest = found.log_density.reshape(2, -1).argmax(axis=0)
+    return found[densest * len(counts) + np.arange(len(counts))]
 
 
 def _climbed(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
@@ -99,7 +91,9 @@ def _climbed(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
         at = np.where(better[:, None], trial, at)
         part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
         here = _chosen(better, there, here)
-        going = (decrement > SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))) & (part.damping < 1e15)
+        is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
+        small = SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))
+        going = (decrement > small) & ~is_endless & (part.damping < 1e15)
         theta[part.sets] = at
         if not going.any():
             break
@@ -220,29 +214,27 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
 
 
-def _coarse_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
-    """The best node of a coarse grid, the best one of the other half of its widths, and how far behind that is.
+def _coarse_starts(shape: Shape, counts: Counts, prior: Prior) -> Array:
+    """The best nodes (2 n_sets, 4) of a coarse grid: first those of its narrow half, then those of its wide half.
 
     Sets with the same levels and catch trials share the chances: one product of matrices."""
-    first, second = (np.empty((len(counts), N_PARAMETERS)) for _ in range(2))
-    behind = np.empty(len(counts))
+    starts = np.empty((2, len(counts), N_PARAMETERS))
     catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
     for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
         nodes = _nodes(prior, float(counts.gap[members[0]]))
-        yes, no = log_chances(shape, counts.u[members[0]], nodes)
-        k, n = counts.n_yes[members], counts.n_trials[members]
-        used = n[0] > 0
-        finite = (np.maximum(v[:, used], -1e6) for v in (yes, no))
-        likelihood = np.hstack([k[:, used], (n - k)[:, used]]) @ np.hstack(list(finite)).T
-        density = likelihood + log_prior(prior[members[:1]], nodes[None])
-        halves = np.where(nodes[:, LOG_WIDTH] < np.median(nodes[:, LOG_WIDTH]), 0, 1)
-        best = [np.where(halves == half, density, -np.inf).argmax(axis=1) for half in (0, 1)]
-        each = np.arange(len(members))
-        lead = density[each, best[0]] - density[each, best[1]]
-        first[members] = nodes[np.where(lead >= 0, *best)]
-        second[members] = nodes[np.where(lead >= 0, *best[::-1])]
-        behind[members] = np.abs(lead)
-    return first, second, behind
+        density = _coarse_density(shape, counts[members], prior[members[:1]], nodes)
+        best = density.reshape(len(members), 2, -1).argmax(axis=2)
+        starts[:, members] = nodes.reshape(2, -1, N_PARAMETERS)[[[0], [1]], best.T]
+    return starts.reshape(-1, N_PARAMETERS)
+
+
+def _coarse_density(shape: Shape, counts: Counts, prior: Prior, nodes: Array) -> Array:
+    """Log densities (n_sets, n_nodes) of sets on the same levels."""
+    yes, no = log_chances_by_curve(shape, counts.u[0], nodes.reshape(N_CURVES, -1, N_PARAMETERS))
+    k, n, used = counts.n_yes, counts.n_trials, counts.n_trials[0] > 0
+    finite = [np.maximum(v.reshape(len(nodes), -1)[:, used], -1e6) for v in (yes, no)]
+    likelihood = np.hstack([k[:, used], (n - k)[:, used]]) @ np.hstack(finite).T
+    return np.asarray(likelihood + log_prior(prior, nodes[None]))
 
 
 def same_rows(rows: Array) -> list[NDArray[np.int64]]:
@@ -255,12 +247,12 @@ def same_rows(rows: Array) -> list[NDArray[np.int64]]:
 
 
 def _nodes(prior: Prior, gap: float) -> Array:
-    """Coarse grid nodes (n_nodes, 4)."""
+    """Coarse grid nodes (n_nodes, 4): width after width, threshold after threshold, the rates."""
     narrow = min(max(1.3 * gap, NARROWEST_START), 1.5)
     axes = (
-        np.linspace(-0.93, 0.93, 19).tolist(),
-        np.linspace(np.log(narrow), np.log(2.8), 8).tolist(),
+        np.linspace(np.log(narrow), np.log(2.8), N_WIDTHS).tolist(),
+        np.linspace(-0.93, 0.93, N_THRESHOLDS).tolist(),
         [0.005, 0.05, 0.2] if prior.lapse_rate is None else [prior.lapse_rate],
         [0.01, 0.08, 0.25] if prior.guess_rate is None else [prior.guess_rate],
     )
-    return np.array(list(product(*axes)))
+    return np.array(list(product(*axes)))[:, [1, 0, 2, 3]]

@@ -13,7 +13,7 @@ from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
 from tactometry.analysis.frames import frames, with_frames
 from tactometry.analysis.outcomes import Outcome, outcome
-from tactometry.analysis.plan import Plan
+from tactometry.analysis.plan import Plan, plan_of
 from tactometry.analysis.ratings import Ratings, ratings
 from tactometry.analysis.same_different import same_different_table
 from tactometry.analysis.table import Trials, read_trials
@@ -123,7 +123,8 @@ def analyse(
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
     plan : Plan, optional
-        What is left out, and which differences count as none, stated before the data.
+        What is left out, and which differences count as none, stated before the data; by default what the study of
+        the data set states in its table ``[analysis]``.
     figures : Path, optional
         A folder for every figure as SVG and, at 300 dots per inch, PNG.
 
@@ -134,7 +135,7 @@ def analyse(
     DeviceFailed
         If the report cannot be written, or nothing prints it.
     """
-    found = analysed(read_trials(path, within=within, column_map=column_map), plan or Plan())
+    found = analysed(read_trials(path, within=within, column_map=column_map), plan or plan_of(path))
     if report is None and pdf:
         raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
     if report is None and figures is None:

@@ -1,5 +1,6 @@
 """A plan of analysis, stated before the data are seen: what is left out, and which differences count as none."""
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from tactometry.analysis.compliance import Exclusion
-from tactometry.errors import InvalidParameter, nearest
-from tactometry.strict import read_toml
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.quantity import as_si
+from tactometry.strict import build, read_toml
 
 
 @dataclass(frozen=True)
@@ -53,3 +55,27 @@ def read_plan(path: Path) -> Plan:
         If it cannot be read, or holds anything else.
     """
     return read_toml(Plan, path, "a plan of analysis")
+
+
+def plan_of(path: Path) -> Plan:
+    """The plan that a data set's study states in its table `[analysis]`, with the keys of a plan's file.
+
+    Without one, or for a table of trials, the empty plan.
+
+    Raises
+    ------
+    InvalidFile
+        If the study cannot be read, or its table holds anything else.
+    """
+    file = path / "study.toml"
+    if not file.is_file():
+        return Plan()
+    try:
+        table = as_si(tomllib.loads(file.read_text(encoding="utf-8")).get("analysis", {}), "analysis")
+        return build(Plan, table, "analysis")
+    except OSError as failure:
+        raise InvalidFile(f"{file}: cannot be read ({failure.strerror}), expected the study that ran") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
+        raise InvalidFile(f"{file}: found no valid TOML ({damage}), expected the study that ran") from None
+    except InvalidParameter as wrong:
+        raise InvalidFile(f"{file}, {wrong}") from None

@@ -79,7 +79,8 @@ class Study:
     """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`.
 
     `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
-    tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own.
+    tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own; `analysis` is a
+    plan of analysis (`tactometry.analysis.plan.Plan`), stated before the data.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Study:
     observer: SignalDetectionObserver = field(default_factory=SignalDetectionObserver)
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
     texts: dict[str, str] = field(default_factory=dict)
+    analysis: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
@@ -119,6 +121,17 @@ class Study:
                     f"({', '.join(self.factors)}){nearest(name, self.factors)}"
                 )
         _check_plan(self)
+        if self.analysis:
+            _check_analysis(self)
+
+
+def _check_analysis(study: Study) -> None:
+    from tactometry.analysis.plan import Plan
+
+    try:
+        build(Plan, study.analysis, "analysis").check(list(study.factors))
+    except InvalidParameter as wrong:
+        raise InvalidParameter(f"{'' if str(wrong).startswith('analysis') else 'analysis.'}{wrong}") from None
 
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:

@@ -13,7 +13,8 @@ from tactometry.analysis.compliance import (
     force_table,
     has_force,
 )
-from tactometry.analysis.plan import Plan, read_plan
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import Plan, plan_of, read_plan
 from tactometry.analysis.table import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
 
@@ -117,7 +118,7 @@ def test_a_plan_is_read_from_a_file(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[exclusions]", "exclusions: found an unknown key, expected one of exclusion, equivalence; did you mean"),
+        ("[exclusions]", "exclusions: found an unknown key, expected one of exclusion, equivalence, hierarchical; did"),
         ("[exclusion]\nin_band = 0.8", "exclusion.in_band: found an unknown key, expected one of force_in_band_share_"),
         (
             "[exclusion]\nforce_in_band_share_min = 80",
@@ -150,3 +151,57 @@ def test_a_rule_names_the_column_that_it_needs(some) -> None:
     with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule needs"):
         applied(without, Exclusion(latency_max_s=3.0))
     assert isinstance(applied(without, Exclusion())[1], pd.DataFrame)
+
+
+def data_set(tmp_path, analysis):
+    """A yes/no data set of two participants, one of whom says yes in every catch trial, and its study."""
+    (tmp_path / "data").mkdir()
+    (tmp_path / "study.toml").write_text(f'name = "s"\n{analysis}')
+    rows = [
+        f"{code},1,s,1,{n},1,c,{'' if catch else n},V,yes_no,{answer},,1,,,,1,{catch}"
+        for code, alarm in (("P1", 1), ("P2", 0))
+        for n, catch, answer in [*((n, 0, int(n > 3)) for n in range(1, 8)), (8, 1, alarm), (9, 1, alarm)]
+    ]
+    name = "participant-P1_session-1_study-s_data.csv"
+    (tmp_path / "data" / name).write_text("\n".join([COLUMNS, *rows]) + "\n")
+    return tmp_path
+
+
+STATED = (
+    "[analysis]\nhierarchical = false\n[analysis.exclusion]\nfalse_alarm_share_max = 0.3\nlatency_min_s = '100 ms'\n"
+)
+
+
+def test_the_plan_of_a_data_sets_study_is_used(tmp_path) -> None:
+    found = analyse(data_set(tmp_path, STATED))
+    assert found.plan.exclusion.stated() == {"false_alarm_share_max": 0.3, "latency_min_s": 0.1}
+    assert set(found.trials.rows["participant"]) == {"P2"}
+    assert found.tables["excluded"]["rule"].tolist() == ["false_alarm_share_max"]
+
+
+def test_a_plan_that_is_given_stands_instead_of_the_studys(tmp_path) -> None:
+    found = analyse(data_set(tmp_path, STATED), plan=Plan(hierarchical=False))
+    assert set(found.trials.rows["participant"]) == {"P1", "P2"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[analysis.exclusions]", "study.toml, analysis.exclusions: found an unknown key, expected one of exclusion"),
+        ("[analysis.exclusion]\nlatency_max_s = -1", "latency_max_s: found -1.0, expected a number from 0"),
+        ("= 3", "study.toml: found no valid TOML"),
+    ],
+)
+def test_a_damaged_plan_of_a_study_is_refused(tmp_path, text, message) -> None:
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        plan_of(data_set(tmp_path, text))
+
+
+def test_a_study_refuses_an_impossible_plan_before_it_runs() -> None:
+    from tactometry.experiments.study import locate, parse
+
+    content = locate("electrovibration-threshold").read_bytes()
+    assert parse(content + STATED.encode(), "s.toml").analysis["hierarchical"] is False
+    wrong = b"[analysis.equivalence]\nforce = 1.0\n"
+    with pytest.raises(InvalidFile, match=re.escape("s.toml, analysis.equivalence.force: found no such factor")):
+        parse(content + wrong, "s.toml")

@@ -89,7 +89,7 @@ def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np
     from psignifit import _priors
 
     fine = not (free_guess or overdispersed)
-    m, m_weight = equidistant(-1.99, 9.99, 241 if fine else 121)
+    m, m_weight = equidistant(-1.99, 9.99, 121 if overdispersed else 361)
     v, v_weight = equidistant(np.log(1.001), np.log(17.99), 121 if fine else 65)
     w = np.exp(v)
     lapse, l_weight = legendre(0, 0.5, 20 if fine else 14)
