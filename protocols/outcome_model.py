@@ -18,6 +18,10 @@ Array = NDArray[np.float64]
 class Chances(Protocol):
     """The chances of a model at the candidate levels, made ready for products with weights."""
 
+    def total(self, weights: Array) -> Array:
+        """Sum over cells of chance times weight, (n_outcomes, n_levels)."""
+        ...
+
     def joint(self, weights: Array) -> Array:
         """Sum of chance times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
         ...
@@ -75,6 +79,10 @@ class DenseChances:
     """Chances in one table, (n_outcomes, n_levels, n_first, n_rest)."""
 
     table: Array
+
+    def total(self, weights: Array) -> Array:
+        product: Array = self.table.reshape(*self.table.shape[:2], -1) @ weights
+        return product
 
     def joint(self, weights: Array) -> Array:
         by_first = weights.reshape(self.table.shape[2:])[:, :, None]

@@ -142,19 +142,31 @@ class MixtureChances:
 
     @cached_property
     def sigmoid(self) -> Array:
-        """S, (n_thresholds, n_levels, n_widths)."""
+        """S, (n_levels, n_thresholds, n_widths)."""
         shape = shape_named(self.grid.shape)
-        distances = self.grid.distances(self.levels).T[..., None]
+        distances = self.grid.distances(self.levels)[..., None]
         return np.exp(shape.log_cdf(shape.z50 + distances / np.asarray(self.grid.widths) * shape.z_width))
 
-    def joint(self, weights: Array) -> Array:
+    @cached_property
+    def mixture(self) -> Array:
+        """What S is multiplied by, what is added, and 1, for each pair of guess and lapse rate, (3, n_pairs)."""
         guess, lapse = self.grid.rates
-        cells = weights.reshape(-1, len(guess))
-        by_threshold = (len(self.grid.thresholds), -1)
-        slopes = (cells @ (1 - guess - lapse)).reshape(*by_threshold, 1)
-        floors = (cells @ guess).reshape(by_threshold).sum(axis=1)
-        yes = np.matmul(self.sigmoid, slopes)[..., 0] + floors[:, None]
-        return np.stack([weights.reshape(by_threshold).sum(axis=1)[:, None] - yes, yes]).transpose(0, 2, 1)
+        return np.array([1 - guess - lapse, guess, np.ones_like(guess)])
+
+    def mixed(self, weights: Array) -> Array:
+        """Sums of weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
+        sums: Array = self.mixture @ weights.reshape(-1, self.mixture.shape[1]).T
+        return sums.reshape(3, len(self.grid.thresholds), -1)
+
+    def total(self, weights: Array) -> Array:
+        slopes, floors, masses = self.mixed(weights)
+        yes = self.sigmoid.reshape(len(self.levels), -1) @ slopes.ravel() + floors.sum()
+        return np.array([masses.sum() - yes, yes])
+
+    def joint(self, weights: Array) -> Array:
+        slopes, floors, masses = self.mixed(weights)
+        yes = np.matmul(self.sigmoid.transpose(1, 0, 2), slopes[..., None])[..., 0].T + floors.sum(axis=1)
+        return np.array([masses.sum(axis=1) - yes, yes])
 
     @cached_property
     def steps(self) -> Array | None:

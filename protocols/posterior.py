@@ -1,7 +1,7 @@
 """Weights of a grid of parameters: log space throughout, so that no cell is lost that may come back."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -120,15 +120,22 @@ class Stop:
         if self.sd is not None:
             above_zero(owner, sd_stop=self.sd)
 
-    def ending(self, values: Array, marginal: Array, *, n_told: int, contradicted: bool) -> Ending | None:
+    def ending(self, weighed: Callable[[], tuple[Array, Array]], *, n_told: int, contradicted: bool) -> Ending | None:
         """How the run ended after `n_told` answers; None if it goes on.
 
-        >>> Stop(n_trials=2, sd=None).ending(np.arange(3.0), np.array([0.2, 0.6, 0.2]), n_told=2, contradicted=False)
+        `weighed` gives the thresholds and their weights, and is called only where the end depends on them.
+
+        >>> weighed = np.arange(3.0), np.array([0.2, 0.6, 0.2])
+        >>> Stop(n_trials=2, sd=None).ending(lambda: weighed, n_told=2, contradicted=False)
         'trials'
         """
         if contradicted:
             return "aborted"
-        converged = self.sd is not None and n_told > 0 and mean_sd(values, marginal)[1] <= self.sd
-        if not converged and n_told < self.n_trials:
+        last = n_told >= self.n_trials
+        if not last and (self.sd is None or n_told == 0):
+            return None
+        values, marginal = weighed()
+        converged = self.sd is not None and mean_sd(values, marginal)[1] <= self.sd
+        if not (last or converged):
             return None
         return edge(values, marginal) or ("converged" if converged else "trials")

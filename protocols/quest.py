@@ -175,7 +175,7 @@ class Quest:
     @cached_property
     def ended(self) -> Ending | None:
         stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
-        return stop.ending(self.thresholds, self.posterior, n_told=n_told, contradicted=self.contradicted)
+        return stop.ending(lambda: (self.thresholds, self.posterior), n_told=n_told, contradicted=self.contradicted)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The posterior after an answer to the level that was delivered (default: the one asked for)."""

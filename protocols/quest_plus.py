@@ -146,17 +146,18 @@ class QuestPlus:
     def level(self) -> float:
         """The level with the least expected loss; the first of equals."""
         losses = self.expected_loss()
-        return self.levels[int(np.argmax(losses <= losses.min() + TIE * (1 + abs(losses.min()))))]
+        least = float(losses.min())
+        return self.levels[int((losses <= least + TIE * (1 + abs(least))).argmax())]
 
     def expected_loss(self) -> Array:
         """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
         if self.criterion == "variance":
             return self._variance()
-        joint = self._chances.joint(self._state.weights)
-        spread = _sum_p_log_p(joint.sum(axis=2))
+        chances, weights = self._chances, self._state.weights
+        spread = _sum_p_log_p(chances.total(weights))
         if self.aim == "threshold":
-            return np.asarray(spread - _sum_p_log_p(joint).sum(axis=1), dtype=np.float64)
-        return spread - self._chances.certainty(self._state.weights) + self._state.entropy
+            return np.asarray(spread - _sum_p_log_p(chances.joint(weights)).sum(axis=1), dtype=np.float64)
+        return spread - chances.certainty(weights) + self._state.entropy
 
     def _variance(self) -> Array:
         """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
@@ -176,7 +177,7 @@ class QuestPlus:
     def _variance_of(self, axis: Array) -> Array:
         weights = self._state.weights
         away = axis - float(weights @ axis)
-        mass, first, second = (self._chances.joint(weights * away**power).sum(axis=2) for power in range(3))
+        mass, first, second = (self._chances.total(weights * away**power) for power in range(3))
         left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
         return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
 
@@ -207,7 +208,7 @@ class QuestPlus:
     @cached_property
     def ended(self) -> Ending | None:
         stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
-        return stop.ending(self._values, self._marginal, n_told=n_told, contradicted=self.contradicted)
+        return stop.ending(lambda: (self._values, self._marginal), n_told=n_told, contradicted=self.contradicted)
 
     @property
     def remark(self) -> str | None:
