@@ -103,6 +103,7 @@ def drawn(window, page, listener, work_s):
 
     gate = newest = ForceGate(1.0, 0.2, HOLD_S)
     every, peer, opened_s, end_s = [], [], None, time.perf_counter() + LISTENED_S
+    window.present(page)
     window.frame_intervals_s()
     while time.perf_counter() < end_s:
         busy(work_s)

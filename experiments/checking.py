@@ -4,7 +4,8 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import date
 from functools import partial
@@ -24,6 +25,12 @@ from tactometry.experiments.study import load
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.force_gate import ForceGate
 from tactometry.limits import Limits
+from tactometry.rigs.bench import Facts
+from tactometry.rigs.frames import timing_of
+from tactometry.rigs.layout import marker_page, message_page
+from tactometry.rigs.page import KeyDown, Page
+from tactometry.rigs.page import Screen as Display
+from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
 LISTEN_S = 2.0
@@ -33,6 +40,10 @@ DROPPED_AT_MOST = 0.01
 RATE_TOLERANCE = 0.02
 """Of a sensor's nominal rate (unverified default)."""
 MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
+N_KEYS, KEYS_WITHIN_S = 3, 10.0
+"""So many keys are asked for, and waited for no longer."""
+KEY_TO_RECORD_AT_MOST_S = 0.05
+"""Three frames: one until the key is seen, and the disk (unverified default)."""
 LATENCY_AT_MOST_S = 0.02
 """Age of the newest sample when it is read (unverified default)."""
 FREE_BYTES = 10**9
@@ -70,8 +81,8 @@ def check(study: str | None, bench: BenchFile, folder: Path) -> list[Finding]:
     limits = experiment.study.limits if experiment is not None else bench.limits
     parts: dict[str, Callable[[], Iterator[Finding]]] = {
         "computer": _computer,
-        "disk": lambda: _disk(folder),
-        "display": lambda: _display(bench.screen),
+        "disk": lambda: _disk(_existing(folder)),
+        "display": lambda: _display(bench.screen, _existing(folder)),
         "devices": lambda: _devices(bench, limits, experiment),
     }
     for part, look in parts.items():
@@ -120,8 +131,11 @@ def _computer() -> Iterator[Finding]:
         yield Finding("computer", f"{pool['user_api']} threads", f"{pool['num_threads']} ({' '.join(kind)})")
 
 
+def _existing(folder: Path) -> Path:
+    return next(parent for parent in (folder, *folder.absolute().parents) if parent.is_dir())
+
+
 def _disk(folder: Path) -> Iterator[Finding]:
-    folder = next(parent for parent in (folder, *folder.absolute().parents) if parent.is_dir())
     free = shutil.disk_usage(folder).free
     yield Finding("disk", "free", f"{free / 1e9:.1f} GB", f"at least {FREE_BYTES / 1e9:g} GB", free >= FREE_BYTES)
     try:
@@ -136,22 +150,31 @@ def _disk(folder: Path) -> Iterator[Finding]:
 
 
 def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
-    import tempfile
-
     took_s = []
-    with tempfile.TemporaryFile(dir=folder) as file:
+    with _recorder(folder) as record:
         for _ in range(n_records):
             begin_s = time.perf_counter()
-            file.write(b"x" * 500)
-            file.flush()
-            os.fsync(file.fileno())
+            record()
             took_s.append(time.perf_counter() - begin_s)
     return max(took_s)
 
 
-def _display(screen: Screen) -> Iterator[Finding]:
-    from tactometry.rigs.frames import timing_of
-    from tactometry.rigs.layout import marker_page
+@contextmanager
+def _recorder(folder: Path) -> Iterator[Callable[[], None]]:
+    """What puts a record of a trial's length on the disk."""
+    import tempfile
+
+    with tempfile.TemporaryFile(dir=folder) as file:
+
+        def record() -> None:
+            file.write(b"x" * 500)
+            file.flush()
+            os.fsync(file.fileno())
+
+        yield record
+
+
+def _display(screen: Screen, folder: Path) -> Iterator[Finding]:
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
@@ -161,8 +184,54 @@ def _display(screen: Screen) -> Iterator[Finding]:
         for _ in range(N_FRAMES):
             window.refresh(page)
         facts, timing = window.facts(), timing_of(window.frame_intervals_s(), window.period_s)
+        pressed = _pressed(window, screen.language, folder)
     finally:
         window.close()
+    yield from _shown(screen, facts, timing)
+    yield pressed
+
+
+def key_to_record_s(
+    screen: Display, page: Page, record: Callable[[], None], n_keys: int, within_s: float
+) -> list[float]:
+    """From each press of a key to its record's being on the disk, s, read and drawn as in a session.
+
+    Parameters
+    ----------
+    screen, page
+        What is shown until `n_keys` were pressed or `within_s` are over.
+    record : callable
+        Returns when a record is on the disk.
+    """
+    delays_s: list[float] = []
+    onset_s = screen.present(page)
+    while len(delays_s) < n_keys and time.perf_counter() < onset_s + within_s:
+        for event in screen.events():
+            if isinstance(event, KeyDown) and event.at_s >= onset_s:
+                record()
+                delays_s.append(time.perf_counter() - event.at_s)
+        screen.refresh(page)
+    return delays_s
+
+
+def _pressed(screen: Display, language: str, folder: Path) -> Finding:
+    words = texts_in(language, {}).message("key_test", {"n_keys": N_KEYS, "within_s": KEYS_WITHIN_S})
+    try:
+        with _recorder(folder) as record:
+            delays_s = key_to_record_s(screen, message_page(words, "", screen.aspect), record, N_KEYS, KEYS_WITHIN_S)
+    except OSError as error:
+        return Finding(
+            "display", "key to record", f"{folder}: {error.strerror}", "a folder that can be written", fine=False
+        )
+    if not delays_s:
+        return Finding("display", "key to record", f"no key was pressed in {KEYS_WITHIN_S:g} s")
+    median_s = float(np.median(delays_s))
+    words = f"{1e3 * median_s:.1f} ms, longest {1e3 * max(delays_s):.1f}, of {len(delays_s)} keys"
+    limit = f"median at most {1e3 * KEY_TO_RECORD_AT_MOST_S:g} ms"
+    return Finding("display", "key to record", words, limit, median_s <= KEY_TO_RECORD_AT_MOST_S)
+
+
+def _shown(screen: Screen, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
     size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
     yield Finding("display", "size", size, fine=True)
     height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"

@@ -7,6 +7,7 @@ that comes again and again, and a count of - is a gap in which nothing is sent.
 
 import argparse
 import os
+import select
 import socket
 import sys
 import time
@@ -47,6 +48,11 @@ def profile_of(text):
 
 
 def run_serial(target, profile):
+    """A board that begins when its line is opened, as many do."""
+    line = select.poll()
+    line.register(int(target), 0)
+    while line.poll(0):
+        time.sleep(0.01)
     for n, due_s, values in samples(profile):
         os.write(int(target), encode_frame(Frame(n, round(due_s * 1e6) % 2**32, values)))
 

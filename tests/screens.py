@@ -12,7 +12,7 @@ FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx",
 
 
 def message_pages(texts, aspect):
-    values = {"block": 2, "n_blocks": 21}
+    values = {"block": 2, "n_blocks": 21, "n_keys": 3, "within_s": 10.0}
     names = [
         "welcome",
         "instructions_yes_no",
@@ -21,6 +21,7 @@ def message_pages(texts, aspect):
         "practice",
         "rest",
         "end",
+        "key_test",
     ]
     hint = texts.message("hint_continue")
     pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}

@@ -5,16 +5,20 @@ import json
 import os
 import subprocess
 import sys
+import threading
+import time
 from datetime import date
 
 import numpy as np
 import pytest
+from conftest import LONGEST_WAIT_S
 from test_device_audio import alsa  # noqa: F401  # a fixture
 from test_device_sensors import Emulator, available
 
 from tactometry.experiments.bench_file import load_bench, parse_bench
-from tactometry.experiments.checking import Finding, _devices, exit_status, tone_of
+from tactometry.experiments.checking import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
 from tactometry.limits import Limits
+from tactometry.rigs.page import Page
 
 LIMITS = '[limits]\nvoltage_peak_v = 80.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
 LOAD = '[output.load]\nkind = "electrode"\ncapacitance_f = "1 nF"\n'
@@ -34,17 +38,25 @@ def checked(tmp_path, bench, *more, env=None):
     return result.returncode, findings
 
 
-def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, alsa):  # noqa: F811
+def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, in_background, alsa):  # noqa: F811
     if importlib.util.find_spec("sounddevice") is None or not available("serial"):
         pytest.skip("no sounddevice or no pyserial: extras audio, serial")
-    device = Emulator("serial", tmp_path, profile="1:250")
+    device, ended = Emulator("serial", tmp_path, profile="1:250"), threading.Event()
+
+    def press_keys():
+        while not ended.wait(0.05):
+            display.tap("space")
+
+    in_background(press_keys)
     try:
         bench = SCREEN + AUDIO + GAIN + LOAD + LIMITS + SERIAL.format(port=device.port) + FORCE
         env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
         status, findings = checked(tmp_path, bench, "tutorial", env=env)
     finally:
+        ended.set()
         device.close()
-    assert status == 3
+    assert status == 3, findings
+    assert ("sensor hand", "failed") not in findings, findings
     expected = {
         ("study", "tutorial"),
         ("computer", "blas threads"),
@@ -52,6 +64,7 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
         ("disk", "a record, to disk"),
         ("display", "frame period"),
         ("display", "dropped frames"),
+        ("display", "key to record"),
         ("sensor hand", "rate"),
         ("sensor hand", "latency, median"),
         ("force", "noise, sd"),
@@ -59,12 +72,42 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     }
     assert expected <= findings.keys()
     assert findings["display", "size"]["found"] == "1280 x 800 px"
+    assert findings["display", "key to record"]["found"].endswith("of 3 keys")
     assert findings["sensor hand", "opened"]["fine"]
     assert findings["force", "mean, at rest"]["found"] == "2.5 N"
     assert findings["output", "test tone"]["found"] == "8 V, 0.5 s"
     played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
     assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(8.0, abs=0.01)
     assert findings["output", "failed"]["found"].startswith("output 'audio tofile': found a signal with rate_hz")
+
+
+def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, participant, hands, in_background):
+    """Of a key that was pressed before the page came, nothing is told; records take 50 ms here."""
+
+    def record():
+        time.sleep(0.05)
+        recorded_s.append(time.perf_counter())
+
+    def press():
+        onset_s = watched.shown.get(timeout=LONGEST_WAIT_S)
+        pressed_s.extend(hands.tap("space")[0] for _ in range(2))
+        assert all(pressed > onset_s for pressed in pressed_s)
+
+    recorded_s, pressed_s = [], []
+    hands.tap("space")
+    in_background(press)
+    delays_s = key_to_record_s(watched, Page(), record, n_keys=2, within_s=LONGEST_WAIT_S)
+    assert len(delays_s) == len(recorded_s) == 2
+    for delay_s, record_s, key_s in zip(delays_s, recorded_s, pressed_s, strict=True):
+        assert 0.05 <= delay_s <= record_s - key_s + 2e-3
+
+
+def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
+    monkeypatch.setattr("tactometry.experiments.checking.KEYS_WITHIN_S", 0.1)
+    found = _pressed(watched, "fr", tmp_path)
+    assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
+    assert "sur la barre d'espace" in watched.pages[-1].items[1].words
+    assert _pressed(watched, "en", tmp_path / "none").fine is False
 
 
 @pytest.mark.parametrize(

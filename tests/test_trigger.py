@@ -1,0 +1,267 @@
+"""The decision in the sensors' threads: never early, once, and not after it was called off."""
+
+import math
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import LONGEST_WAIT_S
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.request import Press, Slide
+from tactometry.rigs.glide import HALT_S, MOVING_S
+from tactometry.rigs.touch import Held
+from tactometry.rigs.trace import DEAF_S, Trace
+from tactometry.rigs.trigger import Trigger, hearing
+
+PERIOD_S = 1 / 256
+SPEED = 0.05
+AHEAD_S = 1000.0
+"""Stamps that lie ahead of our clock are of now."""
+
+
+def press(hold_s, tolerance=0.2):
+    return Press("tone", 5.0, 0.3, target_n=1.0, tolerance=tolerance, hold_s=hold_s, timeout_s=5.0)
+
+
+def slide(hold_s):
+    return Slide("tone", 5.0, 0.3, 1.0, 0.2, hold_s, timeout_s=5.0, speed_m_per_s=SPEED, speed_tolerance=0.2)
+
+
+def stamps_s(n):
+    return math.floor(time.perf_counter() + AHEAD_S) + PERIOD_S * np.arange(n)
+
+
+def n_last(samples, holds):
+    """How many samples in a row, up to the last, hold."""
+    return next((n for n, sample in enumerate(reversed(samples)) if not holds(sample)), len(samples))
+
+
+def spans(n_samples, hold_s):
+    return n_samples > 0 and (n_samples - 1) * PERIOD_S >= hold_s
+
+
+def in_turns(hear, times_s, values):
+    """A reader's samples, one block of one after the other: nothing returns before it was heard."""
+    for n in range(len(times_s)):
+        hear(times_s[n : n + 1], values[n : n + 1])
+        yield n
+
+
+forces_n = st.sampled_from([0.79, 1.21, 5.0, 0.0, math.nan])
+runs = st.lists(st.tuples(st.sampled_from([0.8, 1.0, 1.2]), st.integers(1, 30), forces_n), min_size=1, max_size=5)
+
+
+@given(runs, st.sampled_from([0.0, 8 * PERIOD_S, 0.1]))
+def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs, hold_s):
+    trace = np.array([force for held, n, broken in runs for force in [*[held] * n, broken, held]])
+    held = Held(press(hold_s), moving=False)
+    for n in in_turns(held.grip.hear, stamps_s(len(trace)), trace):
+        true = spans(n_last(trace[: n + 1], lambda force: abs(force - 1.0) <= 0.2), hold_s)
+        assert true or not held.open
+        assert held.grip._gate.open == true
+        assert math.isnan(trace[n]) == (held.grip.force_n is None)
+
+
+def test_a_slide_begins_only_where_both_are_held():
+    """Force from the first sample, motion from the 40th; then the other way round."""
+    for first_moves, first_holds in ((40, 0), (0, 40)):
+        held, n_samples = Held(slide(hold_s=0.1), moving=True), 100
+        times_s = stamps_s(n_samples)
+        steps_m = np.where(np.arange(n_samples) > first_moves, SPEED * PERIOD_S, 0.0)
+        places_m = np.cumsum(steps_m)[:, None]
+        forces = np.where(np.arange(n_samples) >= first_holds, 1.0, 0.5)
+        heard = zip(
+            in_turns(held.grip.hear, times_s, forces), in_turns(held.glide.hear, times_s, places_m), strict=True
+        )
+        opened = [n for n, _ in heard if held.open]
+        needed_s = {40: MOVING_S, 0: 0.1}[first_moves]
+        assert opened
+        assert opened[0] >= 40 + needed_s / PERIOD_S
+        assert held.opened_s == max(held.grip.opened_s, held.glide.opened_s) == times_s[opened[0]]
+
+
+def test_a_finger_that_halts_is_lost_though_its_force_is_held():
+    held, n_moving, n_samples = Held(slide(hold_s=0.1), moving=True), 60, 60 + round((HALT_S + 0.1) / PERIOD_S)
+    times_s = stamps_s(n_samples)
+    places_m = SPEED * PERIOD_S * np.minimum(np.arange(n_samples), n_moving)[:, None]
+    lost = []
+    for _ in zip(
+        in_turns(held.grip.hear, times_s, np.ones(n_samples)),
+        in_turns(held.glide.hear, times_s, places_m),
+        strict=True,
+    ):
+        lost.append(held.lost)
+        assert not held.grip.lost
+    assert not any(lost[: n_moving + round(HALT_S / PERIOD_S)])
+    assert lost[-1]
+
+
+def test_a_slide_whose_speed_is_not_gated_is_a_press():
+    held = Held(slide(hold_s=0.0), moving=False)
+    held.grip.hear(stamps_s(1), np.ones(1))
+    assert held.glide is None
+    assert held.kept_speed(0.0, 1.0)
+
+
+@pytest.mark.parametrize("part", [0.11, 0.09])
+def test_below_a_tenth_of_its_target_the_finger_has_left(part):
+    held = Held(press(0.0), moving=False)
+    held.grip.hear(stamps_s(1), np.array([part]))
+    assert held.grip.lost == (part < 0.1)
+
+
+# --- the trigger
+
+
+class Scene:
+    """What a trigger asks and does, in a list."""
+
+    def __init__(self):
+        self.opens = self.breaks = self.muted = False
+        self.done, self.at_work, self.may_end = [], threading.Event(), threading.Event()
+        self.may_end.set()
+        self.trigger = Trigger(lambda: self.opens, lambda: self.breaks, self.fire, lambda: self.done.append("stop"))
+
+    def fire(self):
+        self.at_work.set()
+        assert self.may_end.wait(LONGEST_WAIT_S)
+        self.done.append("muted" if self.muted else "fire")
+        return None if self.muted else time.perf_counter()
+
+    def considered(self, **changes):
+        vars(self).update(changes)
+        self.trigger.consider()
+        return self.done
+
+
+@pytest.fixture
+def scene():
+    return Scene()
+
+
+def test_it_fires_once_when_it_opens_and_stops_once_when_it_breaks(scene):
+    assert scene.considered(breaks=True) == []
+    assert (scene.trigger.begun, scene.trigger.broken) == (None, False)
+    before_s = time.perf_counter()
+    assert scene.considered(opens=True, breaks=False) == ["fire"]
+    decided_s, onset_s = scene.trigger.begun
+    assert before_s <= decided_s <= onset_s
+    assert scene.considered() == ["fire"]
+    assert scene.considered(breaks=True) == ["fire", "stop"]
+    assert scene.trigger.broken
+    assert scene.considered() == ["fire", "stop"]
+
+
+def test_what_may_not_play_just_now_is_tried_again(scene):
+    assert scene.considered(opens=True, muted=True) == ["muted"]
+    assert scene.trigger.begun is None
+    assert scene.considered(muted=False) == ["muted", "fire"]
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_called_off_it_neither_fires_nor_stops(scene, begun):
+    done = scene.considered(opens=begun).copy()
+    scene.trigger.disarm()
+    assert scene.considered(opens=True, breaks=True) == done
+
+
+def test_calling_off_waits_for_what_is_under_way_and_nobody_else_does(scene, in_background):
+    scene.opens = True
+    scene.may_end.clear()
+    in_background(scene.trigger.consider)
+    assert scene.at_work.wait(LONGEST_WAIT_S)
+    other, off = threading.Thread(target=scene.trigger.consider), threading.Thread(target=scene.trigger.disarm)
+    other.start()
+    other.join(LONGEST_WAIT_S)
+    assert not other.is_alive()
+    off.start()
+    off.join(0.05)
+    assert off.is_alive()
+    scene.may_end.set()
+    off.join(LONGEST_WAIT_S)
+    assert scene.considered(breaks=True) == ["fire"]
+
+
+@pytest.mark.parametrize("fails", ["opens", "fire", "breaks", "stop"])
+def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(fails):
+    def failing(name, value):
+        def step():
+            called.append(name)
+            if name == fails:
+                raise OSError("the device is gone")
+            return value
+
+        return step
+
+    called = []
+    trigger = Trigger(failing("opens", True), failing("breaks", True), failing("fire", 1.0), failing("stop", None))
+    for _ in range(3):
+        trigger.consider()
+    assert called.count(fails) == 1
+    assert called[-1] == fails
+    for asked in ("begun", "broken"):
+        with pytest.raises(OSError, match="the device is gone"):
+            getattr(trigger, asked)
+
+
+# --- what is heard
+
+
+class Teller:
+    """A sensor that tells one who listens."""
+
+    hear = None
+
+    def listen(self, hear):
+        self.hear = hear
+        return lambda: setattr(self, "hear", None)
+
+
+def test_the_decision_follows_what_was_heard_and_ends_with_it():
+    sensor, heard = Teller(), []
+
+    def fail():
+        with hearing(sensor, lambda *block: heard.append(block), lambda: heard.append("then")):
+            sensor.hear(1, 2)
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail()
+    assert heard == [(1, 2), "then"]
+    assert sensor.hear is None
+
+
+def test_without_a_sensor_nothing_is_heard():
+    with hearing(None, pytest.fail):
+        pass
+
+
+def told(*blocks):
+    trace = Trace()
+    for times_s, values in blocks:
+        trace.hear(np.array(times_s, dtype=float), np.array(values, dtype=float))
+    return trace
+
+
+def test_only_the_known_samples_of_an_interval_are_given():
+    trace = told(([1, 2], [10, 20]), ([], []), ([3, 4, 5], [math.nan, 40, 50]))
+    times_s, values = trace.between(2.0, 4.0)
+    assert (times_s.tolist(), values.tolist()) == ([2, 4], [20, 40])
+    assert trace.between(6.0, 7.0)[0].size == told().between(0.0, 9.0)[0].size == 0
+
+
+def test_where_a_stamp_goes_back_no_samples_are_given():
+    trace = told(([1, 2], [1, 2]), ([1.5, 3], [3, 4]))
+    assert trace.between(0.0, 9.0)[0].size == 0
+    assert trace.between(1.6, 9.0)[0].tolist() == [2, 3]
+
+
+def test_a_thread_that_says_nothing_at_all_is_held_up():
+    trace = told(([time.perf_counter()], [1]))
+    time.sleep(DEAF_S + 0.01)
+    assert trace.quiet(60.0)
+    trace.hear(np.empty(0), np.empty(0))
+    assert not trace.quiet(60.0)
