@@ -6,7 +6,7 @@ import numpy as np
 
 from tactometry.protocols.task import Outcome, Presentation, Reply, reply, touched
 from tactometry.request import Enter, Rated
-from tactometry.require import above_zero
+from tactometry.require import positive
 from tactometry.run import Course
 
 
@@ -29,7 +29,7 @@ class Magnitude:
 
     def __post_init__(self) -> None:
         if self.high is not None:
-            above_zero("Magnitude", high=self.high)
+            positive("Magnitude", high=self.high)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
         del rng

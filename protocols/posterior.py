@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending
-from tactometry.require import above_zero, numbers, of_kind, whole
+from tactometry.require import numbers, of_kind, positive, whole
 
 Array = NDArray[np.float64]
 HIGHEST = 1 + 1e-9
@@ -118,7 +118,7 @@ class Stop:
         """Refuse what never ends."""
         whole(owner, lowest=1, n_trials=self.n_trials)
         if self.sd is not None:
-            above_zero(owner, sd_stop=self.sd)
+            positive(owner, sd_stop=self.sd)
 
     def ending(self, weighed: Callable[[], tuple[Array, Array]], *, n_told: int, contradicted: bool) -> Ending | None:
         """How the run ended after `n_told` answers; None if it goes on.

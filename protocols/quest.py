@@ -13,7 +13,7 @@ from tactometry.protocols.parameter_grid import NARROWEST, ParameterGrid
 from tactometry.protocols.posterior import Posterior, Stop, mean_sd
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
-from tactometry.require import above_zero, finite, one_of
+from tactometry.require import finite, one_of, positive
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
@@ -88,7 +88,7 @@ class Quest:
         one_of("Quest.placing", self.placing, get_args(Placing))
         finite("Quest", start=self.start, low=self.low, high=self.high, target=self.target)
         finite("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
-        above_zero("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
+        positive("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
         if self.start_sd < NARROWEST * (self.high - self.low):
             raise InvalidParameter(f"Quest.start_sd: found {self.start_sd:g}, expected more; the prior is a point")
         Stop(self.n_trials, self.sd_stop).check("Quest")

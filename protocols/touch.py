@@ -5,7 +5,7 @@ from typing import Protocol
 
 from tactometry.errors import InvalidParameter
 from tactometry.request import TRAJECTORY_M, Play, Press, Slide
-from tactometry.require import above_zero
+from tactometry.require import positive
 
 
 class Touch(Protocol):
@@ -25,10 +25,10 @@ def fair_tolerance(force_n: float) -> float:
 
 def _check(touch: "Pressing | Sliding", **more: float | None) -> None:
     owner = type(touch).__name__
-    above_zero(owner, duration_s=touch.duration_s, force_n=touch.force_n)
-    above_zero(owner, hold_s=touch.hold_s, timeout_s=touch.timeout_s)
+    positive(owner, duration_s=touch.duration_s, force_n=touch.force_n)
+    positive(owner, hold_s=touch.hold_s, timeout_s=touch.timeout_s)
     optional = {"tolerance": touch.tolerance, **more}
-    above_zero(owner, **{name: value for name, value in optional.items() if value is not None})
+    positive(owner, **{name: value for name, value in optional.items() if value is not None})
     if touch.hold_s >= touch.timeout_s:
         raise InvalidParameter(
             f"{owner}.hold_s: found {touch.hold_s:g} s, expected less than timeout_s ({touch.timeout_s:g} s): no touch "
@@ -80,7 +80,7 @@ class Sliding:
     speed_tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m)
+        positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m)
         _check(self, speed_tolerance=self.speed_tolerance)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.require import above_zero, at_least_zero
+from tactometry.require import not_negative, positive
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class ForceGate:
     last_s: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
-        at_least_zero("ForceGate", hold_s=self.hold_s)
+        positive("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
+        not_negative("ForceGate", hold_s=self.hold_s)
 
     @property
     def open(self) -> bool:
@@ -119,7 +119,7 @@ def compliance(
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
-    above_zero("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
+    positive("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
     times, forces = _trace(times_s, forces_n)
     in_band = np.abs(_running_mean(times, forces, window_s) - target_n) <= tolerance * target_n
     return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))

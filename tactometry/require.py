@@ -1,128 +1,327 @@
-"""Numbers that must be finite, whole, above 0 or not below it; words that must be of a list; kinds of values."""
+"""What arguments must be, in one vocabulary; each refusal is one sentence: where, what was found, what was expected.
 
-import math
-from collections.abc import Collection, Sequence
+Numbers are given by their names, after their owner. Each has a domain of magnitude that the unit in its name states
+(`DOMAINS`): a number that is not 0 and lies outside of it is a slip of units, and squares and quotients of what lies
+inside stay within the range of a double. One thing, or an array, is given after the words that open its sentence.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
+from math import inf, isfinite
+from numbers import Real
+from types import NoneType
 from typing import Any, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter, nearest
 
+DOMAINS: Mapping[str, tuple[float, float]] = {
+    "_m": (1e-20, 1e9),
+    "_m2": (1e-300, 1e9),
+    "_m_per_s": (1e-20, 1e9),
+    "_per_m": (1e-9, 1e20),
+    "_s": (1e-18, 1e12),
+    "_per_s": (0.0, 1e40),
+    "_n_s_per_m": (0.0, 1e15),
+    "_hz": (1e-12, 1e18),
+    "_v": (0.0, 1e12),
+    "_n": (1e-30, 1e50),
+    "_kg": (1e-20, 1e9),
+    "_n_per_m": (1e-15, 1e15),
+    "_ohm": (1e-20, 1e20),
+    "_ohm_m": (1e-30, 1e30),
+    "_rad": (0.0, 1e9),
+    "_share": (0.0, 1e30),
+    "_per_v2": (0.0, 1e100),
+}
+"""Smallest (0 aside) and largest magnitude by the unit of a name, in that unit; the longest that fits holds."""
+ANY = (1e-30, 1e30)
+"""The domain of a number without unit, or with another one."""
+LARGEST_COUNT, TINY = 2**31, 5e-324
 
-def is_number(value: object) -> TypeGuard[float]:
-    """Whether it is a finite real number; True is none.
 
-    >>> is_number(2), is_number(True), is_number(math.nan), is_number("2")
-    (True, False, False, False)
+@lru_cache(maxsize=4096)
+def domain(name: str) -> tuple[float, float]:
+    """Smallest (0 aside) and largest magnitude that a name allows.
+
+    >>> domain("Sine.frequency_hz"), domain("level")
+    ((1e-12, 1e+18), (1e-30, 1e+30))
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        return False
-    return bool(-math.inf < value < math.inf)
+    units = [unit for unit in DOMAINS if name.endswith(unit)]
+    return DOMAINS[max(units, key=len)] if units else ANY
 
 
-def finite(owner: str, **values: object) -> None:
-    """Refuse what is not a finite number.
+def is_number(value: Any) -> TypeGuard[float]:
+    """Whether it is a real number that a double holds; True is none.
+
+    >>> is_number(2), is_number(True), is_number(inf), is_number("2"), is_number(10**400)
+    (True, False, False, False, False)
+    """
+    if type(value) is float:
+        return isfinite(value)
+    return not isinstance(value, bool) and isinstance(value, Real) and _fits_double(value)
+
+
+def finite(owner: str, /, **values: object) -> None:
+    """Each is a finite number; a sign or a place may be as near to 0 as it likes.
 
     Raises
     ------
     InvalidParameter
-        If a value is not; the sentence names `owner` and the value's name.
+        If a value is not, or is larger than its unit allows; the sentence names `owner` and the value's name.
 
     >>> finite("Staircase", low=0.0, high=40.0)
     """
     for name, value in values.items():
-        if not is_number(value):
-            raise InvalidParameter(f"{owner}.{name}: found {value!r:.60}, expected a finite number")
+        high = domain(name)[1]
+        if not (is_number(value) and -high <= value <= high):
+            raise _refused(owner, name, value, _sized(0.0, high) if is_number(value) else "a finite number")
 
 
-def numbers(where: str, values: object) -> None:
-    """Refuse what is not a sequence of finite numbers, empty or not.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is not; the sentence opens with `where`.
-
-    >>> numbers("Staircase.steps", (4.0, 2.0))
-    """
-    if not isinstance(values, Sequence) or isinstance(values, str):
-        raise InvalidParameter(f"{where}: found {values!r:.60}, expected a sequence of finite numbers")
-    for n, value in enumerate(values):
-        if not is_number(value):
-            raise InvalidParameter(f"{where}[{n}]: found {value!r:.60}, expected a finite number")
-
-
-def whole(owner: str, *, lowest: int, **values: object) -> None:
-    """Refuse what is not a whole number of at least `lowest`.
+def positive(owner: str, /, **values: object) -> None:
+    """Each is a finite number above 0.
 
     Raises
     ------
     InvalidParameter
-        As `finite`.
+        As `finite`, and if a value is smaller than its unit allows.
 
-    >>> whole("Staircase", lowest=1, n_trials=60)
+    >>> positive("Sine", frequency_hz=-3)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Sine.frequency_hz: found -3, expected a finite number above 0
+    >>> positive("Grating", period_m=1e-320)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Grating.period_m: found 1e-320, expected a number from 1e-20 to 1e+09
     """
     for name, value in values.items():
-        if not (isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= lowest):
-            raise InvalidParameter(f"{owner}.{name}: found {value!r:.60}, expected a whole number, at least {lowest}")
+        low, high = domain(name)
+        if not (is_number(value) and value > 0 and low <= value <= high):
+            above = is_number(value) and value > 0
+            raise _refused(owner, name, value, _sized(low, high) if above else "a finite number above 0")
 
 
-def of_kind(owner: str, kind: Any, **values: object) -> None:
-    """Refuse what is not an instance of `kind`, a class or a protocol that can be asked.
+def not_negative(owner: str, /, **values: object) -> None:
+    """Each is a finite number, at least 0.
 
     Raises
     ------
     InvalidParameter
-        As `finite`.
+        As `positive`.
 
-    >>> of_kind("QuestPlus", dict, prior={})
+    >>> not_negative("ForceGate", hold_s=0.0)
+    """
+    for name, value in values.items():
+        low, high = domain(name)
+        if not (is_number(value) and (value == 0 or low <= value <= high)):
+            above = is_number(value) and value > 0
+            sized = f"{'0 or ' if low else ''}{_sized(low, high)}"
+            raise _refused(owner, name, value, sized if above else "a finite number, at least 0")
+
+
+def within(owner: str, low: float, high: float, /, **values: object) -> None:
+    """Each is a number from `low` to `high`.
+
+    >>> within("Grating", 0, 1, duty=1.5)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Grating.duty: found 1.5, expected a number from 0 to 1
+    """
+    for name, value in values.items():
+        if not (is_number(value) and low <= value <= high):
+            raise _refused(owner, name, value, f"a number from {low:g} to {high:g}")
+
+
+def between(owner: str, low: float, high: float, /, **values: object) -> None:
+    """Each is a number above `low` and below `high`."""
+    for name, value in values.items():
+        if not (is_number(value) and low < value < high):
+            raise _refused(owner, name, value, f"a number above {low:g} and below {high:g}")
+
+
+def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, **values: Any) -> None:
+    """Each is a whole number from `lowest` to `LARGEST_COUNT`.
+
+    >>> whole("Staircase", lowest=1, n_trials=0)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Staircase.n_trials: found 0, expected a whole number, at least 1
+    """
+    for name, value in values.items():
+        known = isinstance(value, int | np.integer) and not isinstance(value, bool)
+        if not known or not lowest <= value <= LARGEST_COUNT:
+            limit = f"at most {LARGEST_COUNT}" if known and value > lowest else f"at least {lowest}"
+            raise _refused(owner, name, value, f"a whole number, {limit}")
+
+
+def truth(owner: str, /, **values: object) -> None:
+    """Each is True or False."""
+    for name, value in values.items():
+        if not isinstance(value, bool | np.bool_):
+            raise _refused(owner, name, value, "True or False")
+
+
+def of_kind(owner: str, kind: Any, /, **values: object) -> None:
+    """Each is of a kind: a class, one of a tuple of classes, or a protocol that can be asked.
+
+    >>> of_kind("Solution", Real, rate=None)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Solution.rate: found None, expected a Real
     """
     for name, value in values.items():
         if not isinstance(value, kind):
-            raise InvalidParameter(f"{owner}.{name}: found {value!r:.60}, expected a {kind.__name__}")
+            raise _refused(owner, name, value, class_names(kind if isinstance(kind, tuple) else (kind,)))
 
 
-def above_zero(owner: str, **values: object) -> None:
-    """Refuse what is not finite and above 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not; the sentence names `owner` and the value's name.
-
-    >>> above_zero("ForceGate", target_n=1.0, tolerance=0.2)
-    """
-    for name, value in values.items():
-        if not is_number(value) or value <= 0:
-            raise InvalidParameter(f"{owner}.{name}: found {value!r:.60}, expected a finite number above 0")
-
-
-def at_least_zero(owner: str, **values: object) -> None:
-    """Refuse what is not finite and at least 0.
-
-    Raises
-    ------
-    InvalidParameter
-        As `above_zero`.
-
-    >>> at_least_zero("ForceGate", hold_s=0.0)
-    """
-    for name, value in values.items():
-        if not is_number(value) or value < 0:
-            raise InvalidParameter(f"{owner}.{name}: found {value!r:.60}, expected a finite number, at least 0")
-
-
-def one_of(where: str, found: str, expected: Collection[str]) -> None:
-    """Refuse a word that is none of those expected.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is none; the sentence opens with `where`.
+def one_of(where: str, found: object, choices: Iterable[object]) -> None:
+    """`found` is one of `choices`, texts or numbers; True is not 1.
 
     >>> one_of("QuestPlus.aim", "threshold", ("parameters", "threshold"))
     """
-    if found not in expected:
+    choices = tuple(choices)
+    if isinstance(found, bool) or not isinstance(found, str | Real) or found not in choices:
+        names = [str(choice) for choice in choices]
+        hint = nearest(str(found), names)
+        raise InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
+
+
+def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
+    """`found` holds something."""
+    if len(found) == 0:
+        raise InvalidParameter(f"{where}: found none, expected at least one")
+
+
+def numbers(where: str, found: object) -> None:
+    """`found` is a sequence of finite numbers, empty or not.
+
+    >>> numbers("Staircase.steps", (4.0, 2.0))
+    """
+    if not isinstance(found, Sequence) or isinstance(found, str):
+        raise InvalidParameter(f"{where}: found {shown(found)}, expected a sequence of finite numbers")
+    for place, value in enumerate(found):
+        if not is_number(value):
+            raise InvalidParameter(f"{where}[{place}]: found {shown(value)}, expected a finite number")
+
+
+def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as an array of numbers of any size, infinity and NaN among them."""
+    try:
+        found = np.asarray(values)
+        if found.dtype.kind not in "iuf":
+            raise TypeError
+        return np.asarray(found, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidParameter(f"{where}: found {shown(values)}, expected finite numbers") from None
+
+
+def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as an array of finite numbers, none larger than the name in `where` allows.
+
+    >>> finite_array("straight.values_v", [0.0, 1e200])
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: straight.values_v[1]: found 1e+200, expected a number of at most 1e+12
+    """
+    found, high = array(where, values), domain(where)[1]
+    if not np.abs(found).max(initial=0.0) <= high:
+        raise _first_wrong(where, found, np.abs(found) <= high, "a finite number", _sized(0.0, high))
+    return found
+
+
+def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
+    """`values` as an array of numbers above 0, none smaller or larger than the name in `where` allows.
+
+    With `infinite`, infinity is a number too.
+    """
+    low, high = domain(where)
+    ends = (low or TINY, inf if infinite else high)
+    return _bounded(where, values, ends, "a finite number above 0", _sized(low, high))
+
+
+def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
+    """As `positive_array`, of numbers of at least 0, as small as they like."""
+    high = domain(where)[1]
+    ends = (0.0, inf if infinite else high)
+    return _bounded(where, values, ends, "a finite number, at least 0", _sized(0.0, high))
+
+
+def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as an array (..., n_samples) of finite numbers, with at least one sample."""
+    found = finite_array(where, values)
+    if found.ndim == 0 or found.size == 0:
+        raise InvalidParameter(f"{where}: found shape {found.shape}, expected (..., n_samples), at least one sample")
+    return found
+
+
+def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as a row of two or more finite numbers, each above the one before."""
+    found = finite_array(where, values)
+    if found.ndim != 1 or len(found) < 2 or not (np.diff(found) > 0).all():
         raise InvalidParameter(
-            f"{where}: found {found!r}, expected one of {', '.join(expected)}{nearest(str(found), expected)}"
+            f"{where}: found shape {found.shape} not ascending, expected two or more ascending numbers"
         )
+    return found
+
+
+def shaped(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
+    """`values` have a shape; None stands for any length.
+
+    >>> shaped("field_m", [1.0, 2.0], (3,))
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: field_m: found shape (2,), expected (3)
+    """
+    found = np.shape(values)
+    if len(found) != len(shape) or any(n not in (m, None) for m, n in zip(found, shape, strict=True)):
+        words = ", ".join("any" if n is None else str(n) for n in shape)
+        raise InvalidParameter(f"{where}: found shape {found}, expected ({words})")
+
+
+def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A result, if a double can hold it."""
+    if not np.isfinite(result).all():
+        raise InvalidParameter(
+            f"{where}: found a result beyond the range of a double, expected arguments of smaller magnitude"
+        )
+    return result
+
+
+def shown(value: object) -> str:
+    """What was found, on one line and not too long."""
+    return f"{' '.join(repr(value).split()):.60}"
+
+
+def class_names(kinds: Iterable[type]) -> str:
+    """What an instance of one of some classes is called: "a Plate", "a Layer or None"."""
+    return " or ".join("None" if kind is NoneType else f"a {kind.__name__}" for kind in kinds)
+
+
+def _bounded(
+    where: str, values: ArrayLike, ends: tuple[float, float], expected: str, sized: str
+) -> NDArray[np.float64]:
+    found, (low, high) = array(where, values), ends
+    if found.size and not (found.min() >= low and found.max() <= high):
+        raise _first_wrong(where, found, (found >= low) & (found <= high), expected, sized)
+    return found
+
+
+def _first_wrong(
+    where: str, found: NDArray[np.float64], good: NDArray[np.bool_], expected: str, sized: str
+) -> InvalidParameter:
+    place = tuple(int(i) for i in np.argwhere(~good)[0])
+    number = found[place]
+    oversized = isfinite(number) and (number > 0 or expected == "a finite number")
+    at = f"{where}{list(place) if place else ''}"
+    return InvalidParameter(f"{at}: found {number}, expected {sized if oversized else expected}")
+
+
+def _refused(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
+    return InvalidParameter(f"{owner}.{name}: found {shown(value)}, expected {expected}")
+
+
+def _sized(low: float, high: float) -> str:
+    return f"a number from {low:g} to {high:g}" if low else f"a number of at most {high:g}"
+
+
+def _fits_double(value: Real) -> bool:
+    try:
+        return isfinite(float(value))
+    except OverflowError:
+        return False

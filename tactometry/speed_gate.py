@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.require import above_zero, at_least_zero
+from tactometry.require import not_negative, positive
 
 WINDOW_S = 0.05
 """A speed is the way between the ends of a window of this length over its duration (unverified default)."""
@@ -56,9 +56,9 @@ class SpeedGate:
     since_s: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
-        above_zero("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
-        at_least_zero("SpeedGate", hold_s=self.hold_s)
+        positive("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
+        positive("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
+        not_negative("SpeedGate", hold_s=self.hold_s)
 
     @property
     def speed_m_per_s(self) -> float | None:

@@ -54,7 +54,7 @@ def force_n(voltage_v, **changes):
         ),
         (
             lambda: electrostatic_force_n_at(np.nan, PIECES, skin=P0, area_m2=AREA_M2, law="interface"),
-            "electrostatic_force_n_at.t_s[]: found nan, expected a finite number",
+            "electrostatic_force_n_at.t_s: found nan, expected a finite number",
         ),
         (
             lambda: force_n(5.0),
@@ -107,7 +107,7 @@ def force_n(voltage_v, **changes):
         ),
         (lambda: step_voltage_v(-1.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
         (lambda: sine_voltage_v(-1.0, 60.0, 1.0, P0), "closed_form.t_s: found -1.0 s, expected at least 0"),
-        (lambda: square_edge_v(0.0, 1.0, P0), "closed_form.frequency_hz: found 0.0, expected numbers from 1e-12 on"),
+        (lambda: square_edge_v(0.0, 1.0, P0), "closed_form.frequency_hz: found 0.0, expected a finite number above 0"),
         (
             lambda: CoulombFriction(load_exponent=-20.0).coefficient_at(1e-30),
             "CoulombFriction.load_exponent: found -20.0 for a normal force of 1e-30 N, expected a coefficient within "
@@ -115,7 +115,7 @@ def force_n(voltage_v, **changes):
         ),
         (
             lambda: FrictionLag().gain(np.nan, 0.05),
-            "FrictionLag.gain.frequency_hz[]: found nan, expected a finite number",
+            "FrictionLag.gain.frequency_hz: found nan, expected a finite number",
         ),
         (
             lambda: Noise.drawn(100.0, np.nan, 0.1, rng=np.random.default_rng(0)),
@@ -140,7 +140,7 @@ def force_n(voltage_v, **changes):
             "AmplitudeModulated.carrier_hz + frequency_hz: found 10140.0 Hz, expected less than half of rate_hz "
             "(10000.0 Hz); lower the frequency or raise rate_hz",
         ),
-        (lambda: Sine(frequency_hz=10**400), f"Sine.frequency_hz: found {10**400}, expected a finite number above 0"),
+        (lambda: Sine(frequency_hz=10**400), f"Sine.frequency_hz: found {10**59}, expected a finite number above 0"),
         (lambda: Sine(frequency_hz=True), "Sine.frequency_hz: found True, expected a finite number above 0"),
     ],
 )  # fmt: skip
@@ -152,7 +152,7 @@ def test_outside_of_its_domain_it_says_so(call, message: str) -> None:
 
 @pytest.mark.parametrize("texture", [Grating(1e-3), Region(0.0, 1.0), Bump(0.0, 1.0), NOISE, Image(np.ones(3), 1e-3)])
 def test_a_texture_refuses_a_position_that_is_not_finite(texture) -> None:
-    with pytest.raises(InvalidParameter, match=r"x_m\[\]: found nan, expected a finite number"):
+    with pytest.raises(InvalidParameter, match=r"x_m: found nan, expected a finite number"):
         texture.force_share(np.nan)
 
 

@@ -224,7 +224,7 @@ def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> N
         ),
         (
             lambda: Square(frequency_hz=60.0, duty=1.0),
-            "Square.duty: found 1.0, expected a number between 0 and 1",
+            "Square.duty: found 1.0, expected a number above 0 and below 1",
         ),
         (
             lambda: Trapezoid(rise_s=0, high_s=0, fall_s=0, low_s=0),

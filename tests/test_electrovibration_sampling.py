@@ -168,11 +168,11 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
     [
         (
             lambda: Square(frequency_hz=60.0, duty="a"),
-            "Square.duty: found 'a', expected a number between 0 and 1",
+            "Square.duty: found 'a', expected a number above 0 and below 1",
         ),
         (
             lambda: Square(frequency_hz=60.0, duty=1.0),
-            "Square.duty: found 1.0, expected a number between 0 and 1",
+            "Square.duty: found 1.0, expected a number above 0 and below 1",
         ),
         (
             lambda: Trapezoid(rise_s=1e-3, high_s=1e-3, fall_s=1e-3, low_s=1e-3, low_ratio=None),

@@ -233,7 +233,7 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
             lambda: Grating(1e-3, "sinusoid"),
             "Grating.shape: found 'sinusoid', expected one of square, sinusoidal, sawtooth; did you mean 'sinusoidal'?",
         ),
-        (lambda: Grating(1e-3, duty=1.5), "Grating.duty: found 1.5, expected a number between 0 and 1"),
+        (lambda: Grating(1e-3, duty=1.5), "Grating.duty: found 1.5, expected a number from 0 to 1"),
         (
             lambda: Region(0.03, 0.01),
             "Region: found 0.03 to 0.01 m with edges of 0.0 m, expected a right edge behind the left one by at least "
@@ -244,7 +244,7 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
             "Noise.phases_rad: found 1, expected one for each of the 91 lines between 100.0 and 1000.0 per m "
             "(multiples of 1/length_m), at least one; use Noise.drawn",
         ),
-        (lambda: Velvet(with_pile=2.0), "Velvet.with_pile: found 2.0, expected a number between 0 and 1"),
+        (lambda: Velvet(with_pile=2.0), "Velvet.with_pile: found 2.0, expected a number from 0 to 1"),
         (lambda: Bump(0.0, 1e-3, height_sign=0), "Bump.height_sign: found 0, expected one of 1, -1"),
         (
             lambda: TableArea((1.0,), (1e-4,)).area_m2(2.0),

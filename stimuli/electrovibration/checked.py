@@ -14,8 +14,8 @@ from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -78,19 +78,19 @@ def check_of(annotation: Any) -> Check:
         return _values(check_of(parts[1]))
     if origin is Literal or not isinstance(annotation, type) or annotation is str:
         return _anything
-    return lambda owner, name, value: require.kinds(owner, **{name: (value, annotation)})
+    return lambda owner, name, value: require.of_kind(owner, annotation, **{name: value})
 
 
 def _optional(parts: tuple[Any, ...]) -> Check:
     kinds = [part for part in parts if part is not NoneType]
     if len(kinds) > 1 and all(isinstance(kind, type) for kind in kinds):
-        return lambda owner, name, value: require.instance(owner, tuple(parts), **{name: value})
+        return lambda owner, name, value: require.of_kind(owner, tuple(parts), **{name: value})
     check = check_of(kinds[0])
     return lambda owner, name, value: (value is None and NoneType in parts) or check(owner, name, value)
 
 
 def _array(owner: str, name: str, value: Any) -> None:
-    require.instance(owner, (np.ndarray, np.generic), **{name: value})
+    require.of_kind(owner, (np.ndarray, np.generic), **{name: value})
     if value.dtype.kind == "c":
         require.finite_array(f"{owner}.{name}", np.abs(value))
     else:
@@ -114,7 +114,7 @@ def _each(check: Check) -> Check:
 
 def _values(check: Check) -> Check:
     def check_values(owner: str, name: str, value: Any) -> None:
-        require.instance(owner, Mapping, **{name: value})
+        require.of_kind(owner, Mapping, **{name: value})
         for key, one in value.items():
             check(owner, f"{name}[{key!r}]", one)
 

@@ -8,8 +8,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
 from tactometry.stimuli.electrovibration.relaxation import phi1

@@ -8,8 +8,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 
@@ -34,7 +34,7 @@ class PowerLawArea:
 
     def __post_init__(self) -> None:
         require.positive("PowerLawArea", area_at_1n_m2=self.area_at_1n_m2)
-        require.non_negative("PowerLawArea", exponent=self.exponent)
+        require.not_negative("PowerLawArea", exponent=self.exponent)
 
     @checked
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:

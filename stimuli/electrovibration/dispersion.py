@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
 
@@ -90,7 +90,7 @@ def shares(
         If no layer can hold a voltage, or a frequency, resistance or area is negative.
     """
     f_hz = np.atleast_1d(require.finite_array("shares.frequency_hz", frequency_hz))
-    require.non_negative(
+    require.not_negative(
         "shares", resistance_ohm=resistance_ohm, area_m2=area_m2, lowest_hz=float(f_hz.min(initial=0.0))
     )
     holds = np.array([isinstance(layer, DispersiveLayer) or layer.elastance_m2_per_f > 0 for layer in layers])

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.electrovibration import require
+from tactometry import require
 from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.skin import INSULATOR, Skin

@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.circuit import Circuit
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem, flow, pairs
@@ -47,7 +47,7 @@ def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex12
     if not isinstance(stimuli, Sequence) or not stimuli:
         raise InvalidParameter(f"stimuli: found {stimuli!r:.60}, expected a sequence of at least one voltage in pieces")
     for place, pieces in enumerate(stimuli):
-        require.instance("stimuli", Pieces, **{f"[{place}]": pieces})
+        require.of_kind("stimuli", Pieces, **{f"[{place}]": pieces})
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)
     for place, pieces in enumerate(stimuli):
         if Timing(pieces, key.t_s, has_slope=True) != key:

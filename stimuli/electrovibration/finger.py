@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.electrovibration import require
+from tactometry import require
 from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.driven import Timing, plan_of, stacked
 from tactometry.stimuli.electrovibration.force import ForceForm
@@ -37,7 +37,7 @@ class Finger:
 
     def __post_init__(self) -> None:
         require.positive("Finger", mass_kg=self.mass_kg, stiffness_n_per_m=self.stiffness_n_per_m)
-        require.non_negative("Finger", damping_n_s_per_m=self.damping_n_s_per_m)
+        require.not_negative("Finger", damping_n_s_per_m=self.damping_n_s_per_m)
 
     @classmethod
     @checked
@@ -110,11 +110,9 @@ def sliding(
     """
     from tactometry.stimuli.electrovibration.compiled import slide
 
-    t = require.numbers("sliding.t_s", t_s)
-    require.kinds(
-        "sliding", pieces=(pieces, Pieces), form=(form, ForceForm), finger=(finger, Finger),
-        friction=(friction, CoulombFriction),
-    )  # fmt: skip
+    t = require.array("sliding.t_s", t_s)
+    require.of_kind("sliding", Pieces, pieces=pieces)
+    _check_kinds("sliding", form, finger, friction)
     mu = friction.coefficient_at(force_n)
     plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
     heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
@@ -141,9 +139,15 @@ def sliding_many(
     """
     from tactometry.stimuli.electrovibration.compiled import slide_many
 
-    t = require.numbers("sliding_many.t_s", t_s)
-    require.kinds("sliding_many", form=(form, ForceForm), finger=(finger, Finger), friction=(friction, CoulombFriction))
+    t = require.array("sliding_many.t_s", t_s)
+    _check_kinds("sliding_many", form, finger, friction)
     mu, heights = friction.coefficient_at(force_n), stacked(stimuli)
     timing = Timing(stimuli[0], t, has_slope=bool(heights[1].any()))
     plan = plan_of(timing, form.relaxations, finger.system)
     return Motion(t, *slide_many(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
+
+
+def _check_kinds(owner: str, form: object, finger: object, friction: object) -> None:
+    require.of_kind(owner, ForceForm, form=form)
+    require.of_kind(owner, Finger, finger=finger)
+    require.of_kind(owner, CoulombFriction, friction=friction)

@@ -8,8 +8,8 @@ from typing import Literal, get_args
 from numpy import errstate, float64, isfinite
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.polarity import Polarity
@@ -31,12 +31,12 @@ class ForceForm:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        require.non_negative("ForceForm", newton_per_v2=self.newton_per_v2)
+        require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
 
     def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
         """Force (N) of layer voltages u, of their shape."""
-        require.instance("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
-        layer_v = require.numbers("ForceForm.force_n.layer_v", layer_v)
+        require.of_kind("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
+        layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
         with errstate(over="ignore"):
             even_n = self.newton_per_v2 * layer_v**2
         if not isfinite(even_n).all():
@@ -67,7 +67,7 @@ def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
         If no law is named, the area is negative, or the law lacks a term for the gap or the body.
     """
     check_law(law)
-    require.non_negative("force_form", area_m2=area_m2)
+    require.not_negative("force_form", area_m2=area_m2)
     return _FORMS[str(law)](skin, area_m2)
 
 

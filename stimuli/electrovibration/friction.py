@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.driven import CYCLES_MAX, check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
@@ -29,7 +29,7 @@ class CoulombFriction:
     load_exponent: float = 0.0
 
     def __post_init__(self) -> None:
-        require.non_negative("CoulombFriction", coefficient=self.coefficient)
+        require.not_negative("CoulombFriction", coefficient=self.coefficient)
         require.finite("CoulombFriction", load_exponent=self.load_exponent)
 
     def coefficient_at(self, force_n: float) -> float:
@@ -41,7 +41,7 @@ class CoulombFriction:
         >>> CoulombFriction(0.5).coefficient_at(0.0), CoulombFriction(0.5, load_exponent=0.1).coefficient_at(0.0)
         (0.5, 0.0)
         """
-        require.non_negative("CoulombFriction", force_n=force_n)
+        require.not_negative("CoulombFriction", force_n=force_n)
         try:
             return float(self.coefficient * float(force_n) ** self.load_exponent)
         except (OverflowError, ZeroDivisionError):
@@ -74,7 +74,7 @@ class FrictionLag:
     floor_hz: float = 100.0
 
     def __post_init__(self) -> None:
-        require.non_negative(
+        require.not_negative(
             "FrictionLag", slope_hz_per_m_per_s=self.slope_hz_per_m_per_s, intercept_hz=self.intercept_hz
         )
         require.positive("FrictionLag", floor_hz=self.floor_hz)
@@ -82,7 +82,7 @@ class FrictionLag:
     @checked
     def cutoff_hz(self, speed_m_per_s: float) -> float:
         """Corner frequency at a sliding speed (m/s, at least 0)."""
-        require.non_negative("FrictionLag", speed_m_per_s=speed_m_per_s)
+        require.not_negative("FrictionLag", speed_m_per_s=speed_m_per_s)
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
     @checked

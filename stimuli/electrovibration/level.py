@@ -3,9 +3,9 @@
 from math import log10
 from typing import Literal
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
-from tactometry.stimuli.electrovibration.require import DOMAINS
+from tactometry.require import DOMAINS
 
 LevelUnit = Literal["dB re 1 V", "V"]
 HIGHEST_V = DOMAINS["_v"][1]
@@ -40,7 +40,7 @@ def level_db_re_1v(voltage_v: float) -> float:
 
 
 def _volt(level: float) -> float:
-    require.non_negative("stimulus", level=level)
+    require.not_negative("stimulus", level=level)
     if level > HIGHEST_V:
         raise InvalidParameter(f"stimulus.level: found {level} V, expected at most {HIGHEST_V:g} V")
     return float(level)

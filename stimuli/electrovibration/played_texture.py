@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.sampled import strongest_hz
@@ -39,7 +39,7 @@ class PositionSensor:
 
     def __post_init__(self) -> None:
         require.positive("PositionSensor", rate_hz=self.rate_hz)
-        require.non_negative("PositionSensor", resolution_m=self.resolution_m, latency_s=self.latency_s)
+        require.not_negative("PositionSensor", resolution_m=self.resolution_m, latency_s=self.latency_s)
 
     @checked
     def reported_m(self, x_m: Real, rate_hz: float) -> Real:
@@ -65,7 +65,7 @@ class PositionSensor:
 more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
         """
         require.positive("PositionSensor.check", period_m=period_m)
-        require.non_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
+        require.not_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
         needed_hz = 2 * speed_m_per_s / period_m
         if self.rate_hz <= needed_hz * (1 + 1e-9):
             raise InvalidParameter(
@@ -234,7 +234,7 @@ def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, sta
 @checked
 def lateral_modulation_n(share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike) -> Real:
     """Slow change of the friction (N) by a texture: ``mu F share`` while the finger moves, 0 at rest."""
-    require.non_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
+    require.not_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
     speeds, shares = np.asarray(speed_m_per_s, dtype=np.float64), np.asarray(share, dtype=np.float64)
     if speeds.ndim and shares.ndim and speeds.shape != shares.shape:
         raise InvalidParameter(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.electrovibration import require
+from tactometry import require
 from tactometry.stimuli.electrovibration.checked import checked
 
 Real = NDArray[np.float64]
@@ -37,7 +37,7 @@ class Polarity:
     positive_share: float
 
     def __post_init__(self) -> None:
-        require.non_negative("Polarity", positive_share=self.positive_share)
+        require.not_negative("Polarity", positive_share=self.positive_share)
 
     @checked
     def weighted(self, force_n: Real, layer_v: Real) -> Real:

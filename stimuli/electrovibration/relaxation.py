@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import checked
 
 BLOCK = 4096
@@ -30,7 +30,7 @@ class Relaxations:
     def __post_init__(self) -> None:
         require.finite("Relaxations", dc_gain=self.dc_gain)
         gains = require.finite_array("Relaxations.gains", self.gains)
-        rates = require.numbers("Relaxations.rates_per_s", self.rates_per_s)
+        rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
         if gains.ndim != 1 or gains.shape != rates.shape or not (rates >= 0).all():
             raise InvalidParameter(
                 f"Relaxations: found the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}, expected as "

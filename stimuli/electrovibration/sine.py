@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry import require
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.pieces import ramped as ramped_pieces

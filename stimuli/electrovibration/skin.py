@@ -7,7 +7,7 @@ from types import NoneType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.electrovibration import require
+from tactometry import require
 from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
@@ -61,8 +61,8 @@ class Skin:
             corneum_thickness_m=self.corneum_thickness_m,
             corneum_permittivity=self.corneum_permittivity,
         )
-        require.non_negative("Skin", gap_m=self.gap_m, body_resistance_ohm=self.body_resistance_ohm)
-        require.instance("Skin", (Layer, NoneType), tissue=self.tissue)
+        require.not_negative("Skin", gap_m=self.gap_m, body_resistance_ohm=self.body_resistance_ohm)
+        require.of_kind("Skin", (Layer, NoneType), tissue=self.tissue)
         check_resistivity("Skin.corneum_resistivity_ohm_m", self.corneum_resistivity_ohm_m)
 
     @property

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
+from tactometry import require
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
 from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic, check_width
@@ -41,9 +40,7 @@ class Square(Periodic):
 
     def __post_init__(self) -> None:
         check_periodic(self)
-        require.fraction("Square", duty=self.duty)
-        if self.duty in (0, 1):
-            raise InvalidParameter(f"Square.duty: found {self.duty!r}, expected a number between 0 and 1")
+        require.between("Square", 0, 1, duty=self.duty)
         check_width(self, "duty", min(self.duty, 1 - self.duty) / self.frequency_hz)
 
     @property

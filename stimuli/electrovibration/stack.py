@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
+from tactometry.require import DOMAINS
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
-from tactometry.stimuli.electrovibration.require import DOMAINS
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 SMALLEST, LARGEST = 1e-300, 1e280
@@ -44,7 +44,7 @@ class Layer:
     resistivity_ohm_m: float = inf
 
     def __post_init__(self) -> None:
-        require.non_negative("Layer", thickness_m=self.thickness_m)
+        require.not_negative("Layer", thickness_m=self.thickness_m)
         require.positive("Layer", permittivity=self.permittivity)
         check_resistivity("Layer.resistivity_ohm_m", self.resistivity_ohm_m)
 
@@ -87,7 +87,7 @@ class Stack:
     resistance_ohm: float = 0.0
 
     def __post_init__(self) -> None:
-        require.non_negative("Stack", resistance_ohm=self.resistance_ohm)
+        require.not_negative("Stack", resistance_ohm=self.resistance_ohm)
         check_fields(self)
         if not any(layer.elastance_m2_per_f > 0 for layer in self.layers):
             raise InvalidParameter(
@@ -98,7 +98,7 @@ class Stack:
     @checked
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
-        require.non_negative("Stack", area_m2=area_m2)
+        require.not_negative("Stack", area_m2=area_m2)
         require.one_of("Stack.index", index, range(len(self.layers)))
         layer = self.layers[index]
         elastances, rates = _groups(self.layers)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
 from tactometry.stimuli.electrovibration.timing import check_pulse, check_timing, n_samples, times_s
@@ -42,7 +42,7 @@ class Step:
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        require.non_negative("Step", onset_s=self.onset_s, rise_s=self.rise_s, fall_s=self.fall_s)
+        require.not_negative("Step", onset_s=self.onset_s, rise_s=self.rise_s, fall_s=self.fall_s)
         require.one_of("Step.level_unit", self.level_unit, ("dB re 1 V", "V"))
         check_timing("Step", self.duration_s, 0.0, self.rate_hz)
         parts_s = self.onset_s + self.rise_s + self.fall_s

@@ -7,8 +7,8 @@ from math import inf, pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.driven import DECAYED, Timing, check_times, nodes_of, phases
 from tactometry.stimuli.electrovibration.finger import Finger
@@ -44,7 +44,7 @@ class DryFriction:
     gated: bool = False
 
     def __post_init__(self) -> None:
-        require.non_negative("DryFriction", static=self.static, kinetic=self.kinetic)
+        require.not_negative("DryFriction", static=self.static, kinetic=self.kinetic)
         check_fields(self)
         if self.static < self.kinetic:
             raise InvalidParameter(
@@ -124,7 +124,7 @@ def stick_slip(
     from tactometry.stimuli.electrovibration import power_series
 
     t = np.asarray(t_s, dtype=np.float64)
-    require.non_negative("stick_slip", force_n=force_n)
+    require.not_negative("stick_slip", force_n=force_n)
     require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
     wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
     states, events, failure, time_s = power_series.flow(

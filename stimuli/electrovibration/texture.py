@@ -11,8 +11,8 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 Real = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Grating:
     def __post_init__(self) -> None:
         require.positive("Grating", period_m=self.period_m)
         require.one_of("Grating.shape", self.shape, SHAPES)
-        require.fraction("Grating", duty=self.duty)
+        require.within("Grating", 0, 1, duty=self.duty)
 
     @checked
     def force_share(self, x_m: ArrayLike) -> Real:
@@ -84,7 +84,7 @@ class Region:
 
     def __post_init__(self) -> None:
         require.finite("Region", left_m=self.left_m, right_m=self.right_m)
-        require.non_negative("Region", edge_m=self.edge_m)
+        require.not_negative("Region", edge_m=self.edge_m)
         if self.right_m - self.left_m < self.edge_m or self.right_m <= self.left_m:
             raise InvalidParameter(
                 f"Region: found {self.left_m} to {self.right_m} m with edges of {self.edge_m} m, expected a right "

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 
 MOST_SAMPLES = 2**28
 
@@ -23,7 +23,7 @@ def check_timing(owner: str, duration_s: float, ramp_s: float, rate_hz: float) -
 expected at most half of the duration of 0.1 s; shorten the ramp
     """
     require.positive(owner, duration_s=duration_s, rate_hz=rate_hz)
-    require.non_negative(owner, ramp_s=ramp_s)
+    require.not_negative(owner, ramp_s=ramp_s)
     if duration_s * rate_hz > MOST_SAMPLES:
         raise InvalidParameter(
             f"{owner}.duration_s: found {duration_s} s, expected at most {MOST_SAMPLES} samples at {rate_hz} Hz; "

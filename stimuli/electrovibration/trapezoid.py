@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from itertools import accumulate
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.corners import Corners
 from tactometry.stimuli.electrovibration.level import LevelUnit
 from tactometry.stimuli.electrovibration.periodic import Periodic, check_periodic, check_width
@@ -49,7 +49,7 @@ class Trapezoid(Periodic):
 
     def __post_init__(self) -> None:
         times = {name: getattr(self, name) for name in ("rise_s", "high_s", "fall_s", "low_s")}
-        require.non_negative("Trapezoid", **times)
+        require.not_negative("Trapezoid", **times)
         if sum(times.values()) == 0:
             raise InvalidParameter("Trapezoid: found four lines of 0 s, expected a period above 0 s")
         require.finite("Trapezoid", low_ratio=self.low_ratio)

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import require
 from tactometry.stimuli.electrovibration.checked import checked
 
 Real = NDArray[np.float64]
@@ -42,7 +42,9 @@ class Velvet:
     tuft_depth: float = 0.3
 
     def __post_init__(self) -> None:
-        require.fraction("Velvet", with_pile=self.with_pile, against_pile=self.against_pile, tuft_depth=self.tuft_depth)
+        require.within(
+            "Velvet", 0, 1, with_pile=self.with_pile, against_pile=self.against_pile, tuft_depth=self.tuft_depth
+        )
         require.positive("Velvet", reversal_m=self.reversal_m, tuft_period_m=self.tuft_period_m)
 
     @checked

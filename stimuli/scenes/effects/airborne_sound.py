@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import log10
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry.stimuli.scenes import require
+from tactometry import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import n_frequencies_of_sound, n_modes, remainder

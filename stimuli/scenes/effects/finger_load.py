@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry.stimuli.scenes import require
+from tactometry import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Setting, Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import cut, n_frequencies, n_modes

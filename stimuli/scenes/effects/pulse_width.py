@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.stimuli.scenes import require
+from tactometry import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes import require
 from tactometry.stimuli.scenes.effect import Budget, Effect, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import Cut, cut, n_frequencies, n_modes
