@@ -142,6 +142,13 @@ def test_a_drifting_clock_is_followed(drift):
     hard_case("a clock that drifts by 1e-4", clocks.ours_s(20.0), 20.0 * (1 + drift) + 7.0, bound, against="the drift")
 
 
+def test_three_seconds_of_late_samples_move_no_clock():
+    clocks = ClockMap()
+    for n in range(4000):
+        clocks = clocks.after(n * 1e-3, n * 1e-3 + (0.0 if n < 1000 else 0.015))
+    assert clocks.offset_s == 0.0
+
+
 def test_times_that_are_no_numbers_are_refused():
     with pytest.raises(InvalidParameter, match="found times nan and 1.0, expected finite"):
         ClockMap().after(math.nan, 1.0)

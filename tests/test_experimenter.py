@@ -1,6 +1,7 @@
 """The experimenter's terminal, a real pseudo-terminal: what is typed there, and what comes of it in a window."""
 
 import os
+import select
 import threading
 import time
 
@@ -12,7 +13,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import streamed_force
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.request import Choose, Play, Press, Record, Show, Wait
+from tactometry.request import Choose, Play, Press, Record, Wait
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.desk import Desk, order_of
 from tactometry.rigs.texts import texts_in
@@ -38,12 +39,18 @@ class Terminal:
     def types(self, line):
         os.write(self._master, line.encode() + b"\n")
 
+    def sees(self, words):
+        """Whether these words stand in the terminal by now."""
+        while select.select([self._master], [], [], 0)[0]:
+            self._seen += os.read(self._master, 4096)
+        return words.encode() in self._seen
+
     def shows(self, words):
         """Wait until these words stand in the terminal."""
         end_s = time.monotonic() + LONGEST_WAIT_S
-        while words.encode() not in self._seen:
+        while not self.sees(words):
             assert time.monotonic() < end_s, self._seen
-            self._seen += os.read(self._master, 4096)
+            time.sleep(0.005)
 
     def close(self):
         os.close(self._master)
@@ -97,13 +104,20 @@ def bench_with(watched, output, kept, terminal, log):
         rig.close()
 
 
+def waits_until(bench, seen):
+    end_s = time.monotonic() + LONGEST_WAIT_S
+    while not seen():
+        assert time.monotonic() < end_s
+        bench.wait(Wait(0.1))
+
+
 def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):
     terminal.types("n the participant coughed, twice")
-    bench_with().wait(Wait(0.3))
+    bench = bench_with()
+    waits_until(bench, lambda: terminal.sees("noted"))
     assert kept.told == [("remark", "the participant coughed, twice")]
     assert 0 <= kept.events[0].at_s < LONGEST_WAIT_S
     assert kept.events[0].timestamp_utc.endswith("+00:00")
-    terminal.shows("noted")
 
 
 def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_again(
@@ -196,10 +210,9 @@ def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
-    bench.show(Show("right", duration_s=0.2))
+    waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
     assert bench.press(PRESS).valid
     assert kept.told == []
-    terminal.shows("no trial is under way that could be repeated")
 
 
 @pytest.mark.parametrize("paused", [False, True], ids=["at once", "in a pause"])
@@ -236,7 +249,7 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
     for line in ("pasue", "n", "s now", "", "\x00\xff"):
         terminal.types(line)
     terminal.types("?")
-    bench_with().wait(Wait(0.3))
+    waits_until(bench_with(), lambda: terminal.sees("found 's now', expected one of: p pause"))
     terminal.shows("found 'pasue', expected one of: p pause")
     terminal.shows("did you mean 'pause'?")
     assert kept.told == []

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from tactometry.request import Press, Slide
 from tactometry.rigs.glide import HALT_S, MOVING_S
+from tactometry.rigs.grip import SILENT_S
 from tactometry.rigs.touch import Held
 from tactometry.rigs.trace import DEAF_S, Trace
 from tactometry.rigs.trigger import Trigger, hearing
@@ -110,7 +111,14 @@ def test_a_slide_whose_speed_is_not_gated_is_a_press():
 def test_below_a_tenth_of_its_target_the_finger_has_left(part):
     held = Held(press(0.0), moving=False)
     held.grip.hear(stamps_s(1), np.array([part]))
-    assert held.grip.lost == (part < 0.1)
+    assert held.lost == (part < 0.1)
+
+
+def test_a_sensor_that_tells_nothing_but_lost_samples_is_lost():
+    held, n_known, n_samples = Held(press(0.0), moving=False), 10, 50
+    forces = np.where(np.arange(n_samples) < n_known, 1.0, math.nan)
+    lost = [held.lost for _ in in_turns(held.grip.hear, stamps_s(n_samples), forces)]
+    assert lost.index(True) == n_known + math.floor(SILENT_S / PERIOD_S)
 
 
 # --- the trigger

@@ -1,6 +1,8 @@
 """Touches with a force that is sampled in real time: held, late, lost, and left."""
 
 import math
+import threading
+import time
 
 import pytest
 from hard_cases import exact_case
@@ -22,16 +24,32 @@ PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout
 def bench_with(watched, output, log):
     rigs = []
 
-    def make(force_n):
+    def make(force_n, output=output, screen=watched):
         reader = Reader(Sampled(force_n, log))
         sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
         texts = texts_in("en", {})
-        rigs.append(Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor))
+        rigs.append(Bench(screen, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor))
         return rigs[-1]
 
     yield make
     for rig in rigs:
         rig.close()
+
+
+class Slow:
+    """An output that takes its time to begin."""
+
+    def __init__(self, output, takes_s):
+        self._output, self._takes_s = output, takes_s
+        self.begins = threading.Event()
+
+    def __getattr__(self, name):
+        return getattr(self._output, name)
+
+    def play(self, signal):
+        self.begins.set()
+        time.sleep(self._takes_s)
+        return self._output.play(signal)
 
 
 def held_from(start_s, force_n):
@@ -84,6 +102,37 @@ def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, partic
     with pytest.raises(Exception, match="Escape was pressed"):
         bench_with(held_from(60.0, 1.0)).press(PRESS)
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
+
+
+def test_what_begins_as_the_time_is_over_is_a_stimulus_like_any_other(bench_with, output, log):
+    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
+    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).press(request)
+    assert touched.digest == TONE.at(5.0).digest()
+    assert touched.valid
+    assert log == ["output.open", "play 5 V", "output.stop"]
+
+
+class Failing:
+    """A screen that fails while an output begins."""
+
+    def __init__(self, screen, output):
+        self._screen, self._output = screen, output
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        if self._output.begins.is_set():
+            raise OSError("no screen")
+        return self._screen.refresh(page)
+
+
+def test_nothing_is_closed_while_an_output_begins_in_another_thread(bench_with, watched, output, log):
+    slow = Slow(output, 0.5)
+    bench = bench_with(held_from(0.0, 1.0), slow, Failing(watched, slow))
+    with pytest.raises(OSError, match="no screen"):
+        bench.press(PRESS)
+    assert log == ["output.open", "play 5 V", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
 def test_a_slide_is_held_like_a_press(bench_with, log):

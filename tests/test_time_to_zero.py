@@ -1,0 +1,171 @@
+"""Whatever ends a stimulus: a real sound server hears that it falls silent within a block, in a real window.
+
+That a process which is ended or killed falls silent is heard in `test_device_session.py` and `test_device_audio.py`.
+"""
+
+import math
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+import player
+import pytest
+from sampled import Sampled
+from test_device_audio import heard_part, server, sink, wait_for  # noqa: F401  # fixtures
+
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.guarded import Guarded
+from tactometry.devices.output import with_ramps
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import streamed_force
+from tactometry.errors import Stopped
+from tactometry.limits import Limits
+from tactometry.load import Load
+from tactometry.request import Press
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.emitter import RAMP_S
+from tactometry.rigs.texts import texts_in
+
+RATE_HZ = 48_000.0
+N_HEARD = 4800
+LIMITS = Limits(voltage_peak_v=50.0, current_peak_a=1.0, duty=1.0, session_s=600.0, duration_s=30.0)
+PRESS = Press("noise", 1.0, 20.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=30.0)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """No sample of it is zero."""
+
+    duration_s: float
+    unit = "V"
+
+    def at(self, level):
+        del level
+        return player.noise(2, RATE_HZ, self.duration_s)
+
+
+class Noting:
+    """A driver that notes how many frames it had given when it was told to stop or close."""
+
+    def __init__(self, driver):
+        self._driver, self.n_given = driver, None
+
+    def __getattr__(self, name):
+        return getattr(self._driver, name)
+
+    def _note(self):
+        if self.n_given is None and self._driver._course is not None:
+            self.n_given = self._driver._course._at
+
+    def stop(self):
+        self._note()
+        self._driver.stop()
+
+    def close(self):
+        self._note()
+        self._driver.close()
+
+
+@pytest.fixture
+def driver(sink, monkeypatch):  # noqa: F811
+    """Sound to the sink from this process: its PortAudio begins anew in the sink's environment."""
+    sounddevice = pytest.importorskip("sounddevice")
+    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
+        monkeypatch.setenv(name, sink.env[name])
+    sounddevice._terminate()
+    sounddevice._initialize()
+    yield Noting(
+        player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
+    )
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
+
+
+class BadError(Exception):
+    pass
+
+
+class Failing:
+    """A screen that fails when it is told to."""
+
+    def __init__(self, screen):
+        self._screen, self.fails = screen, threading.Event()
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        if self.fails.is_set():
+            raise BadError
+        return self._screen.refresh(page)
+
+
+class Scene:
+    """A touch of a noise of 20 s, of which `happens` tells how it ends once the sink hears it."""
+
+    def __init__(self, watched, driver, sink):  # noqa: F811
+        self.sink, self.driver, self.force_n = sink, driver, 1.0
+        self.screen = Failing(watched)
+        sensor = streamed_force(
+            Reader(Sampled(lambda time_s: self.force_n)), 0, ForceCalibration(newtons_per_count=1.0)
+        )
+        output = Guarded(driver, LIMITS, Load("electrode", 1e-9))
+        bank, texts = {"noise": Noise(20.0), "short": Noise(0.5)}, texts_in("en", {})
+        self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor)
+
+    def when_heard(self, happens, *args):
+        wait_for(lambda: self.sink.heard() > 2 * N_HEARD)
+        happens(*args)
+
+    def heard(self, stimulus="noise"):
+        """How many frames the sink heard before its silence: the stimulus's, where no gap was reported."""
+        frames = self.sink.end()
+        assert not frames[-4800:].any()
+        heard = heard_part(frames)
+        if self.driver.facts()["n_underruns"]:
+            return np.count_nonzero(heard.any(axis=1))
+        final = self.bench._emitter._output.check(with_ramps(self.bench._emitter._bank[stimulus].at(1.0), RAMP_S))[1]
+        wanted = np.round(final.samples.T / 50.0 * 32767).astype("<i2")
+        wanted = wanted[np.flatnonzero(wanted.any(axis=1))[0] :]
+        n_whole = max(0, len(heard) - 48)
+        assert np.array_equal(heard[:n_whole], wanted[:n_whole])
+        return len(heard)
+
+
+@pytest.fixture
+def scene(watched, driver, sink):  # noqa: F811
+    made = Scene(watched, driver, sink)
+    yield made
+    made.bench.close()
+
+
+@pytest.mark.parametrize(
+    "force_n", [None, math.nan, 0.05], ids=["the sensor falls silent", "its samples are lost", "the finger leaves"]
+)
+def test_a_force_that_is_lost(scene, in_background, force_n):
+    in_background(scene.when_heard, setattr, scene, "force_n", force_n)
+    touched = scene.bench.press(PRESS)
+    assert not touched.valid
+    assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
+
+
+def test_escape(scene, in_background, hands):
+    in_background(scene.when_heard, hands.tap, "Escape")
+    with pytest.raises(Stopped, match="Escape was pressed"):
+        scene.bench.press(PRESS)
+    assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
+
+
+def test_an_error(scene, in_background):
+    in_background(scene.when_heard, scene.screen.fails.set)
+    with pytest.raises(BadError):
+        scene.bench.press(PRESS)
+    assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
+
+
+def test_the_end_of_the_touch(scene):
+    """The time limit: a stimulus ends with its touch, at rest."""
+    assert scene.bench.press(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
+    n_whole = round(0.5 * RATE_HZ)
+    assert n_whole - 10 <= scene.heard("short") <= n_whole
