@@ -1,13 +1,11 @@
 """Electrovibration scenes: only what is called for is computed, in the one right order, as accurately as asked."""
 
 import itertools
-import json
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from fresh_processes import counted
 from hard_cases import hard_case
 from hypothesis import HealthCheck, given, settings
 from scene_cases import ELECTROVIBRATION, LEVEL, SLIDING, default, effect, panel, panels, with_needs
@@ -24,7 +22,6 @@ from tactometry.stimuli.electrovibration import (
     Skin,
     electrostatic_force_n_at,
 )
-from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -38,73 +35,14 @@ def run(scene: Scene):
 
 
 def calls(plan: Plan) -> int:
-    """Python and C calls of a run, its preparation included, once everything is imported and compiled: the fewest of
-    five, as the interpreter calls in things of its own now and then."""
-    return min(counted_calls(plan) for _ in range(5))
-
-
-def counted_calls(plan: Plan) -> int:
-    counted = 0
-
-    def count(frame, event, argument):
-        nonlocal counted
-        counted += event in {"call", "c_call"}
-
+    """Calls once everything is imported and compiled: the fewest of five, for the interpreter calls in things of its
+    own now and then.
+    """
     plan.run(LEVEL)
-    again = replace(plan)
-    sys.setprofile(count)
-    try:
-        again.run(LEVEL)
-    finally:
-        sys.setprofile(None)
-    return counted
+    return min(counted(plan, LEVEL) for _ in range(5))
 
 
 # --- off costs nothing
-
-
-@pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
-def test_an_effect_that_is_absent_has_no_stage(kind):
-    others = [default(name) for name in ("skin_leakage", "contact_area", "friction") if name != kind]
-    if kind in {"dry_friction"}:
-        others = others[:-1]
-    plan = panel(*others).resolve()
-    assert kind not in {stage.effect for stage in plan.stages}
-    assert not any(stage.target.startswith(EFFECTS[kind].partition(":")[0]) for stage in plan.stages)
-
-
-PROGRAM = """
-import json, sys
-from tactometry.stimuli.scenes.file import scene_of
-found = scene_of(json.loads(sys.argv[1]))
-found.scene.resolve().run(found.given)
-print(json.dumps(sorted(sys.modules)))
-"""
-
-
-def loaded(effects):
-    table = {
-        "outputs": ["peak_force_n"],
-        "surface": {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01},
-        "contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}],
-        "effects": [{"kind": "force_law", "law": "sc_layer"}, *effects],
-        "given": LEVEL,
-    }
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, json.dumps(table)], capture_output=True, text=True, check=True
-    )
-    return set(json.loads(done.stdout))
-
-
-def test_what_a_scene_does_not_name_is_not_imported_in_a_fresh_process():
-    modules = loaded([])
-    for kind in ELECTROVIBRATION:
-        assert EFFECTS[kind].partition(":")[0] not in modules, kind
-    assert "tactometry.stimuli.electrovibration.compiled" not in modules
-    assert "tactometry.stimuli.electrovibration.power_series" not in modules
-    assert "numba" not in modules
-    assert "matplotlib" not in modules
-    assert EFFECTS["skin_leakage"].partition(":")[0] in loaded([{"kind": "skin_leakage"}])
 
 
 @pytest.mark.parametrize("kind", sorted(set(ELECTROVIBRATION) - {"carrier", "texture"}))
@@ -116,18 +54,6 @@ def test_an_effect_that_no_output_needs_costs_no_call(kind):
     else:
         assert with_it.stages == without.stages
         assert calls(with_it) == calls(without)
-
-
-CHANGING = [kind for kind, (_, _, output) in ELECTROVIBRATION.items() if output == "electrostatic_force_n"]
-
-
-@pytest.mark.parametrize("kind", CHANGING)
-def test_a_scene_that_lost_an_effect_runs_as_one_that_never_knew_it(kind):
-    never = panel().resolve()
-    with_it = panel(*with_needs(kind))
-    lost = replace(with_it, effects=with_it.effects[:1]).resolve()
-    assert lost == never
-    assert calls(lost) == calls(never) < calls(with_it.resolve())
 
 
 def test_what_does_not_depend_on_the_level_is_computed_once():

@@ -1,10 +1,7 @@
 """Time-reversal scenes: only what is called for, in the one right order, as accurately as asked."""
 
 import itertools
-import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +12,6 @@ from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, screen, screens, s
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.scenes.effect import Touch
-from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
@@ -118,39 +114,7 @@ def test_a_movie_shows_the_field_at_the_focus_instant():
 # --- off costs nothing
 
 
-def calls(plan) -> int:
-    """Python and C calls of a run and its preparation: the fewest of three."""
-    return min(counted_calls(plan) for _ in range(3))
-
-
-def counted_calls(plan) -> int:
-    counted = 0
-
-    def count(frame, event, argument):
-        nonlocal counted
-        counted += event in {"call", "c_call"}
-
-    values = {name: VOLT[name] for name in plan.given}
-    plan.run(values)
-    again = replace(plan)
-    sys.setprofile(count)
-    try:
-        again.run(values)
-    finally:
-        sys.setprofile(None)
-    return counted
-
-
 PLAIN = ("t_s", "focus_displacement_m")
-
-
-@pytest.mark.parametrize("kind", sorted(TIME_REVERSAL))
-def test_a_scene_without_an_effect_has_no_stage_of_it_and_the_calls_of_one_that_never_knew_it(kind):
-    never = screen(outputs=PLAIN).resolve()
-    lost = replace(screen(*tuned(kind), outputs=PLAIN), effects=()).resolve()
-    assert lost == never
-    assert not any(stage.target.startswith(EFFECTS[kind].partition(":")[0]) for stage in lost.stages)
-    assert calls(lost) == calls(never)
 
 
 @pytest.mark.parametrize("kind", ["airborne_sound", "drive_energy", "focus_detection", "movie"])
@@ -170,68 +134,6 @@ def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
     if output == "focus_displacement_m":
         without = run(screen(outputs=("t_s", output)))[output]
         assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * np.abs(without).max()
-
-
-PROGRAM = """
-import json, sys
-from tactometry.stimuli.scenes.file import scene_of
-
-def loaded(table):
-    found = scene_of(table)
-    plan = found.scene.resolve()
-    plan.run({name: found.given[name] for name in plan.given})
-    return sorted(name for name in sys.modules if name.startswith(("tactometry", "numba", "matplotlib")))
-
-print(json.dumps([loaded(table) for table in json.loads(sys.argv[1])]))
-"""
-
-PHYSICS = {
-    "edges": "ritz",
-    "temperature_drift": "drift",
-    "repetition": "pattern",
-    "finger_load": "finger",
-    "airborne_sound": "sound",
-    "drive_energy": "energy",
-    "focus_detection": "sensation",
-    "sigma_delta": "sigma_delta",
-}
-"""Modules of `tactometry.stimuli.time_reversal` that one effect alone needs."""
-
-
-@pytest.fixture(scope="module")
-def imported():
-    """What a fresh process holds behind a plain scene, and behind each effect after the other."""
-    surface = {"kind": "time_reversal", **{k: v for k, v in vars(small_screen()).items() if k != "glass"}}
-    plain = {"outputs": ["peak_m"], "surface": surface, "given": VOLT, "contacts": [{"force_n": 2.0}], "accuracy": 0.1}
-
-    def table(kind):
-        tables = [{"kind": name, **TIME_REVERSAL[name][0]} for name in (kind, *TIME_REVERSAL[kind][1])]
-        return {**plain, "effects": tables, "outputs": ["t_s", TIME_REVERSAL[kind][2]]}
-
-    tables = [plain, *(table(kind) for kind in TIME_REVERSAL)]
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, json.dumps(tables)], capture_output=True, text=True, check=True
-    )
-    return [set(modules) for modules in json.loads(done.stdout)]
-
-
-def test_what_a_scene_does_not_name_is_not_imported_in_a_fresh_process(imported):
-    plain = imported[0]
-    physics = {f"tactometry.stimuli.time_reversal.{name}" for name in PHYSICS.values()}
-    assert not plain & {place.partition(":")[0] for place in EFFECTS.values()}
-    assert not plain & physics
-    assert not any(name.startswith("matplotlib") for name in plain)
-
-
-@pytest.mark.parametrize(("n", "kind"), list(enumerate(TIME_REVERSAL)))
-def test_an_effect_is_imported_when_the_first_scene_names_it(imported, n, kind):
-    module = EFFECTS[kind].partition(":")[0]
-    earlier = {name for other in list(TIME_REVERSAL)[:n] for name in (other, *TIME_REVERSAL[other][1])}
-    assert module in imported[n + 1]
-    if kind not in earlier:
-        assert module not in imported[n]
-    if kind in PHYSICS:
-        assert f"tactometry.stimuli.time_reversal.{PHYSICS[kind]}" not in imported[n]
 
 
 def test_an_observer_of_the_peak_asks_for_no_course_no_map_and_no_movie():

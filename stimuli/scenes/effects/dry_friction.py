@@ -10,7 +10,7 @@ from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.stick_slip import DryFriction as Law
+    from tactometry.stimuli.electrovibration.sticking import DryFriction as Law
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class DryFriction:
 
 def law(static: float, kinetic: float) -> "Callable[[], Law]":
     """The law as the event-exact motion takes it."""
-    from tactometry.stimuli.electrovibration.stick_slip import DryFriction as Dry
+    from tactometry.stimuli.electrovibration.sticking import DryFriction as Dry
 
     dry = Dry(static, kinetic)
     return lambda: dry

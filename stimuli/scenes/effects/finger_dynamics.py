@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.force import ForceForm
     from tactometry.stimuli.electrovibration.friction import CoulombFriction
     from tactometry.stimuli.electrovibration.pieces import Pieces, Real
-    from tactometry.stimuli.electrovibration.stick_slip import DryFriction, StickSlip
+    from tactometry.stimuli.electrovibration.sticking import DryFriction, StickSlip
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, F
 def sticking(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, DryFriction], StickSlip]":
     """The motion of a finger that sticks and slips."""
     from tactometry.stimuli.electrovibration.finger import Finger
-    from tactometry.stimuli.electrovibration.stick_slip import Travel, stick_slip
+    from tactometry.stimuli.electrovibration.sticking import Travel, stick_slip
 
     finger, travel = Finger.at_speed(speed_m_per_s), Travel(speed_m_per_s)
     return lambda t_s, voltage, form, friction: stick_slip(

@@ -1,0 +1,79 @@
+"""Scenes in processes that know nothing else: run as a program by test_scene_off.py.
+
+It reads pairs of scene files as JSON, without an effect and with it. For each pair a copy is made of a process that has
+only run scenes without any effect.
+"""
+
+import gc
+import json
+import os
+import sys
+from dataclasses import replace
+
+from tactometry.stimuli.scenes.file import scene_of
+
+
+def counted(plan, given):
+    """Python and C calls of a run and its preparation."""
+    total, fresh = 0, replace(plan)
+
+    def count(frame, event, argument):
+        nonlocal total
+        total += event in {"call", "c_call"}
+
+    sys.setprofile(count)
+    try:
+        fresh.run(given)
+    finally:
+        sys.setprofile(None)
+    return total
+
+
+def told(table):
+    """The modules that are there behind a run, the stages of its plan, and its calls."""
+    found = scene_of(table)
+    plan = found.scene.resolve()
+    given = {name: found.given[name] for name in plan.given}
+    plan.run(given)
+    modules = [name for name in sys.modules if name.startswith(("tactometry.", "numba", "matplotlib"))]
+    stages = [[stage.effect, stage.target.partition(":")[0]] for stage in plan.stages]
+    return {"modules": modules, "stages": stages, "calls": counted(plan, given)}
+
+
+def compared(without, with_it):
+    """A scene without an effect, the scene with it, and the first one anew, in a copy of this process."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        with os.fdopen(write, "w") as answer:
+            json.dump([told(without), told(with_it), told(without)], answer)
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as heard:
+        answers = json.load(heard)
+    os.waitpid(child, 0)
+    return answers
+
+
+def _load_libraries():
+    """What belongs to no effect and is slow to load: made ready once for all copies."""
+    import scipy.signal
+    from numba import njit
+
+    del scipy
+    njit(lambda: 0)()
+
+
+def main():
+    gc.disable()
+    surfaces = json.load(sys.stdin)
+    plain = {surface: told(bare) for surface, (bare, _) in surfaces.items()}
+    _load_libraries()
+    effects = {
+        surface: {kind: compared(*pair) for kind, pair in pairs.items()} for surface, (_, pairs) in surfaces.items()
+    }
+    json.dump([plain, effects], sys.stdout)
+
+
+if __name__ == "__main__":
+    main()
