@@ -12,7 +12,7 @@ from tactometry.protocols.procedure import Procedure
 from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
 from tactometry.protocols.touch import Touch
 from tactometry.request import Record, Show
-from tactometry.require import is_number, of_kind, one_of, positive, whole
+from tactometry.require import given, is_number, of_kind, one_of, positive, whole
 from tactometry.run import Course
 from tactometry.trial import Trial
 
@@ -95,7 +95,7 @@ def check_presenting(each: Presented) -> None:
     if each.rest_after is not None:
         whole(owner, lowest=1, rest_after=each.rest_after)
     lasting = {"rest_s": each.rest_s, "longest_s": each.longest_s}
-    positive(owner, **{name: value for name, value in lasting.items() if value is not None})
+    positive(owner, **given(lasting))
 
 
 @dataclass(frozen=True)

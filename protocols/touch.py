@@ -5,7 +5,7 @@ from typing import Protocol
 
 from tactometry.errors import InvalidParameter
 from tactometry.request import TRAJECTORY_M, Play, Press, Slide
-from tactometry.require import positive
+from tactometry.require import given, positive
 
 
 class Touch(Protocol):
@@ -28,7 +28,7 @@ def _check(touch: "Pressing | Sliding", **more: float | None) -> None:
     positive(owner, duration_s=touch.duration_s, force_n=touch.force_n)
     positive(owner, hold_s=touch.hold_s, timeout_s=touch.timeout_s)
     optional = {"tolerance": touch.tolerance, **more}
-    positive(owner, **{name: value for name, value in optional.items() if value is not None})
+    positive(owner, **given(optional))
     if touch.hold_s >= touch.timeout_s:
         raise InvalidParameter(
             f"{owner}.hold_s: found {touch.hold_s:g} s, expected less than timeout_s ({touch.timeout_s:g} s): no touch "

@@ -26,7 +26,7 @@ DOMAINS: Mapping[str, tuple[float, float]] = {
     "_per_s": (0.0, 1e40),
     "_n_s_per_m": (0.0, 1e15),
     "_hz": (1e-12, 1e18),
-    "_v": (0.0, 1e12),
+    "_v": (1e-30, 1e12),
     "_n": (1e-30, 1e50),
     "_kg": (1e-20, 1e9),
     "_n_per_m": (1e-15, 1e15),
@@ -139,8 +139,8 @@ def between(owner: str, low: float, high: float, /, **values: object) -> None:
             raise _refused(owner, name, value, f"a number above {low:g} and below {high:g}")
 
 
-def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, **values: Any) -> None:
-    """Each is a whole number from `lowest` to `LARGEST_COUNT`.
+def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
+    """Each is a whole number from `lowest` to `highest`.
 
     >>> whole("Staircase", lowest=1, n_trials=0)
     Traceback (most recent call last):
@@ -148,8 +148,8 @@ def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, **values: Any) -> None
     """
     for name, value in values.items():
         known = isinstance(value, int | np.integer) and not isinstance(value, bool)
-        if not known or not lowest <= value <= LARGEST_COUNT:
-            limit = f"at most {LARGEST_COUNT}" if known and value > lowest else f"at least {lowest}"
+        if not known or not lowest <= value <= highest:
+            limit = f"at most {highest}" if known and value > lowest else f"at least {lowest}"
             raise _refused(owner, name, value, f"a whole number, {limit}")
 
 
@@ -170,6 +170,22 @@ def of_kind(owner: str, kind: Any, /, **values: object) -> None:
     for name, value in values.items():
         if not isinstance(value, kind):
             raise _refused(owner, name, value, class_names(kind if isinstance(kind, tuple) else (kind,)))
+
+
+def at_most(where: str, found: float, highest: float) -> None:
+    """`found`, a measure of the work asked for, is not above `highest`.
+
+    >>> at_most("modes below f_max_hz", 2e6, 1e6)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: modes below f_max_hz: found 2e+06, expected at most 1e+06
+    """
+    if not found <= highest:
+        raise InvalidParameter(f"{where}: found {found:.6g}, expected at most {highest:.6g}")
+
+
+def given(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of optional values that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def one_of(where: str, found: object, choices: Iterable[object]) -> None:

@@ -79,10 +79,10 @@ def test_attenuation_from_damping_ratio_and_loss_factor():
     ("call", "message"),
     [
         (lambda s: modal_amplitudes(A4_PROTOTYPE, s, 3, 5e3), "signal: found 2 channels, expected 32"),
-        (lambda s: modal_amplitudes(A4_PROTOTYPE, s, 3, 5e3, "jerk"), "quantity: found 'jerk'"),
+        (lambda s: modal_amplitudes(A4_PROTOTYPE, s, 3, 5e3, "jerk"), "modal_amplitudes.quantity: found 'jerk'"),
         (
             lambda s: field(A4_PROTOTYPE, Signal(np.ones((32, 4)), 5e4, "V"), -1, (np.zeros(1), np.zeros(1)), 5e3),
-            "sample: found -1, expected at least 0",
+            "modal_amplitudes.sample: found -1, expected a whole number, at least 0",
         ),
         (lambda s: modal_history(A4_PROTOTYPE, s, [3, 2], 5e3), "samples: found [3, 2].., expected ascending"),
     ],

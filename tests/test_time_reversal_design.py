@@ -202,7 +202,7 @@ def test_broken_plate_files_are_named(tmp_path, content, message):
             "Transducers: found 1 patches of 500 mm, expected at most 0",
         ),
         (lambda: Transducers(0), "Transducers.n: found 0, expected a finite number above 0"),
-        (lambda: recommend(A4_SCREEN, Transducers(), BAND, 0.0, Target()), "tau_s: found 0.0"),
+        (lambda: recommend(A4_SCREEN, Transducers(), BAND, 0.0, Target()), "recommend.tau_s: found 0.0"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(call, message):

@@ -253,7 +253,7 @@ def test_amplifier_responses():
             lambda h: band_limited(h, Band(1e3, 60e3)),
             "Band.f_max_hz: found 60000.0, above the Nyquist frequency 50000.0",
         ),
-        (lambda h: drive(h, 0.0), "voltage_v: found 0.0"),
+        (lambda h: drive(h, 0.0), "drive.voltage_v: found 0.0"),
         (
             lambda h: drive(h, 30.0, reversal_s=0.1),
             "reversal_s: found 0.1, longer than the responses of 0.008 s",

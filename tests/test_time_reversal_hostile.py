@@ -75,7 +75,7 @@ HOSTILE: Mapping[str, Any] = {
 }
 
 INNER = frozenset(
-    {"axis", "checks", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta", "typed"}
+    {"axis", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta", "typed"}
 )
 """Numerical kernels: their arguments are arrays that the public functions make."""
 

@@ -363,7 +363,7 @@ def test_far_from_every_point_nothing_is_known():
         (lambda h: inverse_filter_waveform(h, [0.0, 0.0], Band(1e3, 2e3), reversal_s=1e-3), "wanted: found [0.0, 0.0]"),
         (lambda h: rigidity_ratio_from_modes([3.0, 1.0], A4_SCREEN), "measured_hz: found [3.0, 1.0]"),
         (lambda h: rigidity_ratio_from_dispersion([1.0], [0.0]), "frequency_hz: found shapes (1,) and (1,)"),
-        (lambda h: read([]), "paths: found none"),
+        (lambda h: read([]), "read.paths: found none"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(recorded, call, message):

@@ -202,9 +202,12 @@ def test_sigma_delta_stimulus(focus):
             "path: found [0, 9], expected 10 rows from 0 to 1",
         ),
         (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="burst"), "tau_s: found None"),
-        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="x"), "modulation: found 'x'"),
+        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="x"), "pattern_drive.modulation: found 'x'"),
         (lambda h: TimeReversalStimulus(h, level_unit="V"), "TimeReversalStimulus.level_unit: found 'V'"),
-        (lambda h: TimeReversalStimulus(h).at(0.0), "level: found 0.0, expected a finite number above 0"),
+        (
+            lambda h: TimeReversalStimulus(h).at(0.0),
+            "TimeReversalStimulus.level: found 0.0, expected a finite number",
+        ),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(focus, call, message):

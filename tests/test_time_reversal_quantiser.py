@@ -192,12 +192,12 @@ def test_analogue_gains():
     [
         (lambda: SigmaDelta(order=3), "SigmaDelta.order: found 3, expected 1 or 2"),
         (lambda: PulseWidth(0.0), "PulseWidth.carrier_hz: found 0.0"),
-        (lambda: PulseWidth(1e3, 1.5), "PulseWidth.scale: found 1.5, expected a number from 0.0 to 1.0"),
+        (lambda: PulseWidth(1e3, 1.5), "PulseWidth.scale: found 1.5, expected a number from 0 to 1"),
         (
             lambda: PulseWidth(3e5).quantise(np.ones((1, 4)), 1e6),
             "PulseWidth.carrier_hz: found 300000.0, expected at most",
         ),
-        (lambda: modulate(np.array([[np.nan]]), 1), "signal[0, 0]: found nan"),
+        (lambda: modulate(np.array([[np.nan]]), 1), "modulate.signal[0, 0]: found nan"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(call, message):

@@ -264,7 +264,7 @@ def test_frequency_dependent_attenuation_shortens_the_high_notes():
             "Screen.sources[0]: found a transducer",
         ),
         (lambda: Attenuation(0.0), "Attenuation.tau_s: found 0.0"),
-        (lambda: border(A4_SCREEN, 0), "n_transducers: found 0, expected at least 1"),
+        (lambda: border(A4_SCREEN, 0), "border.n_transducers: found 0, expected a whole number, at least 1"),
         (
             lambda: Responses(np.full((1, 1, 3), np.nan), 1e3),
             "Responses.samples[0, 0, 0]: found nan, expected a finite",
@@ -276,7 +276,7 @@ def test_frequency_dependent_attenuation_shortens_the_high_notes():
         ),
         (
             lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=0.0, duration_s=1.0, f_max_hz=1.0),
-            "rate_hz: found 0.0",
+            "sampling.rate_hz: found 0.0",
         ),
     ],
 )

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative, positive, spectral
+from tactometry.require import not_negative, not_negative_array, positive
 from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
@@ -40,8 +40,8 @@ class Attenuation:
     def __post_init__(self) -> None:
         if not self.tau_s > 0:
             raise InvalidParameter(f"Attenuation.tau_s: found {self.tau_s}, expected a time above 0, or inf")
-        not_negative("Attenuation.exponent", self.exponent)
-        positive("Attenuation.reference_hz", self.reference_hz)
+        not_negative("Attenuation", exponent=self.exponent)
+        positive("Attenuation", reference_hz=self.reference_hz)
 
     @property
     def t60_s(self) -> float:
@@ -50,7 +50,7 @@ class Attenuation:
 
     def rate_per_s(self, frequency_hz: ArrayLike) -> FloatArray:
         """1 / tau at frequencies (the decay rate of the amplitude)."""
-        spectral("frequency_hz", frequency_hz)
+        not_negative_array("Attenuation.rate_per_s.frequency_hz", frequency_hz)
         relative = np.asarray(frequency_hz, float) / self.reference_hz
         return np.asarray(relative**self.exponent / self.tau_s)
 
@@ -58,14 +58,12 @@ class Attenuation:
 @checked
 def tau_from_damping_ratio_s(damping_ratio: float, frequency_hz: float) -> float:
     """tau = 1 / (zeta omega)."""
-    positive("damping_ratio", damping_ratio)
-    positive("frequency_hz", frequency_hz)
+    positive("tau_from_damping_ratio_s", damping_ratio=damping_ratio, frequency_hz=frequency_hz)
     return 1 / (damping_ratio * 2 * math.pi * frequency_hz)
 
 
 @checked
 def tau_from_loss_factor_s(loss_factor: float, frequency_hz: float) -> float:
     """tau = 2 / (eta omega)."""
-    positive("loss_factor", loss_factor)
-    positive("frequency_hz", frequency_hz)
+    positive("tau_from_loss_factor_s", loss_factor=loss_factor, frequency_hz=frequency_hz)
     return 2 / (loss_factor * 2 * math.pi * frequency_hz)

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.checks import at_least, not_negative, positive, within
+from tactometry.require import not_negative, positive, whole, within
 from tactometry.stimuli.time_reversal.load import Attached, Load
 from tactometry.stimuli.time_reversal.modes import laplacians
 from tactometry.stimuli.time_reversal.plate import Plate
@@ -44,7 +44,7 @@ class Stiffener:
     rigidity_n_m3: float
 
     def __post_init__(self) -> None:
-        not_negative("Stiffener.rigidity_n_m3", self.rigidity_n_m3)
+        not_negative("Stiffener", rigidity_n_m3=self.rigidity_n_m3)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         return laplacians(screen.modes(f_max_hz), self.x_m, self.y_m)[:, 0]
@@ -64,9 +64,13 @@ class Ceramic:
     poisson_ratio: float = CERAMIC_POISSON_RATIO
 
     def __post_init__(self) -> None:
-        for name in ("thickness_m", "density_kg_per_m3", "youngs_modulus_pa"):
-            positive(f"Ceramic.{name}", getattr(self, name))
-        within("Ceramic.poisson_ratio", self.poisson_ratio, 0.0, 0.5)
+        positive(
+            "Ceramic",
+            thickness_m=self.thickness_m,
+            density_kg_per_m3=self.density_kg_per_m3,
+            youngs_modulus_pa=self.youngs_modulus_pa,
+        )
+        within("Ceramic", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
 
     def added_rigidity_n_m(self, plate: Plate) -> float:
         """dD of a patch on a plate.
@@ -107,7 +111,7 @@ def bonded_loads(
     """
     of = ceramic or Ceramic()
     weight, rigidity_n_m = of.density_kg_per_m3 * of.thickness_m, of.added_rigidity_n_m(plate)
-    at_least("n_parts", n_parts, 1)
+    whole("bonded_loads", lowest=1, n_parts=n_parts)
     parts = [(x, y, each.area_m2 / n_parts**2) for each in patches for x, y in _parts(each, n_parts)]
     masses = [Load(x, y, mass_kg=weight * area_m2) for x, y, area_m2 in parts if mass]
     stiffeners = [Stiffener(x, y, rigidity_n_m * area_m2) for x, y, area_m2 in parts if stiffness]

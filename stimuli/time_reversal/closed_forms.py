@@ -13,15 +13,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.time_reversal.checks import (
-    all_above_0,
-    all_at_least_0,
-    all_positive,
+from tactometry.require import (
     at_most,
+    between,
     finite,
+    finite_array,
     not_negative,
+    not_negative_array,
     positive,
-    share,
+    positive_array,
 )
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
@@ -51,16 +51,16 @@ def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
     0.865
     """
-    all_at_least_0("reversal_s", reversal_s)
-    positive("tau_s", tau_s)
+    not_negative_array("one_bit_amplitude_ratio.reversal_s", reversal_s, infinite=True)
+    positive("one_bit_amplitude_ratio", tau_s=tau_s)
     return np.asarray(-np.expm1(-np.asarray(reversal_s, float) / tau_s))
 
 
 @checked
 def analogue_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
-    all_at_least_0("reversal_s", reversal_s)
-    positive("tau_s", tau_s)
+    not_negative_array("analogue_amplitude_ratio.reversal_s", reversal_s, infinite=True)
+    positive("analogue_amplitude_ratio", tau_s=tau_s)
     return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
 
 
@@ -87,9 +87,15 @@ class Reverberation:
     kurtosis: float = CHAOTIC_KURTOSIS
 
     def __post_init__(self) -> None:
-        for name in ("n_channels", "bandwidth_hz", "tau_s", "reversal_s", "modal_density_s"):
-            positive(f"Reverberation.{name}", getattr(self, name))
-        not_negative("Reverberation.kurtosis", self.kurtosis)
+        positive(
+            "Reverberation",
+            n_channels=self.n_channels,
+            bandwidth_hz=self.bandwidth_hz,
+            tau_s=self.tau_s,
+            reversal_s=self.reversal_s,
+            modal_density_s=self.modal_density_s,
+        )
+        not_negative("Reverberation", kurtosis=self.kurtosis)
 
     @property
     def n_modes(self) -> float:
@@ -118,8 +124,7 @@ def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -
     """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
     r), at most 1. Both arguments are above 0.
     """
-    positive("k_max_rad_per_m", k_max_rad_per_m)
-    positive("radius_m", radius_m)
+    positive("contrast_far", k_max_rad_per_m=k_max_rad_per_m, radius_m=radius_m)
     q, near = room.n_channels, min(2 / (math.pi * k_max_rad_per_m * radius_m), 1.0)
     return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
 
@@ -127,8 +132,8 @@ def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -
 @checked
 def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> float:
     """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
-    not_negative("start_s", start_s)
-    positive("stop_s - start_s", stop_s - start_s)
+    not_negative("contrast_temporal", start_s=start_s)
+    positive("contrast_temporal", **{"stop_s - start_s": stop_s - start_s})
     decay = math.exp(-2 * start_s / room.tau_s) - math.exp(-2 * stop_s / room.tau_s)
     share = decay / (2 * (stop_s - start_s) / room.tau_s)
     q, kappa = room.n_channels, room.kurtosis
@@ -146,8 +151,8 @@ def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
     """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
     tau)).
     """
-    all_above_0("repetition_s", repetition_s)
-    positive("tau_s", tau_s)
+    positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
+    positive("repetition_noise_ratio", tau_s=tau_s)
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 
 
@@ -162,8 +167,7 @@ def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: fl
     >>> repetition_amplitude_ratio(6e-3, 10e-3, 3e-3)
     1.0
     """
-    for name, value in (("reversal_s", reversal_s), ("repetition_s", repetition_s), ("tau_s", tau_s)):
-        positive(name, value)
+    positive("repetition_amplitude_ratio", reversal_s=reversal_s, repetition_s=repetition_s, tau_s=tau_s)
     from scipy.special import logsumexp
 
     heard_s = min(reversal_s, SILENT_TAUS * tau_s)
@@ -184,7 +188,7 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
     """
     from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 
-    finite("radius_m", radius_m)
+    finite_array("focus_profile.radius_m", radius_m)
     r = np.asarray(radius_m, float)
     k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
     return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
@@ -200,7 +204,7 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
     """
     from scipy.optimize import brentq
 
-    share("level", level)
+    between("resolution_m", 0, 1, level=level)
     k_mean = math.sqrt(2 * math.pi * band.mean_hz / plate.wave_constant_m2_per_s)
     return 2 * float(brentq(lambda r: float(focus_profile(plate, band, r)) - level, 0.0, 3.0 / k_mean, xtol=1e-15))
 
@@ -208,8 +212,8 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 @checked
 def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
     """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), within 3 % of `resolution_m`."""
-    all_positive("f_mean_hz", f_mean_hz)
-    positive("alpha", alpha)
+    positive_array("half_wavelength_m.f_mean_hz", f_mean_hz)
+    positive("half_wavelength_m", alpha=alpha)
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
 
 
@@ -220,8 +224,8 @@ def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) ->
     >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
     1.0
     """
-    finite("relative_shift", relative_shift)
-    positive("tau_s", tau_s)
+    finite("mistuned_amplitude_ratio", relative_shift=relative_shift)
+    positive("mistuned_amplitude_ratio", tau_s=tau_s)
     reach = abs(relative_shift) * math.pi * tau_s
     low, high = reach * band.f_min_hz, reach * band.f_max_hz
     if high - low < 1e-8:

@@ -15,8 +15,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import positive, shaped
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.checks import positive, shaped
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes
 from tactometry.stimuli.time_reversal.plate import Plate
@@ -42,7 +42,7 @@ class ClosedReversal:
     @classmethod
     def of(cls, plate: Plate, attenuation: Attenuation, f_max_hz: float, reversal_s: float) -> "ClosedReversal":
         """From the modes below `f_max_hz`, which must all oscillate (no rigid body, tau above their 1 / omega)."""
-        positive("reversal_s", reversal_s)
+        positive("ClosedReversal.of", reversal_s=reversal_s)
         modes = plate.modes(f_max_hz)
         decay = attenuation.rate_per_s(modes.frequency_hz)
         oscillators = Oscillators(modes.angular_frequency_rad_per_s, decay)
@@ -64,8 +64,8 @@ class ClosedReversal:
             Shapes at the focus.
         """
         n_modes = len(self.overlap)
-        shaped("sources", sources, (n_modes, None))
-        shaped("focus", focus, (n_modes,))
+        shaped("ClosedReversal.modal_amplitudes.sources", sources, (n_modes, None))
+        shaped("ClosedReversal.modal_amplitudes.focus", focus, (n_modes,))
         heard = sources * focus[:, None]
         summed = np.einsum("nq,nq->n", self.overlap @ heard, sources)
         return np.asarray(summed / self.modes.plate.mass_kg**2)
@@ -78,7 +78,7 @@ def overlap(oscillators: Oscillators, reversal_s: float) -> FloatArray:
     e^{(l_n + l_m*) T} is the product of two numbers per mode, so that no exponential is taken per pair; pairs with a
     z T near 0, where e^{zT} - 1 would cancel, take its power series.
     """
-    positive("reversal_s", reversal_s)
+    positive("overlap", reversal_s=reversal_s)
     if not oscillators.oscillates.all():
         raise InvalidParameter("oscillators: found rigid or overdamped modes, expected modes that oscillate")
     decay, omega = (

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from tactometry.stimuli.time_reversal.checks import choice, not_negative, positive
+from tactometry.require import not_negative, one_of, positive
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.load import Load
 from tactometry.stimuli.time_reversal.plate import Plate
@@ -42,13 +42,13 @@ class Contactor:
     diameter_m: float = FINGER_DIAMETER_M
 
     def __post_init__(self) -> None:
-        choice("Contactor.kind", self.kind, KINDS)
-        positive("Contactor.diameter_m", self.diameter_m)
+        one_of("Contactor.kind", self.kind, KINDS)
+        positive("Contactor", diameter_m=self.diameter_m)
 
     def loads(self, plate: Plate, at_m: tuple[float, float], force_n: float) -> list[Load]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
         out."""
-        not_negative("force_n", force_n)
+        not_negative("Contactor.loads", force_n=force_n)
         plate.check_holds("at_m", at_m)
         if self.kind == "finger":
             return [Finger(*at_m, force_n).load()]
@@ -71,9 +71,8 @@ def hertz_stiffness_n_per_m(force_n: float, radius_m: float, modulus_pa: float =
     >>> round(hertz_stiffness_n_per_m(1.0, 1e-3, 1e9))
     181712
     """
-    not_negative("force_n", force_n)
-    for name, value in (("radius_m", radius_m), ("modulus_pa", modulus_pa)):
-        positive(name, value)
+    not_negative("hertz_stiffness_n_per_m", force_n=force_n)
+    positive("hertz_stiffness_n_per_m", radius_m=radius_m, modulus_pa=modulus_pa)
     return float((6 * modulus_pa**2 * radius_m * force_n) ** (1 / 3))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive, share
+from tactometry.require import between, positive
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.typed import Vector, checked
 
@@ -78,7 +78,7 @@ def tau_s(response: Vector, rate_hz: float) -> float:
     >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
     4.0
     """
-    positive("rate_hz", rate_hz)
+    positive("tau_s", rate_hz=rate_hz)
     energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
     return length_s / _identified(energy[0]).n_taus
 
@@ -188,7 +188,7 @@ def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> Estimate:
     """The mean with its interval from Student's t; infinite with fewer than two values."""
     from scipy.stats import t
 
-    share("confidence", confidence)
+    between("mean_estimate", 0, 1, confidence=confidence)
     mean = float(np.mean(values))
     if len(values) < 2:
         return Estimate(mean, -np.inf, np.inf)

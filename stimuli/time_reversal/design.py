@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import positive
+from tactometry.require import given, positive
 from tactometry.stimuli.time_reversal.closed_forms import (
     Reverberation,
     contrast_limit,
@@ -51,8 +51,9 @@ class Transducers:
     voltage_v: float = 30.0
 
     def __post_init__(self) -> None:
-        for name in ("n", "side_m", "moment_n_per_v", "voltage_v"):
-            positive(f"Transducers.{name}", getattr(self, name))
+        positive(
+            "Transducers", n=self.n, side_m=self.side_m, moment_n_per_v=self.moment_n_per_v, voltage_v=self.voltage_v
+        )
 
 
 @checked
@@ -78,9 +79,7 @@ class Target:
     repetition_hz: float | None = None
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if value is not None:
-                positive(f"Target.{name}", value)
+        positive("Target", **given(vars(self)))
 
 
 @checked
@@ -96,9 +95,8 @@ class Design:
     repetition_s: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("tau_s", "reversal_s", "repetition_s"):
-            if (value := getattr(self, name)) is not None:
-                positive(f"Design.{name}", value)
+        times = {"tau_s": self.tau_s, "reversal_s": self.reversal_s, "repetition_s": self.repetition_s}
+        positive("Design", **given(times))
         held = n_held(self.plate, self.transducers.side_m)
         if self.transducers.n > held:
             raise InvalidParameter(
@@ -187,7 +185,7 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, 
     >>> guide.design.reversal_s
     0.007
     """
-    positive("tau_s", tau_s)
+    positive("recommend", tau_s=tau_s)
     repetition_s = None if target.repetition_hz is None else 1 / target.repetition_hz
     reversal_s = 2 * tau_s if repetition_s is None else min(2 * tau_s, repetition_s)
     start = Design(plate, transducers, band, tau_s, reversal_s, repetition_s)
@@ -224,7 +222,7 @@ def n_held(plate: Plate, side_m: float) -> int:
     >>> n_held(A4_SCREEN, 35e-3)
     24
     """
-    positive("side_m", side_m)
+    positive("n_held", side_m=side_m)
     room_m = (plate.length_m - side_m, plate.width_m - side_m)
     return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m + 1e-9) for room in room_m))
 
@@ -269,8 +267,7 @@ def _moved_up(design: Design, wanted_m: float) -> Design | None:
 @checked
 def wavelength_to_patch(plate: Plate, frequency_hz: float, side_m: float) -> float:
     """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
-    positive("frequency_hz", frequency_hz)
-    positive("side_m", side_m)
+    positive("wavelength_to_patch", frequency_hz=frequency_hz, side_m=side_m)
     return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
 
 

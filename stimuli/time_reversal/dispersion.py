@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.stimuli.time_reversal.checks import all_positive, positive, spectral
+from tactometry.require import not_negative_array, positive, positive_array
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.typed import checked
 
@@ -17,7 +17,7 @@ MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 @checked
 def wavenumber_rad_per_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
-    spectral("frequency_hz", frequency_hz)
+    not_negative_array("wavenumber_rad_per_m.frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
 
 
@@ -29,14 +29,14 @@ def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
     20.9
     """
-    all_positive("frequency_hz", frequency_hz)
+    positive_array("wavelength_m.frequency_hz", frequency_hz)
     return 2 * np.pi / wavenumber_rad_per_m(plate, frequency_hz)
 
 
 @checked
 def phase_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """Kirchhoff: omega / k."""
-    spectral("frequency_hz", frequency_hz)
+    not_negative_array("phase_velocity_m_per_s.frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
 
 
@@ -51,7 +51,7 @@ def mindlin_phase_velocity_m_per_s(
     plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """omega / k of the flexural branch; frequencies above 0."""
-    all_positive("frequency_hz", frequency_hz)
+    positive_array("mindlin_phase_velocity_m_per_s.frequency_hz", frequency_hz)
     omega = 2 * np.pi * np.asarray(frequency_hz, float)
     return np.asarray(omega / mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor))
 
@@ -67,7 +67,7 @@ def mindlin_group_velocity_m_per_s(
     >>> round(float(thick / thin), 2)
     0.94
     """
-    all_positive("frequency_hz", frequency_hz)
+    positive_array("mindlin_group_velocity_m_per_s.frequency_hz", frequency_hz)
     omega = 2 * np.pi * np.asarray(frequency_hz, float)
     k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
@@ -86,8 +86,8 @@ def mindlin_angular_frequency_rad_per_s(
     (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
     equals.
     """
-    positive("shear_factor", shear_factor)
-    spectral("wavenumber_rad_per_m", wavenumber_rad_per_m)
+    positive("mindlin_angular_frequency_rad_per_s", shear_factor=shear_factor)
+    not_negative_array("mindlin_angular_frequency_rad_per_s.wavenumber_rad_per_m", wavenumber_rad_per_m)
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear = shear_stiffness_n_per_m(plate, shear_factor)
@@ -102,8 +102,8 @@ def mindlin_wavenumber_rad_per_m(
     plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
-    positive("shear_factor", shear_factor)
-    spectral("frequency_hz", frequency_hz)
+    positive("mindlin_wavenumber_rad_per_m", shear_factor=shear_factor)
+    not_negative_array("mindlin_wavenumber_rad_per_m.frequency_hz", frequency_hz)
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear = shear_stiffness_n_per_m(plate, shear_factor)

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import not_negative, positive
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import not_negative, positive
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.quantiser import transitions_per_s
 from tactometry.stimuli.time_reversal.screen import Screen
@@ -43,8 +43,7 @@ def capacitance_f(
     >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
     5.31
     """
-    for name, value in (("area_m2", area_m2), ("thickness_m", thickness_m), ("permittivity", relative_permittivity)):
-        positive(name, value)
+    positive("capacitance_f", area_m2=area_m2, thickness_m=thickness_m, relative_permittivity=relative_permittivity)
     return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
 
 
@@ -55,7 +54,7 @@ def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     Every change by dV of a capacitance that is charged from a stiff supply dissipates C dV^2 / 2: a +-V
     bridge loses 2 C V^2 per transition, Q C 2 V^2 r_t in all.
     """
-    not_negative("channel_capacitance_f", channel_capacitance_f)
+    not_negative("switched_power_w", channel_capacitance_f=channel_capacitance_f)
     if signal.samples.shape[1] < 2:
         raise InvalidParameter("signal: found fewer than two samples, expected a drive")
     lost_j = 0.5 * channel_capacitance_f * np.sum(np.diff(signal.samples, axis=1) ** 2)
@@ -67,7 +66,7 @@ def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     """Q C 2 V^2 r_t from the counted transitions of a +-V drive; equals `switched_power_w` for one-bit
     signals.
     """
-    not_negative("channel_capacitance_f", channel_capacitance_f)
+    not_negative("bridge_power_w", channel_capacitance_f=channel_capacitance_f)
     rate = float(np.sum(transitions_per_s(signal.samples, signal.rate_hz)))
     return channel_capacitance_f * 2 * signal.peak**2 * rate
 
@@ -75,6 +74,5 @@ def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
 @checked
 def average_power_w(power_w: float, duration_s: float, repetition_hz: float) -> float:
     """Mean over a train of foci: the power during a drive times its duty (at most 1)."""
-    for name, value in (("power_w", power_w), ("duration_s", duration_s), ("repetition_hz", repetition_hz)):
-        not_negative(name, value)
+    not_negative("average_power_w", power_w=power_w, duration_s=duration_s, repetition_hz=repetition_hz)
     return power_w * min(duration_s * repetition_hz, 1.0)

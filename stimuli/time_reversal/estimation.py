@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import all_positive
+from tactometry.require import positive_array
 from tactometry.stimuli.time_reversal.decay import Estimate, mean_estimate
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.typed import checked
@@ -40,7 +40,7 @@ def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
         Size, edges and Poisson's ratio as measured; modulus and density of the right order.
     """
     measured = np.asarray(measured_hz, float)
-    all_positive("measured_hz", measured)
+    positive_array("rigidity_ratio_from_modes.measured_hz", measured)
     if measured.ndim != 1 or len(measured) == 0 or not (np.diff(measured) >= 0).all():
         raise InvalidParameter(f"measured_hz: found {measured.tolist()}, expected ascending frequencies above 0")
     factor = measured[0] / _elastic(guess, 4.0)[0]

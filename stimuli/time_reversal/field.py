@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import one_of, whole
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import at_least, at_most, choice
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
@@ -30,13 +30,13 @@ def modal_amplitudes(
     sample : int
         At least 0; ``n_samples - 1`` is the focus instant.
     """
-    choice("quantity", quantity, QUANTITIES)
+    one_of("modal_amplitudes.quantity", quantity, QUANTITIES)
     forces = screen.modal_forces(f_max_hz)
     if signal.samples.shape[0] != forces.shape[1]:
         raise InvalidParameter(
             f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
         )
-    at_least("sample", sample, 0)
+    whole("modal_amplitudes", lowest=0, sample=sample)
     first = max(sample + 1 - signal.samples.shape[1], 0)
     past = signal.samples[:, : sample + 1][:, ::-1]
     oscillators = screen.oscillators(f_max_hz)
@@ -50,9 +50,7 @@ def modal_amplitudes(
 @checked
 def grid(screen: Screen, n_x: int, n_y: int) -> Grid:
     """Equally spaced coordinates from edge to edge."""
-    for name, n in (("n_x", n_x), ("n_y", n_y)):
-        at_least(name, n, 1)
-        at_most(name, n, MAX_GRID)
+    whole("grid", lowest=1, highest=MAX_GRID, n_x=n_x, n_y=n_y)
     return np.linspace(0, screen.plate.length_m, n_x), np.linspace(0, screen.plate.width_m, n_y)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
+from tactometry.require import not_negative, positive, within
 from tactometry.stimuli.time_reversal.closed_forms import one_bit_amplitude_ratio
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.load import Attached, Load, loaded_responses
@@ -61,9 +61,14 @@ class Finger:
     exponent: float = FORCE_EXPONENT
 
     def __post_init__(self) -> None:
-        for name in ("force_n", "resistance_n_s_per_m", "mass_kg", "stiffness_n_per_m"):
-            not_negative(f"Finger.{name}", getattr(self, name))
-        within("Finger.exponent", self.exponent, 0.0, 2.0)
+        not_negative(
+            "Finger",
+            force_n=self.force_n,
+            resistance_n_s_per_m=self.resistance_n_s_per_m,
+            mass_kg=self.mass_kg,
+            stiffness_n_per_m=self.stiffness_n_per_m,
+        )
+        within("Finger", 0.0, 2.0, exponent=self.exponent)
 
     def load(self) -> Load:
         """The local load on the plate.
@@ -101,8 +106,7 @@ class Emission:
     quantiser: Quantiser | None = None
 
     def __post_init__(self) -> None:
-        for name in ("reversal_s", "rate_hz", "voltage_v"):
-            positive(f"Emission.{name}", getattr(self, name))
+        positive("Emission", reversal_s=self.reversal_s, rate_hz=self.rate_hz, voltage_v=self.voltage_v)
         if samples_in("Emission.reversal_s", self.reversal_s, self.rate_hz) == 0:
             raise InvalidParameter(
                 f"Emission.reversal_s: found {self.reversal_s}, expected at least half a sample of 1 / {self.rate_hz} s"
@@ -171,8 +175,7 @@ def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s:
 
     Scattering adds to the loss; relearning removes that part only.
     """
-    positive("tau_s", tau_s)
-    positive("reversal_s", reversal_s)
+    positive("amplitude_ratio_elsewhere", tau_s=tau_s, reversal_s=reversal_s)
     loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
     ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
     return float(loaded_tau_s / tau_s * ratio)
@@ -193,5 +196,5 @@ def contact_is_lost(
 @checked
 def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: float = PULP_MASS_KG) -> float:
     """m w^2 A: the force that a focus of this amplitude can lift."""
-    positive("pulp_mass_kg", pulp_mass_kg)
+    positive("ejection_force_n", pulp_mass_kg=pulp_mass_kg)
     return float(pulp_mass_kg * np.abs(amplitude_m) * (2 * math.pi * frequency_hz) ** 2)

@@ -5,8 +5,8 @@ from functools import lru_cache
 from typing import Final, Literal
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import given, one_of, positive, whole
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import at_least, choice, positive
 from tactometry.stimuli.time_reversal.pattern import (
     MODULATIONS,
     PATTERNS,
@@ -97,12 +97,12 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        choice("FocusTrain.pattern", self.pattern, tuple(PATTERNS))
-        choice("FocusTrain.drive", self.drive, tuple(DRIVES))
-        positive("FocusTrain.duration_s", self.duration_s)
+        one_of("FocusTrain.pattern", self.pattern, tuple(PATTERNS))
+        one_of("FocusTrain.drive", self.drive, tuple(DRIVES))
+        positive("FocusTrain", duration_s=self.duration_s)
         if self.envelope is not None:
-            choice("FocusTrain.envelope", self.envelope, tuple(ENVELOPES))
-        choice("FocusTrain.modulation", self.modulation, MODULATIONS)
+            one_of("FocusTrain.envelope", self.envelope, tuple(ENVELOPES))
+        one_of("FocusTrain.modulation", self.modulation, MODULATIONS)
         _check_band(self)
         _check_times(self)
 
@@ -216,10 +216,10 @@ def _check_band(train: FocusTrain) -> None:
 
 
 def _check_times(train: FocusTrain) -> None:
-    for name in ("repetition_hz", "train_s", "reversal_s"):
-        if getattr(train, name) is not None:
-            positive(f"FocusTrain.{name}", getattr(train, name))
-    at_least("FocusTrain.reversal_s, samples", samples_in("reversal_s", train.emission_s, train.setup.rate_hz), 1)
+    times = {"repetition_hz": train.repetition_hz, "train_s": train.train_s, "reversal_s": train.reversal_s}
+    positive("FocusTrain", **given(times))
+    n_reversal = samples_in("reversal_s", train.emission_s, train.setup.rate_hz)
+    whole("FocusTrain.reversal_s", lowest=1, n_samples=n_reversal)
     if train.emission_s > train.setup.learnt_s:
         raise InvalidParameter(
             f"FocusTrain.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import finite_array, positive
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import finite, positive
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.typed import checked
@@ -94,7 +94,7 @@ def drive(
     >>> round(focus_amplitude(drive(h, 30.0), h), 9)
     180.0
     """
-    positive("voltage_v", voltage_v)
+    positive("drive", voltage_v=voltage_v)
     waveform = reversed_waveform(foci, reversal_s=reversal_s, weights=weights, window=window)
     return Signal(voltage_v * (quantiser or OneBit()).quantise(waveform, foci.rate_hz), foci.rate_hz, "V")
 
@@ -145,7 +145,7 @@ def _window(window: FloatArray | None, n: int) -> FloatArray:
         return np.ones(n)
     if np.shape(window) != (n,):
         raise InvalidParameter(f"window: found shape {np.shape(window)}, expected ({n},)")
-    finite("window", window)
+    finite_array("window", window)
     return np.asarray(window, float)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from tactometry.stimuli.time_reversal.checks import some
+from tactometry.require import some
 from tactometry.stimuli.time_reversal.contactor import Contactor
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
@@ -40,8 +40,8 @@ def force_loss(
     places : mapping of name to (x_m, y_m)
         Such as F, the focus, and P1.
     """
-    some("forces_n", forces_n)
-    some("contactors", contactors)
+    some("force_loss.forces_n", forces_n)
+    some("force_loss.contactors", contactors)
     free = emission.responses(screen, [focus])
     signal = drive(free, emission.voltage_v, emission.quantiser)
     alone = focus_amplitude(signal, free)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import some, within
+from tactometry.require import some, within
 from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses
@@ -57,8 +57,8 @@ def estimator(
     """Weights (n_frequencies, n_points), and the share of the power at the new point that they find."""
     from scipy.special import j0
 
-    within("noise_share", noise_share, 1e-12, 1e6)
-    some("points", points)
+    within("estimator", 1e-12, 1e6, noise_share=noise_share)
+    some("estimator.points", points)
     place = np.asarray(points, float).reshape(-1, 2)
     k = wavenumber_rad_per_m(plate, np.atleast_1d(frequency_hz))
     apart = np.hypot(*(place[:, None, :] - place[None, :, :]).transpose(2, 0, 1))
@@ -84,5 +84,5 @@ def expected_amplitude_ratio(
 @checked
 def one_bit_amplitude_ratio_expected(share: float) -> float:
     """sqrt(share): a sign learnt from a waveform of correlation r finds the share r of the amplitude."""
-    within("share", share, 0.0, 1.0)
+    within("one_bit_amplitude_ratio_expected", 0.0, 1.0, share=share)
     return math.sqrt(share)

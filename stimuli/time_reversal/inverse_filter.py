@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.require import finite_array, positive, within
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.spectrum import Band
 from tactometry.stimuli.time_reversal.typed import checked
@@ -51,10 +51,10 @@ def inverse_filter_waveform(
         If the band passes the Nyquist frequency, `wanted` does not fit or is not finite, all responses are zero, or
         `regularisation` is not above 0.
     """
-    positive("regularisation", regularisation)
-    within("Band.f_max_hz (the Nyquist frequency is the limit)", band.f_max_hz, 0.0, points.rate_hz / 2)
+    positive("inverse_filter_waveform", regularisation=regularisation)
+    within("Band", 0.0, points.rate_hz / 2, **{"f_max_hz (the Nyquist frequency is the limit)": band.f_max_hz})
     target = np.asarray(wanted, float)
-    finite("wanted", target)
+    finite_array("inverse_filter_waveform.wanted", target)
     if target.shape != (points.n_points,) or not target.any():
         raise InvalidParameter(f"wanted: found {wanted}, expected {points.n_points} numbers, not all zero")
     if not points.samples.any():

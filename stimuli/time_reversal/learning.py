@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.require import finite_array, positive, within
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.typed import Vector, checked
@@ -57,8 +57,8 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
     InvalidParameter
         If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
     """
-    positive("sweep.f_min_hz", f_min_hz)
-    within("sweep.f_max_hz", f_max_hz, np.nextafter(f_min_hz, np.inf), rate_hz / 2)
+    positive("sweep", f_min_hz=f_min_hz)
+    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
     if n < 2:
         raise InvalidParameter(f"sweep.duration_s: found {duration_s}, expected at least two samples")
@@ -80,8 +80,8 @@ def sequence(order: int, *, rate_hz: float) -> Excitation:
     """
     from scipy.signal import max_len_seq
 
-    within("sequence.order", order, 2, 24)
-    positive("sequence.rate_hz", rate_hz)
+    within("sequence", 2, 24, order=order)
+    positive("sequence", rate_hz=rate_hz)
     return Excitation(
         1.0 - 2.0 * max_len_seq(order)[0].astype(np.float64), rate_hz, 0.0, rate_hz / 2, "maximum-length sequence"
     )
@@ -123,10 +123,10 @@ def deconvolved(
     """
     from scipy.fft import next_fast_len
 
-    finite("played", np.asarray(played, float))
-    finite("recorded", np.asarray(recorded, float))
-    within("n_samples", n_samples, 1, recorded.shape[-1])
-    within("regularisation", regularisation, 0.0, 1e6)
+    finite_array("deconvolved.played", np.asarray(played, float))
+    finite_array("deconvolved.recorded", np.asarray(recorded, float))
+    within("deconvolved", 1, recorded.shape[-1], n_samples=n_samples)
+    within("deconvolved", 0.0, 1e6, regularisation=regularisation)
     n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))
     spectrum = np.fft.rfft(played, n_fft)
     power = np.square(np.abs(spectrum))
@@ -148,7 +148,7 @@ def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
     """
     from scipy.signal import correlate, correlation_lags
 
-    positive("rate_hz", rate_hz)
+    positive("delay_s", rate_hz=rate_hz)
     matched = np.abs(correlate(recorded, played, method="fft"))
     lags = correlation_lags(len(recorded), len(played))
     peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))
@@ -215,8 +215,8 @@ def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> R
     >>> as_displacement(velocity, 100.0, 400.0).quantity
     'displacement'
     """
-    positive("as_displacement.f_min_hz", f_min_hz)
-    within("as_displacement.f_max_hz", f_max_hz, np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2)
+    positive("as_displacement", f_min_hz=f_min_hz)
+    within("as_displacement", np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2, f_max_hz=f_max_hz)
     n_fft = 2 * responses.n_samples
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
     inside = np.clip(np.minimum(frequency_hz - 0.9 * f_min_hz, f_max_hz + 0.1 * f_min_hz - frequency_hz), 0, None)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import at_least, not_negative, positive, shaped
+from tactometry.require import not_negative, positive, shaped, whole
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, values_at
 from tactometry.stimuli.time_reversal.screen import Screen
@@ -71,8 +71,7 @@ class Load:
     stiffness_n_per_m: float = 0.0
 
     def __post_init__(self) -> None:
-        not_negative("Load.resistance_n_s_per_m", self.resistance_n_s_per_m)
-        not_negative("Load.mass_kg", self.mass_kg)
+        not_negative("Load", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
         if not self.stiffness_n_per_m >= 0:
             raise InvalidParameter(
                 f"Load.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
@@ -101,7 +100,7 @@ class Receptances:
     @classmethod
     def of(cls, oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> "Receptances":
         """`compliance` (n_modes, n_frequencies)."""
-        positive("mass_kg", mass_kg)
+        positive("Receptances.of", mass_kg=mass_kg)
         omega2 = oscillators.omega_rad_per_s[:, None] ** 2
         return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
 
@@ -132,7 +131,7 @@ class Receptances:
         if of.shape[1] < to.shape[1]:
             return self.correction(of, to, at, stiffness).swapaxes(0, 1)
         n_frequencies, k = self.compliance.shape[1], at.shape[1]
-        shaped("stiffness", stiffness, (n_frequencies, k))
+        shaped("Receptances.correction.stiffness", stiffness, (n_frequencies, k))
         out = np.empty((to.shape[1], of.shape[1], n_frequencies), complex)
         step = max(1, RECEPTANCES_AT_ONCE // max(k, 1) ** 2)
         for start in range(0, n_frequencies, step):
@@ -185,10 +184,10 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexAr
     InvalidParameter
         If pinned contacts coincide.
     """
-    shaped("to_contacts", to_contacts, (None, None, None))
+    shaped("carried.to_contacts", to_contacts, (None, None, None))
     n_contacts, n_frequencies = to_contacts.shape[1:]
-    shaped("among", among, (n_frequencies, n_contacts, n_contacts))
-    shaped("stiffness", stiffness, (n_frequencies, n_contacts))
+    shaped("carried.among", among, (n_frequencies, n_contacts, n_contacts))
+    shaped("carried.stiffness", stiffness, (n_frequencies, n_contacts))
     a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
     np.einsum("fkk->fk", system)[...] += b
@@ -254,8 +253,8 @@ def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, i
     """
     from scipy.fft import next_fast_len
 
-    at_least("n_samples", n_samples, 1)
-    positive("rate_hz", rate_hz)
+    whole("contour", lowest=1, n_samples=n_samples)
+    positive("contour", rate_hz=rate_hz)
     n_fft = int(next_fast_len(2 * n_samples, real=True))
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.stimuli.time_reversal.checks import choice, finite, positive, shaped, some, within
+from tactometry.require import finite, one_of, positive, shaped, some, within
 from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.typed import Vector, checked
@@ -60,8 +60,8 @@ def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "dis
     InvalidFile
         If a file cannot be read as what it claims to be, or the files do not match.
     """
-    some("paths", paths)
-    positive("full_scale", full_scale)
+    some("read.paths", paths)
+    positive("read", full_scale=full_scale)
     parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
     for path, part in zip(paths, parts, strict=True):
         if (part.rate_hz, part.quantity, part.samples.shape[1:]) != _kind(parts[0]):
@@ -81,7 +81,7 @@ def write_npz(responses: Responses, path: Path) -> None:
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     """A piece of the responses."""
-    finite("start_s, duration_s", [start_s, duration_s])
+    finite("trimmed", start_s=start_s, duration_s=duration_s)
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
     if first < 0 or n < 1 or first + n > responses.n_samples:
         raise InvalidParameter(
@@ -132,7 +132,7 @@ def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
     The floor is the mean power of the last tenth, compared with that of the loudest tenth. The end of a short record is
     allowed to be as loud as the decay that the pairs share leaves it.
     """
-    within("snr_db", snr_db, -300.0, 300.0)
+    within("inspect", -300.0, 300.0, snr_db=snr_db)
     h = responses.samples
     silent = ~h.any(axis=2)
     tenth = max(h.shape[2] // 10, 1)
@@ -157,7 +157,7 @@ def _left_of_decay(pairs: FloatArray) -> float:
 @checked
 def reciprocity_error(there: Vector, back: Vector) -> float:
     """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
-    shaped("back", back, np.shape(there))
+    shaped("reciprocity_error.back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
     if size == 0:
         raise InvalidParameter("there, back: found zero everywhere, expected responses")
@@ -248,7 +248,7 @@ def _said(line: str) -> dict[str, str]:
     """What the first line of a CSV file says, every word known."""
     said = dict(word.split("=", 1) for word in line.lstrip("#").split())
     for word in said:
-        choice("first line", word, _CSV_WORDS)
+        one_of("first line", word, _CSV_WORDS)
     if "rate_hz" not in said:
         raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
     return said
@@ -271,7 +271,7 @@ def _is_number(cell: str) -> bool:
 def _unit_scale(unit: str, quantity: str) -> float:
     """SI units in one of `unit`."""
     si = _UNITS.get(quantity, "")
-    choice("unit", unit, [prefix + si for prefix in _PREFIXES])
+    one_of("unit", unit, [prefix + si for prefix in _PREFIXES])
     return _PREFIXES[unit.removesuffix(si)]
 
 

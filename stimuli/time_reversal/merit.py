@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import ascending, at_least, finite, not_negative, positive, share, within
+from tactometry.require import ascending, between, finite, finite_array, not_negative, positive, whole, within
 from tactometry.stimuli.time_reversal.typed import Matrix, Vector, checked
 
 FloatArray = NDArray[np.float64]
@@ -33,7 +33,7 @@ def contrast_far_of(
     amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: float
 ) -> float:
     """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
-    not_negative("radius_m", radius_m)
+    not_negative("contrast_far_of", radius_m=radius_m)
     away = np.hypot(grid_m[0][:, None] - focus_m[0], grid_m[1][None, :] - focus_m[1]) >= radius_m
     return _ratio(amplitude_m, field_m[away])
 
@@ -41,9 +41,9 @@ def contrast_far_of(
 @checked
 def contrast_temporal_of(signal_m: Vector, focus_sample: int, rate_hz: float, start_s: float, stop_s: float) -> float:
     """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
-    positive("rate_hz", rate_hz)
-    finite("start_s, stop_s", [start_s, stop_s])
-    within("focus_sample", focus_sample, 0, len(signal_m) - 1)
+    positive("contrast_temporal_of", rate_hz=rate_hz)
+    finite("contrast_temporal_of", start_s=start_s, stop_s=stop_s)
+    within("contrast_temporal_of", 0, len(signal_m) - 1, focus_sample=focus_sample)
     first, last = (focus_sample + round(t * rate_hz) for t in (start_s, stop_s))
     if not 0 <= first < last <= len(signal_m):
         raise InvalidParameter(
@@ -63,9 +63,9 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     >>> round(width_m(x, 1 - np.abs(x)), 12)
     1.0
     """
-    ascending("at_m", at_m)
-    finite("profile", profile)
-    share("level", level)
+    ascending("width_m.at_m", at_m)
+    finite_array("width_m.profile", profile)
+    between("width_m", 0, 1, level=level)
     if np.shape(profile) != np.shape(at_m) or not np.any(profile):
         raise InvalidParameter(
             f"profile: found shape {np.shape(profile)}, expected {np.shape(at_m)} as at_m has, not all zero"
@@ -82,10 +82,10 @@ def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
     """Area around the peak that stays above `level` times the peak, counting cells connected to the peak."""
     from scipy.ndimage import label
 
-    share("level", level)
-    finite("field_m", field_m)
+    between("area_m2", 0, 1, level=level)
+    finite_array("area_m2.field_m", field_m)
     for axis_m in grid_m:
-        ascending("grid_m", axis_m)
+        ascending("area_m2.grid_m", axis_m)
     if field_m.shape != tuple(map(len, grid_m)) or not field_m.any():
         raise InvalidParameter(
             f"field_m: found shape {field_m.shape}, expected {tuple(map(len, grid_m))} as the grid has, not all zero"
@@ -101,15 +101,15 @@ def envelope(signal: FloatArray) -> FloatArray:
     """Magnitude of the analytic signal along the last axis."""
     from scipy.signal import hilbert
 
-    at_least("signal", np.size(signal), 1)
+    whole("envelope", lowest=1, signal=np.size(signal))
     return np.asarray(np.abs(hilbert(signal, axis=-1)))
 
 
 @checked
 def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> float:
     """Full width in time of the envelope around its peak, at `level` times the peak."""
-    positive("rate_hz", rate_hz)
-    finite("signal_m", signal_m)
+    positive("temporal_width_s", rate_hz=rate_hz)
+    finite_array("temporal_width_s.signal_m", signal_m)
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
@@ -117,7 +117,7 @@ def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> f
 def uniformity(amplitudes_m: Vector) -> float:
     """1 - standard deviation / mean over focus positions; 1 is an even screen."""
     amplitudes = np.abs(np.asarray(amplitudes_m, float))
-    finite("amplitudes_m", amplitudes)
+    finite_array("uniformity.amplitudes_m", amplitudes)
     if amplitudes.size < 2 or not amplitudes.any():
         raise InvalidParameter(f"amplitudes_m: found {amplitudes.size} values, expected two or more, not all zero")
     return 1 - float(np.std(amplitudes, ddof=1) / np.mean(amplitudes))
@@ -132,17 +132,16 @@ def deformation_energy_estimate_j(
     >>> round(deformation_energy_estimate_j(2.453, 12.5e3, 10e-6, 14.7e-3) * 1e3, 2)
     0.13
     """
-    for name, value in (("area_density_kg_per_m2", area_density_kg_per_m2), ("resolution_m", resolution_m)):
-        positive(name, value)
-    for name, value in (("frequency_hz", frequency_hz), ("amplitude_m", amplitude_m)):
-        not_negative(name, value)
+    owner = "deformation_energy_estimate_j"
+    positive(owner, area_density_kg_per_m2=area_density_kg_per_m2, resolution_m=resolution_m)
+    not_negative(owner, frequency_hz=frequency_hz, amplitude_m=amplitude_m)
     disc_m2 = math.pi * resolution_m**2 / 4
     return 0.5 * area_density_kg_per_m2 * (2 * math.pi * frequency_hz * amplitude_m) ** 2 * disc_m2
 
 
 def _ratio(amplitude: float, field: FloatArray) -> float:
-    finite("amplitude", amplitude)
-    finite("field", field)
+    finite("contrast", amplitude=amplitude)
+    finite_array("contrast.field", field)
     rms = math.sqrt(float(np.mean(np.square(field)))) if np.size(field) else 0.0
     if rms == 0.0:
         raise InvalidParameter("field: found zero everywhere, expected a field to compare the focus with")
@@ -154,6 +153,6 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
     if below.size == 0:
         raise InvalidParameter(f"profile: found no point below {level} of the peak, expected a longer line")
     i = int(below[0])
-    positive("profile", float(relative[i - 1] - relative[i]))
+    positive("width_m", profile=float(relative[i - 1] - relative[i]))
     share = (relative[i - 1] - level) / (relative[i - 1] - relative[i])
     return float(at[i - 1] + share * (at[i] - at[i - 1]))

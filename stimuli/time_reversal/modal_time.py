@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import choice, positive
+from tactometry.require import one_of, positive
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -63,7 +63,7 @@ class Oscillators:
 
         Acceleration is that of t > 0: the impulse itself is not in it.
         """
-        choice("quantity", quantity, QUANTITIES)
+        one_of("Oscillators.impulse.quantity", quantity, QUANTITIES)
         out = np.empty((self.n, stop - start))
         swings = self.oscillates
         if swings.any():
@@ -75,7 +75,7 @@ class Oscillators:
 
     def impulse_at(self, time_s: ArrayLike, quantity: str = "displacement") -> FloatArray:
         """(n, n_times): the response at any times, at least 0."""
-        choice("quantity", quantity, QUANTITIES)
+        one_of("Oscillators.impulse_at.quantity", quantity, QUANTITIES)
         time = np.atleast_1d(np.asarray(time_s, float))
         out = np.empty((self.n, len(time)))
         swings = self.oscillates
@@ -193,6 +193,6 @@ _CREEPING: Final[dict[str, Callable[[Oscillators, FloatArray], FloatArray]]] = {
 
 def check_sampling(rate_hz: float, n_samples: int) -> None:
     """Refuse a rate that is not above 0 or a negative length."""
-    positive("rate_hz", rate_hz)
+    positive("sampling", rate_hz=rate_hz)
     if n_samples < 0:
         raise InvalidParameter(f"n_samples: found {n_samples}, expected at least 0")

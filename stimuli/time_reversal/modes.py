@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import at_most, finite_array, positive, shaped
 from tactometry.stimuli.time_reversal.axis import Axis, SineAxis
-from tactometry.stimuli.time_reversal.checks import at_most, finite, positive, shaped
 from tactometry.stimuli.time_reversal.dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
@@ -109,7 +109,7 @@ class SeparableModes:
         place = (self.m - 1) * len(y_functions) + self.n - 1
 
         def draw(amplitude: FloatArray) -> FloatArray:
-            shaped("amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
+            shaped("SeparableModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
             return _drawn(amplitude, place, x_functions, y_functions)
 
         return draw
@@ -142,7 +142,7 @@ class RitzModes:
         ends = np.cumsum([len(block.vectors) for block in self.blocks])
 
         def draw(amplitude: FloatArray) -> FloatArray:
-            shaped("amplitude", amplitude, (*amplitude.shape[:-1], len(self.order)))
+            shaped("RitzModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(self.order)))
             unsorted = np.zeros((*amplitude.shape[:-1], ends[-1]))
             unsorted[..., self.order] = amplitude
             parts = np.split(unsorted, ends[:-1], axis=-1)
@@ -172,7 +172,7 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
     InvalidParameter
         If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
-    positive("f_max_hz", f_max_hz)
+    positive("modes_of", f_max_hz=f_max_hz)
     if plate.boundary != "SSSS":
         return _ritz(plate, f_max_hz, shear_factor)
     if shear_factor is None:
@@ -184,8 +184,8 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
 
 
 def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
-    finite("x_m", x_m)
-    finite("y_m", y_m)
+    finite_array("x_m", x_m)
+    finite_array("y_m", y_m)
     if np.size(x_m) != np.size(y_m):
         raise InvalidParameter(f"x_m, y_m: found {np.size(x_m)} and {np.size(y_m)} numbers, expected as many")
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import at_most, not_negative, one_of, positive, within
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import at_most, choice, not_negative, positive, within
 from tactometry.stimuli.time_reversal.focusing import reversed_waveform
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import MAX_SAMPLES, Responses
@@ -64,7 +64,7 @@ class Exponential:
     decay: float = 0.25
 
     def __post_init__(self) -> None:
-        positive("Exponential.decay", self.decay)
+        positive("Exponential", decay=self.decay)
 
     def at(self, position: FloatArray) -> FloatArray:
         return np.asarray(np.exp(-position / self.decay))
@@ -123,8 +123,7 @@ class Pattern:
     envelope: Envelope = Rectangular()
 
     def __post_init__(self) -> None:
-        positive("Pattern.repetition_hz", self.repetition_hz)
-        positive("Pattern.duration_s", self.duration_s)
+        positive("Pattern", repetition_hz=self.repetition_hz, duration_s=self.duration_s)
         at_most("Pattern.repetition_hz times duration_s", self.repetition_hz * self.duration_s, MAX_FOCI)
 
     @property
@@ -190,8 +189,8 @@ def pattern_drive(
     InvalidParameter
         If the path does not fit, or burst modulation has no tau.
     """
-    positive("voltage_v", voltage_v)
-    choice("modulation", modulation, MODULATIONS)
+    positive("pattern_drive", voltage_v=voltage_v)
+    one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = _rows(path, pattern.n_foci, foci.n_points)
     rule = quantiser or OneBit()
     waves = {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
@@ -212,7 +211,7 @@ def pattern_drive(
 @checked
 def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[np.int64]:
     """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
-    positive("rate_hz", rate_hz)
+    positive("focus_samples", rate_hz=rate_hz)
     return _starts(pattern, rate_hz) + n_reversal - 1
 
 
@@ -225,9 +224,9 @@ def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     >>> round(burst_s(1.0, 7e-3, 3.5e-3) * 1e3, 9)
     7.0
     """
-    within("weight", weight, 0.0, 1.0)
-    not_negative("reversal_s", reversal_s)
-    positive("tau_s", tau_s)
+    within("burst_s", 0.0, 1.0, weight=weight)
+    not_negative("burst_s", reversal_s=reversal_s)
+    positive("burst_s", tau_s=tau_s)
     reached = -weight * math.expm1(-reversal_s / tau_s)
     return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative, positive, within
+from tactometry.require import not_negative, positive, within
 from tactometry.stimuli.time_reversal.typed import checked
 
 if TYPE_CHECKING:
@@ -55,9 +55,15 @@ class Plate:
     boundary: str
 
     def __post_init__(self) -> None:
-        for name in ("length_m", "width_m", "thickness_m", "youngs_modulus_pa", "density_kg_per_m3"):
-            positive(f"Plate.{name}", getattr(self, name))
-        within("Plate.poisson_ratio", self.poisson_ratio, 0.0, 0.5)
+        positive(
+            "Plate",
+            length_m=self.length_m,
+            width_m=self.width_m,
+            thickness_m=self.thickness_m,
+            youngs_modulus_pa=self.youngs_modulus_pa,
+            density_kg_per_m3=self.density_kg_per_m3,
+        )
+        within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
         if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
             raise InvalidParameter(
                 f"Plate.boundary: found {self.boundary!r}, expected four letters of S, C, F for the edges "
@@ -137,7 +143,7 @@ class Plate:
         >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
         (425, 425)
         """
-        not_negative("frequency_hz", frequency_hz)
+        not_negative("Plate.mode_count", frequency_hz=frequency_hz)
         k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
         return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
 

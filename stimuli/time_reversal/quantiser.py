@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.stimuli.time_reversal.checks import finite, positive, within
+from tactometry.require import finite_array, positive, within
 from tactometry.stimuli.time_reversal.typed import Matrix, checked
 
 FloatArray = NDArray[np.float64]
@@ -48,7 +48,7 @@ class OneBit:
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         del rate_hz
-        finite("waveform", waveform)
+        finite_array("OneBit.quantise.waveform", waveform)
         return np.where(waveform >= 0, 1.0, -1.0)
 
 
@@ -79,7 +79,7 @@ class SigmaDelta:
     def __post_init__(self) -> None:
         if self.order not in (1, 2):
             raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
-        positive("SigmaDelta.scale", self.scale)
+        positive("SigmaDelta", scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         from tactometry.stimuli.time_reversal.sigma_delta import modulate
@@ -104,8 +104,8 @@ class PulseWidth:
     scale: float = 1.0
 
     def __post_init__(self) -> None:
-        positive("PulseWidth.carrier_hz", self.carrier_hz)
-        within("PulseWidth.scale", self.scale, 0.0, 1.0)
+        positive("PulseWidth", carrier_hz=self.carrier_hz)
+        within("PulseWidth", 0.0, 1.0, scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         if 4 * self.carrier_hz > rate_hz:
@@ -121,7 +121,7 @@ class PulseWidth:
 @checked
 def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
     """The waveform with a peak of 1; zeros stay zeros."""
-    finite("waveform", waveform)
+    finite_array("normalised.waveform", waveform)
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
 
@@ -129,6 +129,6 @@ def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
 @checked
 def transitions_per_s(values: Matrix, rate_hz: float) -> FloatArray:
     """(n_channels,): how often each channel changes its sign in a second."""
-    positive("rate_hz", rate_hz)
+    positive("transitions_per_s", rate_hz=rate_hz)
     changes = np.count_nonzero(np.diff(np.signbit(values).astype(np.int8), axis=-1), axis=-1)
     return np.asarray(changes * rate_hz / max(values.shape[-1] - 1, 1), float)

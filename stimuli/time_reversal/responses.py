@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import at_least, choice, finite
+from tactometry.require import finite_array, one_of, whole
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES, check_sampling
 from tactometry.stimuli.time_reversal.modes import values
 from tactometry.stimuli.time_reversal.screen import Screen
@@ -48,8 +48,8 @@ class Responses:
                 "with at least one point and one channel"
             )
         check_sampling(self.rate_hz, samples.shape[2])
-        choice("Responses.quantity", self.quantity, QUANTITIES)
-        finite("Responses.samples", samples)
+        one_of("Responses.quantity", self.quantity, QUANTITIES)
+        finite_array("Responses.samples", samples)
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)
 
@@ -119,7 +119,7 @@ def impulse_responses(
     >>> h.samples.shape
     (1, 32, 50)
     """
-    choice("quantity", quantity, QUANTITIES)
+    one_of("impulse_responses.quantity", quantity, QUANTITIES)
     n_samples = samples_in("duration_s", duration_s, rate_hz)
     if 2 * f_max_hz > rate_hz:
         raise InvalidParameter(
@@ -153,7 +153,7 @@ def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
 @checked
 def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
     """Start and stop of pieces of at most `size` samples."""
-    at_least("size", size, 1)
+    whole("chunks", lowest=1, size=size)
     for start in range(0, n_samples, size):
         yield start, min(start + size, n_samples)
 

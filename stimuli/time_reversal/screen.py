@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.require import some
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.checks import some
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
+from tactometry.require import not_negative, one_of, positive
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import choice, not_negative, positive
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.load import Load, Receptances, contour
@@ -82,10 +82,14 @@ class TimeReversalSensation:
     finger_y_m: float | None = None
 
     def __post_init__(self) -> None:
-        positive("TimeReversalSensation.reference_m", self.reference_m)
-        choice("TimeReversalSensation.criterion", self.criterion, ("loaded", "unloaded"))
-        for name in ("resistance_n_s_per_m", "mass_kg", "stiffness_n_per_m"):
-            not_negative(f"TimeReversalSensation.{name}", getattr(self, name))
+        positive("TimeReversalSensation", reference_m=self.reference_m)
+        one_of("TimeReversalSensation.criterion", self.criterion, ("loaded", "unloaded"))
+        not_negative(
+            "TimeReversalSensation",
+            resistance_n_s_per_m=self.resistance_n_s_per_m,
+            mass_kg=self.mass_kg,
+            stiffness_n_per_m=self.stiffness_n_per_m,
+        )
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a drive under a finger; ``-inf`` in silence and without contact.
@@ -158,7 +162,7 @@ def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArr
     """
     from scipy.signal import find_peaks
 
-    positive("rate_hz", rate_hz)
+    positive("events", rate_hz=rate_hz)
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
     index: NDArray[np.int64] = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]

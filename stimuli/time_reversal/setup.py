@@ -5,8 +5,8 @@ from functools import lru_cache
 from typing import Final
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import one_of, positive
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.checks import choice, positive
 from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33, GLASSES
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, samples_in
@@ -71,10 +71,8 @@ class Setup:
     shear_factor: float | None = None
 
     def __post_init__(self) -> None:
-        choice("Setup.glass", self.glass, tuple(GLASSES))
-        positive("Setup.modes_to_hz", self.modes_to_hz)
-        positive("Setup.learnt_s", self.learnt_s)
-        positive("Setup.tau_s", self.tau_s)
+        one_of("Setup.glass", self.glass, tuple(GLASSES))
+        positive("Setup", modes_to_hz=self.modes_to_hz, learnt_s=self.learnt_s, tau_s=self.tau_s)
         self.plate.check_holds("Setup.focus", self.focus_m)
         _check_nyquist(self)
         _ = self.screen

@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import finite
+from tactometry.require import finite_array
 from tactometry.stimuli.time_reversal.quantiser import STATE_LIMIT
 
 FloatArray = NDArray[np.float64]
@@ -62,7 +62,7 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     bits = np.empty(by_time.shape, np.int8)
     peak, error = _modulate(by_time, bits, *FEEDBACK[order])
     if not np.isfinite(error).all():  # nothing that is not finite ever leaves the feedback
-        finite("signal", signal)
+        finite_array("modulate.signal", signal)
     return BitStream(bits.T, float(peak.max(initial=0.0)), FIRST_ORDER_LIMIT if order == 1 else STATE_LIMIT)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import ascending, not_negative_array, positive
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import ascending, positive, spectral
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import chunks
@@ -39,7 +39,7 @@ def a_weighting_db(frequency_hz: ArrayLike) -> FloatArray:
     >>> [round(float(a), 1) for a in a_weighting_db([100.0, 1000.0, 10000.0])]
     [-19.1, 0.0, -2.5]
     """
-    spectral("frequency_hz", frequency_hz)
+    not_negative_array("a_weighting_db.frequency_hz", frequency_hz)
     f = np.atleast_1d(np.asarray(frequency_hz, float))
     with np.errstate(divide="ignore"):
         db = 20 * np.log10(_a_gain(f) / _a_gain(np.array([1000.0])))
@@ -54,7 +54,7 @@ def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: float = SOUND_SP
     >>> round(coincidence_frequency_hz(A4_SCREEN) / 1e3, 1)
     10.8
     """
-    positive("sound_speed_m_per_s", sound_speed_m_per_s)
+    positive("coincidence_frequency_hz", sound_speed_m_per_s=sound_speed_m_per_s)
     return sound_speed_m_per_s**2 / (2 * math.pi * plate.wave_constant_m2_per_s)
 
 
@@ -63,7 +63,7 @@ def radiation_efficiency(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     """sigma = (1 - f_c / f)^(-1/2) above coincidence, limited by the plate's size near it;
     `EDGE_EFFICIENCY` below.
     """
-    spectral("frequency_hz", frequency_hz)
+    not_negative_array("radiation_efficiency.frequency_hz", frequency_hz)
     f = np.asarray(frequency_hz, float)
     f_c = coincidence_frequency_hz(plate)
     ratio = np.divide(f_c, f, out=np.ones_like(f), where=f >= f_c)
@@ -82,8 +82,8 @@ class NoiseSpectrum:
 
     def __post_init__(self) -> None:
         ascending("NoiseSpectrum.frequency_hz", self.frequency_hz)
-        spectral("NoiseSpectrum.frequency_hz", self.frequency_hz)
-        spectral("NoiseSpectrum.pressure_pa2_per_hz", self.pressure_pa2_per_hz)
+        not_negative_array("NoiseSpectrum.frequency_hz", self.frequency_hz)
+        not_negative_array("NoiseSpectrum.pressure_pa2_per_hz", self.pressure_pa2_per_hz)
         if len(self.frequency_hz) != len(self.pressure_pa2_per_hz):
             raise InvalidParameter(
                 f"NoiseSpectrum.pressure_pa2_per_hz: found {len(self.pressure_pa2_per_hz)} values, expected "
@@ -116,10 +116,10 @@ def noise(
 
     W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
     """
-    positive("distance_m", distance_m)
+    positive("noise", distance_m=distance_m)
     frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
     span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
-    positive("duration_s", span_s)
+    positive("noise", duration_s=span_s)
     watt_per_hz = (
         AIR_DENSITY_KG_PER_M3
         * SOUND_SPEED_M_PER_S
@@ -141,7 +141,7 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     """
     from scipy.fft import next_fast_len
 
-    positive("Screen.attenuation.tau_s", screen.attenuation.tau_s)
+    positive("Screen.attenuation", tau_s=screen.attenuation.tau_s)
     oscillators = screen.oscillators(f_max_hz)
     n_fft = int(next_fast_len(2 * signal.samples.shape[1] + round(6 * screen.attenuation.tau_s * signal.rate_hz)))
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)

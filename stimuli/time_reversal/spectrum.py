@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import not_negative, positive
+from tactometry.require import positive, within
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.typed import checked
 
@@ -50,9 +50,8 @@ class Band:
     flank_hz: float = 0.0
 
     def __post_init__(self) -> None:
-        not_negative("Band.f_min_hz", self.f_min_hz)
-        positive("Band.f_max_hz", self.f_max_hz)
-        not_negative("Band.flank_hz", self.flank_hz)
+        positive("Band", f_max_hz=self.f_max_hz)
+        within("Band", 0, np.inf, f_min_hz=self.f_min_hz, flank_hz=self.flank_hz)
         if not self.f_min_hz < self.f_max_hz:
             raise InvalidParameter(
                 f"Band: found {self.f_min_hz} to {self.f_max_hz} Hz, which is empty; expected f_min_hz below f_max_hz"
@@ -80,8 +79,7 @@ class Butterworth:
     order: int = 1
 
     def __post_init__(self) -> None:
-        positive("Butterworth.cutoff_hz", self.cutoff_hz)
-        positive("Butterworth.order", self.order)
+        positive("Butterworth", cutoff_hz=self.cutoff_hz, order=self.order)
 
     def at(self, frequency_hz: FloatArray) -> ComplexArray:
         s = 1j * np.asarray(frequency_hz) / self.cutoff_hz

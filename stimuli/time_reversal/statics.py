@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import finite, positive, whole, within
 from tactometry.stimuli.time_reversal.axis import SineAxis
-from tactometry.stimuli.time_reversal.checks import at_least, finite, positive, within
 from tactometry.stimuli.time_reversal.legendre import families, n_rigid
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.typed import checked
@@ -52,9 +52,8 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     plate.check_holds("at_m", at_m)
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
-    finite("force_n", force_n)
-    for name, points in (("x_m", x_m), ("y_m", y_m)):
-        at_least(f"number of {name}", np.size(points), 1)
+    finite("deflection_m", force_n=force_n)
+    whole("deflection_m", lowest=1, n_x=np.size(x_m), n_y=np.size(y_m))
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
         plate.check_holds(f"(x_m, y_m)[{i}]", place)
@@ -76,9 +75,9 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     >>> round(bending_stress_pa(A4_SCREEN, 2.0, 10e-3) / 1e6, 1)
     3.6
     """
-    finite("force_n", force_n)
-    positive("contact_m", contact_m)
-    within("contact_m", contact_m, 0.0, min(plate.length_m, plate.width_m))
+    finite("bending_stress_pa", force_n=force_n)
+    positive("bending_stress_pa", contact_m=contact_m)
+    within("bending_stress_pa", 0.0, min(plate.length_m, plate.width_m), contact_m=contact_m)
     axes = [SineAxis(side, N_TERMS_PATCH) for side in (plate.length_m, plate.width_m)]
     middles = [plate.length_m / 2, plate.width_m / 2]
     shape = [axis.value(middle)[:, 0] for axis, middle in zip(axes, middles, strict=True)]

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.require import one_of, positive, whole, within
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.checks import at_least, choice, positive, within
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.pattern import MODULATIONS, PATTERNS, Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
@@ -67,14 +67,14 @@ class TimeReversalStimulus:
     tau_s: float | None = None
 
     def __post_init__(self) -> None:
-        choice("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
-        choice("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
-        positive("TimeReversalStimulus.voltage_max_v", self.voltage_max_v)
-        choice("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
+        one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
+        one_of("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
+        positive("TimeReversalStimulus", voltage_max_v=self.voltage_max_v)
+        one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
         _check_heard(self)
         if self.reversal_s is not None:
-            positive("TimeReversalStimulus.reversal_s", self.reversal_s)
-            at_least("TimeReversalStimulus.reversal_s, samples", self._n_reversal, 1)
+            positive("TimeReversalStimulus", reversal_s=self.reversal_s)
+            whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
 
     def at(self, level: float) -> Signal:
         """The drive (V) whose largest focus has this amplitude.
@@ -97,7 +97,7 @@ class TimeReversalStimulus:
     def voltage_v(self, level: float) -> float:
         """Peak voltage of a level, before anything is played."""
         amplitude_m = self._amplitude_m(level)
-        positive("level", amplitude_m)
+        positive("TimeReversalStimulus", level=amplitude_m)
         return amplitude_m / self.metres_per_volt
 
     @cached_property
@@ -135,7 +135,7 @@ class TimeReversalStimulus:
     def _amplitude_m(self, level: float) -> float:
         if self.level_unit == "m":
             return level
-        within("level (dB re 1 um)", level, -HIGHEST_LEVEL_DB, HIGHEST_LEVEL_DB)
+        within("TimeReversalStimulus", -HIGHEST_LEVEL_DB, HIGHEST_LEVEL_DB, **{"level (dB re 1 um)": level})
         return 1e-6 * 10 ** (level / 20)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from tactometry.stimuli.time_reversal.checks import all_positive, positive, some
+from tactometry.require import positive, positive_array, some
 from tactometry.stimuli.time_reversal.design import (
     FINGER_DIAMETER_M,
     FINGER_FORCE_N,
@@ -66,8 +66,8 @@ def sheets(
     thicknesses_m: Sequence[float] = SHEETS_M,
 ) -> list[Sheet]:
     """The guide of each thickness, ascending, that of `plate` among them; see `recommend` of `design`."""
-    some("thicknesses_m", thicknesses_m)
-    all_positive("thicknesses_m", thicknesses_m)
+    some("sheets.thicknesses_m", thicknesses_m)
+    positive_array("sheets.thicknesses_m", thicknesses_m)
     held = replace(plate, boundary="SSSS")
     centre = plate.length_m / 2, plate.width_m / 2
     stress_pa = bending_stress_pa(held, FINGER_FORCE_N, min(FINGER_DIAMETER_M, plate.length_m, plate.width_m))
@@ -90,6 +90,6 @@ def recommended(among: Sequence[Sheet], thickness_m: float) -> Sheet:
     >>> best.thickness_m, best.unreachable
     (0.0009, ())
     """
-    some("among", among)
-    positive("thickness_m", thickness_m)
+    some("recommended.among", among)
+    positive("recommended", thickness_m=thickness_m)
     return min(among, key=lambda sheet: (len(sheet.unreachable), abs(math.log(sheet.thickness_m / thickness_m))))

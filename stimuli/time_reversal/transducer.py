@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import at_least, at_most, positive, some
+from tactometry.require import positive, some, whole
 from tactometry.stimuli.time_reversal.modes import Modes, laplacians, values
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.typed import checked
@@ -75,8 +75,7 @@ class Patch:
     moment_n_per_v: float = MOMENT_N_PER_V
 
     def __post_init__(self) -> None:
-        positive("Patch.length_m", self.length_m)
-        positive("Patch.width_m", self.width_m)
+        positive("Patch", length_m=self.length_m, width_m=self.width_m)
 
     @property
     def area_m2(self) -> float:
@@ -114,7 +113,7 @@ class Disc:
     moment_n_per_v: float = MOMENT_N_PER_V
 
     def __post_init__(self) -> None:
-        positive("Disc.diameter_m", self.diameter_m)
+        positive("Disc", diameter_m=self.diameter_m)
 
     @property
     def area_m2(self) -> float:
@@ -150,7 +149,7 @@ def modal_forces(modes: Modes, sources: Sequence[Source]) -> FloatArray:
     InvalidParameter
         If there is no source, or one is outside of the plate.
     """
-    some("sources", sources)
+    some("modal_forces.sources", sources)
     for i, source in enumerate(sources):
         source.check(modes.plate, f"sources[{i}]")
     return np.stack([source.modal_force(modes) for source in sources], axis=1)
@@ -164,8 +163,7 @@ def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: flo
     >>> len(border(A4_SCREEN, 32))
     32
     """
-    at_least("n_transducers", n_transducers, 1)
-    at_most("n_transducers", n_transducers, MAX_TRANSDUCERS)
+    whole("border", lowest=1, highest=MAX_TRANSDUCERS, n_transducers=n_transducers)
     a, b = plate.length_m - 2 * inset_m, plate.width_m - 2 * inset_m
     if min(a, b) <= 0 or side_m > 2 * inset_m:
         raise InvalidParameter(f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate")

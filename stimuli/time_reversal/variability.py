@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.checks import at_least
+from tactometry.require import whole
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive
@@ -31,7 +31,7 @@ def contributions_m(responses: Responses, voltage_v: float) -> FloatArray:
 @checked
 def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_draws: int = 50) -> FloatArray:
     """(n_draws, n_points, n_channels): focus amplitude of 1..Q transducers, added in random orders."""
-    at_least("n_draws", n_draws, 1)
+    whole("amplitude_over_count_m", lowest=1, n_draws=n_draws)
     orders = (rng.permutation(contributions.shape[1]) for _ in range(n_draws))
     return np.stack([np.cumsum(contributions[:, order], axis=1) for order in orders])
 
