@@ -52,20 +52,22 @@ def _shape(m, n, at, a, b):
 
 @lru_cache
 def levy_modes(plate, f_max_hz):
-    """(omega, shape(x, y)) of a plate supported at x = 0 and x = a and free at y = 0 and y = b: Levy's solution.
+    """(omega, shape(x, y)) of a plate supported at x = 0 and x = a, free or clamped at y = 0 and y = b: by Levy.
 
     Along x a sine; across, cos(p s) and cosh(q s) (or sin and sinh) with p^2 = k^2 - mu^2, q^2 = k^2 + mu^2, whose
-    moment and edge force vanish at s = +-b/2. Edge waves have p^2 < 0.
+    moment and edge force, or displacement and slope, vanish at s = +-b/2. Edge waves of free edges have p^2 < 0.
     """
+    free = plate.boundary[1] == "F"
+    residual, lowest = (_free_edge, 0.5) if free else (_clamped_edge, 1 + 1e-9)
     k_max = math.sqrt(2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s)
     found = []
     for m in range(1, int(k_max * plate.length_m * 1.1 / math.pi) + 2):
         mu = m * math.pi / plate.length_m
         for odd in (False, True):
-            k = np.linspace(0.5 * mu, k_max, 2000)
-            edge = np.array([_free_edge(x, mu, plate, odd) for x in k])
+            k = np.linspace(lowest * mu, max(k_max, lowest * mu), 2000)
+            edge = np.array([residual(x, mu, plate, odd) for x in k])
             for i in np.flatnonzero(np.sign(edge[1:]) != np.sign(edge[:-1])):
-                root = brentq(_free_edge, k[i], k[i + 1], args=(mu, plate, odd), xtol=1e-14 * k_max, rtol=1e-15)
+                root = brentq(residual, k[i], k[i + 1], args=(mu, plate, odd), xtol=1e-14 * k_max, rtol=1e-15)
                 found.append((plate.wave_constant_m2_per_s * root**2, _levy_shape(root, mu, plate, odd)))
     return sorted(found, key=lambda mode: mode[0])
 
@@ -85,11 +87,21 @@ def _free_edge(k, mu, plate, odd):
     return float((value * scale).real)
 
 
+def _clamped_edge(k, mu, plate, odd):
+    """Vanishes at the modes; scaled as `_free_edge`."""
+    half = plate.width_m / 2
+    p, q = math.sqrt(k**2 - mu**2), math.sqrt(k**2 + mu**2)
+    if odd:
+        return math.cos(p * half) * math.tanh(q * half) - q * math.sin(p * half) / p
+    return p * math.sin(p * half) + q * math.tanh(q * half) * math.cos(p * half)
+
+
 def _levy_shape(k, mu, plate, odd):
     nu, half = plate.poisson_ratio, plate.width_m / 2
     p, q = np.sqrt(complex(k**2 - mu**2)), math.sqrt(k**2 + mu**2)
     near = np.sin if odd else np.cos
-    share = (p**2 + nu * mu**2) * near(p * half) / (q**2 - nu * mu**2)
+    free = plate.boundary[1] == "F"
+    share = near(p * half) * ((p**2 + nu * mu**2) / (q**2 - nu * mu**2) if free else -1)
 
     def across(y):
         s = np.asarray(y, float) - half

@@ -1,13 +1,16 @@
 """Scenes for the tests: one effect after the other, and hypothesis's own."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
+import numpy as np
 from hypothesis import strategies as st
 
 from tactometry.stimuli.scenes.effect import Effect, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.target import resolve
 
@@ -82,7 +85,13 @@ def panels(draw: st.DrawFn, outputs: tuple[str, ...]) -> tuple[Electrovibration,
     kinds += draw(
         st.sampled_from([["friction"], ["friction", "polarity"], ["dry_friction", "finger_dynamics"], *lifted])
     )
-    return surface, tuple(default(kind) for kind in draw(st.permutations(kinds))), outputs
+    sticks = ("slip_events_s",) if "dry_friction" in kinds else ()
+    return surface, tuple(default(kind) for kind in draw(st.permutations(kinds))), (*outputs, *sticks)
+
+
+def between_events(t_s, event_s, at_s):
+    """Which times are in a step (of samples at `t_s`) that holds no beginning of slip or stick."""
+    return ~np.isin(np.searchsorted(t_s, at_s, side="right"), np.searchsorted(t_s, event_s, side="right"))
 
 
 RESTING = (Touch(2.0),)
@@ -154,3 +163,26 @@ def screens(draw: st.DrawFn, outputs: tuple[str, ...]) -> Scene:
     chosen = [effect(kind, **TIME_REVERSAL[kind][0]) for kind in sorted(kinds)]
     chosen.append(effect("attenuation", tau_s=tau_s))
     return Scene(surface, tuple(draw(st.permutations(chosen))), outputs, 1e-2, (Touch(draw(st.floats(0.2, 4.0))),))
+
+
+FOCUSED = ("focus_displacement_m", "peak_m", "contact_force_n")
+RUBBED = ("electrostatic_force_n", "friction_force_n")
+
+
+@st.composite
+def hybrids(draw: st.DrawFn) -> Scene:
+    """A random panel on a random plate, with a finger at rest and one that slides."""
+    rested = draw(screens(FOCUSED))
+    tone, rubbed, slid = draw(panels(RUBBED))
+    plate = rested.surface
+    assert isinstance(plate, TimeReversal)
+    x_m, y_m = (side * draw(st.floats(0.2, 0.8)) for side in (plate.length_m, plate.width_m))
+    slides = Touch(draw(st.floats(0.2, 4.0)), 0.05, x_m, y_m)
+    borne = FOCUSED if rested.find("load") else FOCUSED[:-1]
+    return replace(
+        rested,
+        surface=Hybrid(tone, plate),
+        effects=(*rested.effects, *rubbed),
+        outputs=("t_s", *borne, "sliding_t_s", *slid),
+        contacts=tuple(draw(st.permutations((*rested.contacts, slides)))),
+    )

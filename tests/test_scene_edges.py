@@ -1,8 +1,12 @@
 """Edges by Rayleigh and Ritz: what their polynomials miss stands in the plan, or is refused."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cache
 
+import numpy as np
 import pytest
+from conftest import SOAK
+from exact_plate import dense_ritz, levy_modes
 from scene_cases import effect, screen, small_screen
 from test_scene_time_reversal import LOSSY, error_of, run
 
@@ -10,7 +14,9 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import plate, ritz
 from tactometry.stimuli.time_reversal import screen as screens
 
-BOUNDARIES = ("FFFF", "CCCC", "CFFF", "SSFF")
+BOUNDARIES = ("CCCC", "CFFF")
+"""Of which there is no solution of another origin here: their own polynomials of more degrees, whose frequencies
+`test_time_reversal_ritz.py` holds against published ones."""
 COURSE = ("t_s", "focus_displacement_m")
 
 
@@ -31,6 +37,81 @@ def with_degrees(monkeypatch):
         return got
 
     return at
+
+
+@dataclass(frozen=True)
+class Exact:
+    """Modes solved by other means, for the whole of a scene to run on."""
+
+    plate: object
+    angular_frequency_rad_per_s: np.ndarray
+    shapes: object
+
+    @property
+    def frequency_hz(self):
+        return self.angular_frequency_rad_per_s / (2 * np.pi)
+
+    def products(self, on_x, on_y):
+        points = zip(on_x(Itself()), on_y(Itself()), strict=True)
+        return np.stack([self.shapes(x, y) for x, y in points], axis=1)
+
+    def frame(self, x_m, y_m):
+        raise NotImplementedError
+
+    field = frame
+
+
+class Itself:
+    """In the place of functions of x or y."""
+
+    def value(self, at):
+        return np.atleast_1d(at)
+
+
+@cache
+def exact(plate, f_max_hz, shear_factor):
+    """Levy's solution, or products of Legendre polynomials with one dense eigenproblem for a free plate."""
+    assert shear_factor is None
+    if plate.boundary == "FFFF":
+        omega, shapes = dense_ritz(plate, 26)
+        n = int(np.searchsorted(omega, 2 * np.pi * f_max_hz))
+        still = np.where(np.arange(n) < 3, 0.0, omega[:n])
+        return Exact(plate, still, lambda x, y: np.ravel(shapes(x, y))[:n])
+    modes = levy_modes(plate, f_max_hz)
+    return Exact(plate, np.array([omega for omega, _ in modes]), lambda x, y: [shape(x, y) for _, shape in modes])
+
+
+@pytest.fixture
+def on_exact_modes(monkeypatch):
+    """A run on modes of another origin."""
+
+    def run_on(scene):
+        with monkeypatch.context() as patch:
+            patch.setattr(plate, "_modes", exact)
+            screens._modal_forces.cache_clear()
+            got = run(scene)
+        screens._modal_forces.cache_clear()
+        return got
+
+    return run_on
+
+
+@pytest.mark.parametrize("boundary", ["SFSF", "SCSC", "FFFF"])
+def test_what_exact_modes_change_is_within_the_error_of_the_stage(boundary, on_exact_modes):
+    scene = replace(held(boundary), settings={"motion": {"modes_to_hz": 12e3, "static_to_hz": 16e3}})
+    predicted = next(stage.error for stage in scene.resolve().stages if stage.name == "edges")
+    assert error_of(run(scene), on_exact_modes(scene), COURSE[1]) <= predicted
+
+
+@pytest.mark.parametrize("boundary", ["SFSF", "SCSC"])
+def test_a_scene_between_simple_supports_keeps_its_accuracy_beside_levy(boundary, on_exact_modes):
+    scene = held(boundary, LOSSY)
+    to_hz, accuracies = (120e3, (1e-1, 1e-2, 1e-3, 1e-4)) if SOAK else (60e3, (1e-1, 1e-2, 1e-3))
+    whole = {"motion": {"modes_to_hz": to_hz, "static_to_hz": to_hz}}
+    reference = on_exact_modes(replace(scene, accuracy=1e-5, settings=whole))
+    for accuracy in accuracies:
+        finer = replace(scene, accuracy=accuracy)
+        assert error_of(run(finer), reference, COURSE[1]) <= finer.resolve().error <= accuracy
 
 
 def held(boundary, *effects, **changes):
@@ -60,3 +141,14 @@ def test_an_accuracy_finer_than_the_polynomials_is_refused_with_the_cure():
     assert held("FFFF").resolve()
     with pytest.raises(InvalidParameter, match=r"accuracy: .*edges CFFF, expected at least .*; loosen the accuracy"):
         replace(held("CFFF"), accuracy=1e-4).resolve()
+
+
+@pytest.mark.parametrize(("boundary", "width_m"), [("SFSF", 0.09), ("FFFF", 0.09), ("FFFF", 0.12)])
+def test_the_strain_energy_may_take_further_modes_of_another_solution(boundary, width_m, on_exact_modes):
+    energy = replace(held(boundary, LOSSY, effect("drive_energy"), width_m=width_m), outputs=("energy_j",))
+    far = {"modes_to_hz": 12e3, "static_to_hz": 16e3}
+    mixed = replace(energy, settings={"motion": far, "strain_energy": {"static_to_hz": 32e3}})
+    one = replace(energy, settings={"motion": far | {"static_to_hz": 32e3}, "strain_energy": {"static_to_hz": 32e3}})
+    expected = on_exact_modes(one)["energy_j"] if boundary == "SFSF" else run(one)["energy_j"]
+    assert run(mixed)["energy_j"] == pytest.approx(expected, rel=1e-6)
+    assert run(replace(energy, settings={"motion": far, "strain_energy": {"static_to_hz": 16e3}})) != run(mixed)

@@ -5,6 +5,9 @@ step h is off by at most ``h^2 max |f''|/8``: relative to the peak the error is 
 
 Envelopes have kinks where the voltage is zero. The force goes with the square and hides them, but for a lossy skin,
 whose voltage is not zero there: that brings an error in proportion to the step (an estimate, checked by tests).
+
+Dry friction jumps where a finger begins to slip or to stick: no line over a jump is right, so that its error is that
+between the events, which are exact.
 """
 
 from collections.abc import Callable
@@ -63,7 +66,8 @@ def chord_error(scene: Surroundings, n: int) -> float:
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
     """Factors of the step squared (curvature) and of the step (kinks, of which only a lossy skin shows any)."""
-    bandwidth, leak, kinks = force_rad_per_s(scene), _leak_per_s(scene), _kinks_rad_per_s(scene)
+    leak, kinks = _leak_per_s(scene), _kinks_rad_per_s(scene)
+    bandwidth = max(force_rad_per_s(scene), _swing_rad_per_s(scene))
     if kinks:
         bandwidth = max(bandwidth, 2 * leak)
     in_body = 1.0 if scene.find("body") is not None else 0.0
@@ -86,6 +90,12 @@ def _kinks_rad_per_s(scene: Surroundings) -> float:
     if texture is not None:
         rad_per_s += pi * texture.frequency_hz(scene)  # type: ignore[attr-defined]
     return rad_per_s
+
+
+def _swing_rad_per_s(scene: Surroundings) -> float:
+    """How fast a finger pad swings freely, 0 of one without dynamics."""
+    dynamics = scene.find("dynamics")
+    return getattr(dynamics, "natural_rad_per_s", 0.0)
 
 
 def _leak_per_s(scene: Surroundings) -> float:

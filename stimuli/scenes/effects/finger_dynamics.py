@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import sqrt
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
@@ -30,6 +31,17 @@ class FingerDynamics:
     slot: ClassVar[str] = "dynamics"
     requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
     excludes: ClassVar[Mapping[str, str]] = {}
+
+    @property
+    def natural_rad_per_s(self) -> float:
+        """Of the pad without damping, at any speed: mass and stiffness grow alike.
+
+        >>> round(FingerDynamics().natural_rad_per_s)
+        354
+        """
+        from tactometry.stimuli.electrovibration.finger import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
+
+        return sqrt(STIFFNESS_N_S_PER_M2 / MASS_KG_PER_M_PER_S)
 
     def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
         friction, touch = scene.find("friction"), scene.contacts[0]

@@ -18,6 +18,8 @@ from tactometry.stimuli.scenes.effect import Surroundings
 MOVING, MOVING_ON_MAP, STILL, STILL_ON_MAP = 0.04, 0.08, 0.3, 2.5
 """Parts of the remainder, of the modes that move and of those that follow; the last of one transducer."""
 OF_LOAD = 0.15
+FEW_TRANSDUCERS = 12
+"""Fewer of them make a weaker focus beside what each does at its own place."""
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
 """How far above its band an emission is followed, by the error from which on that is enough."""
 MOST_NUMBERS = 3e7
@@ -56,7 +58,8 @@ def cut(scene: Surroundings, error: float) -> Cut:
     on_map = not MAPS.isdisjoint(scene.outputs)
     moves = (MOVING_ON_MAP if on_map else MOVING) * left + load
     ratio = max(1.0, (2 * moves / error) ** (1 / 5))
-    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL, 2)
+    few = max(1.0, FEW_TRANSDUCERS / surface.n_transducers)
+    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL * few, 2)
     follow = max(ratio, (2 * still * left / error) ** (1 / power))
     expected = moves / ratio**5 + still * left / follow**power
     band_hz = surface.band_max_hz
