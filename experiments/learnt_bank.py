@@ -10,7 +10,7 @@ from tactometry.signal import Stimulus
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
-    """The stimuli by name; those of the kinds `focus` and `pattern` from the learnt responses, where there are any.
+    """The stimuli by name; the kinds `focus`, `pattern` and `hybrid` from the learnt responses, where there are any.
 
     Raises
     ------
@@ -21,14 +21,24 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
     """
     if learnt is None:
         return experiment.bank
-    from tactometry.stimuli.time_reversal.focus_train import FocusTrain, measured
+    from tactometry.stimuli import hybrid
+    from tactometry.stimuli.time_reversal import focus_train
     from tactometry.stimuli.time_reversal.measured import read
 
     heard = read([Path(learnt.responses)])
+
+    def suited(stimulus: Stimulus) -> Stimulus:
+        match stimulus:
+            case focus_train.FocusTrain():
+                return focus_train.measured(stimulus, heard)
+            case hybrid.Hybrid():
+                return hybrid.measured(stimulus, heard)
+        return stimulus
+
     bank: dict[str, Stimulus] = {}
     for name, stimulus in experiment.bank.items():
         try:
-            bank[name] = measured(stimulus, heard) if isinstance(stimulus, FocusTrain) else stimulus
+            bank[name] = suited(stimulus)
             bank[name].at(experiment.highest_level(name))
         except TactometryError as error:
             raise InvalidParameter(f"time_reversal.responses, {learnt.responses}, {name}: {error}") from None

@@ -3,7 +3,7 @@
 The outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one surface.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import inf
 
@@ -14,9 +14,12 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
+from tactometry.stimuli.time_reversal import focus_train
 from tactometry.stimuli.time_reversal.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.sensation import Keyed, TimeReversalSensation
 from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
 
 
 @dataclass(frozen=True)
@@ -90,11 +93,51 @@ class Hybrid:
         LimitExceeded
             If the foci need more than `focus.voltage_max_v`.
         """
-        foci, friction = self.focus.at(level), self.friction.at(level + self.electrode_offset_db)
-        samples = np.zeros((foci.samples.shape[0] + 1, friction.samples.shape[1]))
-        samples[:-1, : foci.samples.shape[1]] = foci.samples
-        samples[-1] = friction.samples[0]
-        return Signal(samples, friction.rate_hz, "V")
+        return _together(self.focus.at(level), self.friction.at(level + self.electrode_offset_db))
+
+
+@dataclass(frozen=True)
+class MeasuredHybrid:
+    """As `Hybrid`, with foci from responses that were measured on a bench; see `measured`."""
+
+    focus: TimeReversalStimulus
+    friction: AmplitudeModulated
+    electrode_offset_db: float
+
+    @property
+    def level_unit(self) -> str:
+        return self.focus.level_unit
+
+    def at(self, level: float) -> Signal:
+        """As `Hybrid.at`."""
+        return _together(self.focus.at(level), self.friction.at(level + self.electrode_offset_db))
+
+
+def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
+    """The same foci and friction from measured responses, both at the rate of these.
+
+    Raises
+    ------
+    InvalidParameter
+        If the responses do not suit the foci (`tactometry.stimuli.time_reversal.focus_train.measured`).
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> both = Hybrid(FocusTrain(setup, f_max_hz=20e3), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3))
+    >>> found = measured(both, setup.responses_at(*setup.focus_m))
+    >>> bool(np.allclose(found.at(0.0).samples, both.at(0.0).samples))
+    True
+    """
+    friction = replace(hybrid.friction, rate_hz=heard.rate_hz)
+    return MeasuredHybrid(focus_train.measured(hybrid.focus, heard), friction, hybrid.electrode_offset_db)
+
+
+def _together(foci: Signal, friction: Signal) -> Signal:
+    samples = np.zeros((foci.samples.shape[0] + 1, friction.samples.shape[1]))
+    samples[:-1, : foci.samples.shape[1]] = foci.samples
+    samples[-1] = friction.samples[0]
+    return Signal(samples, friction.rate_hz, "V")
 
 
 @dataclass(frozen=True)

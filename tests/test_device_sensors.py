@@ -227,7 +227,10 @@ def test_noise_on_the_line_costs_no_sound_frame(plugged):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (SerialSettings("no/such/line", 1000.0), "serial no/such/line: cannot open the line .*expected a device"),
+        (
+            SerialSettings("no/such/line", 1000.0),
+            r"serial no/such/line: cannot open the line \(No such file or directory\), expected a device",
+        ),
         (UdpSettings("no.such.host.invalid", 1000.0), "cannot reach the sensor .*expected its address"),
         (RecordedSettings("no/such/file.csv", 1000.0), "cannot be read as a recording"),
     ],

@@ -156,7 +156,7 @@ def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_wi
 
     n_played, bench = [], bench_with(lambda time_s: 1.0)
     in_background(act)
-    touched = bench.press(Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
+    touched = bench.press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
     assert not touched.valid
     assert n_played == [1, 1]
     assert log[log.index("play 5 V") + 1] == "output.stop"

@@ -12,6 +12,7 @@ from tactometry.experiments.learnt_bank import bank_of, learnt_facts
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import wire
 from tactometry.provenance import sha256
+from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing import emitted
 
 
@@ -49,6 +50,19 @@ def test_responses_learnt_through_noise_at_40_db_deliver_the_level_within_5_perc
     [stimulus, *_] = bank_of(experiment, learnt).values()
     moved_m = np.abs(emitted(stimulus.at(20.0), true)).max()
     assert moved_m == pytest.approx(10e-6, rel=0.05)
+
+
+def test_of_a_hybrid_the_foci_are_learnt_and_the_friction_is_not(learnt):
+    """Through noise at 40 dB, at twice the amplitude of the model: the foci need half of the voltage."""
+    hybrid = wire(load("hybrid-button")[0], "hybrid-button")
+    write_responses(learnt.responses, noise_db=40.0, factor=2.0)
+    name = "hybrid, feedback=both"
+    learned, modelled = bank_of(hybrid, learnt)[name].at(14.0), hybrid.bank[name].at(14.0)
+    np.testing.assert_array_equal(learned.samples[-1], modelled.samples[-1])
+    assert np.abs(learned.samples[:-1]).max() == pytest.approx(np.abs(modelled.samples[:-1]).max() / 2, rel=0.05)
+    true = true_responses()
+    moved_m = np.abs(emitted(Signal(learned.samples[:-1], learned.rate_hz, "V"), true)).max()
+    assert moved_m == pytest.approx(10 ** (14.0 / 20) * 1e-6 / 2, rel=0.05)
 
 
 @pytest.mark.parametrize(

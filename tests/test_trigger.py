@@ -1,6 +1,7 @@
 """The decision in the sensors' threads: never early, once, and not after it was called off."""
 
 import math
+import sys
 import threading
 import time
 
@@ -11,13 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.request import Press, Slide
-from tactometry.rigs.glide import HALT_S, MOVING_S
+from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.glide import MOVING_S
 from tactometry.rigs.grip import SILENT_S
 from tactometry.rigs.touch import Held
 from tactometry.rigs.trace import DEAF_S, Trace
-from tactometry.rigs.trigger import Trigger, hearing
+from tactometry.rigs.trigger import TURN_S, Trigger, hearing, quick_turns
+from tactometry.signal import Signal
 
 PERIOD_S = 1 / 256
+HALT_S = 0.15
 SPEED = 0.05
 AHEAD_S = 1000.0
 """Stamps that lie ahead of our clock are of now."""
@@ -193,6 +197,36 @@ def test_calling_off_waits_for_what_is_under_way_and_nobody_else_does(scene, in_
     assert scene.considered(breaks=True) == ["fire"]
 
 
+class Beginning:
+    """An output that has begun to begin."""
+
+    def __init__(self):
+        self.done, self.begins, self.may_go_on = [], threading.Event(), threading.Event()
+
+    def play(self, signal):
+        self.begins.set()
+        assert self.may_go_on.wait(LONGEST_WAIT_S)
+        self.done.append("play")
+        return time.perf_counter()
+
+    def stop(self):
+        self.done.append("stop")
+        self.may_go_on.set()
+
+
+def test_what_begins_while_it_is_muted_is_stopped_and_nothing_begins_until_it_is_not(in_background):
+    output = Beginning()
+    emitter, signal = Emitter({}, output, None), Signal(np.zeros((1, 1)), 1000.0, "V")
+    in_background(emitter.emit_if_allowed, signal)
+    assert output.begins.wait(LONGEST_WAIT_S)
+    emitter.mute(on=True)
+    assert output.done == ["stop", "play", "stop"]
+    assert emitter.emit_if_allowed(signal) is None
+    emitter.mute(on=False)
+    assert emitter.emit_if_allowed(signal) is not None
+    assert output.done.count("play") == 2
+
+
 @pytest.mark.parametrize("fails", ["opens", "fire", "breaks", "stop"])
 def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(fails):
     def failing(name, value):
@@ -213,6 +247,18 @@ def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(
     for asked in ("begun", "broken"):
         with pytest.raises(OSError, match="the device is gone"):
             getattr(trigger, asked)
+
+
+def test_threads_take_quick_turns_only_while_a_decision_is_awaited():
+    def fail():
+        with quick_turns():
+            assert sys.getswitchinterval() == pytest.approx(TURN_S)
+            raise KeyError
+
+    usual_s = sys.getswitchinterval()
+    with pytest.raises(KeyError):
+        fail()
+    assert sys.getswitchinterval() == usual_s > TURN_S
 
 
 # --- what is heard

@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+from conftest import LONGEST_WAIT_S
 from hard_cases import exact_case
 from sampled import Sampled
 
@@ -83,6 +84,43 @@ def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards):
     assert not touched.valid
     assert touched.force_mean_n is not None
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_the_output_stops_when_the_thread_of_the_sensor_hangs(bench_with, log):
+    def hangs(time_s):
+        if "play 5 V" in log:
+            hung.wait(LONGEST_WAIT_S)
+        return 1.0
+
+    hung = threading.Event()
+    touched = bench_with(hangs).press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
+    hung.set()
+    assert not touched.valid
+    assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+class Held:
+    """A screen whose frames last until the output has stopped, once it plays."""
+
+    def __init__(self, screen, log):
+        self._screen, self._log = screen, log
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        while "play 5 V" in self._log and "output.stop" not in self._log:
+            time.sleep(0.01)
+        time.sleep(PRESS.duration_s)
+        return self._screen.refresh(page)
+
+
+def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(bench_with, watched, log):
+    felt = iter([1.0] * 100)
+    held = Held(watched, log)
+    touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).press(PRESS)
+    assert touched.force_in_band == 1.0
+    assert not touched.valid
 
 
 def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log):

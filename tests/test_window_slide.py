@@ -58,6 +58,29 @@ def test_the_stimulus_stops_when_the_finger_stops(slid, log):
     assert time.perf_counter() - begin_s < 10
 
 
+def stop_and_go(log):
+    """Steady until the stimulus begins, then at rest for 0.1 s after each 0.12 s: never long enough to be a halt."""
+    begun_s = []
+
+    def place_m(time_s):
+        if not begun_s:
+            if "play 5 V" not in log:
+                return 0.05 * time_s
+            begun_s.append(time_s)
+        n_rests, since_s = divmod(time_s - begun_s[0], 0.22)
+        return 0.05 * (begun_s[0] + 0.12 * n_rests + min(since_s, 0.12))
+
+    return place_m
+
+
+def test_a_finger_that_stops_and_goes_feels_a_whole_stimulus_that_does_not_count(slid, log):
+    """One stop is that at the end of the touch, one that of closing: none came before."""
+    touched = slid(stop_and_go(log))
+    assert touched.force_in_band == 1.0
+    assert not touched.valid
+    assert log == ["output.open", "play 5 V", "output.stop", "output.stop", "output.close", "screen.close"]
+
+
 def test_a_finger_at_twice_the_speed_never_starts(slid, log):
     assert not slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M))).valid
     assert "play 5 V" not in log

@@ -38,9 +38,13 @@ class Measured:
                 "played"
             )
         age_days = (today - self.on).days
-        if not 0 <= age_days <= self.max_age_days:
-            age = f"{age_days} days old" if age_days >= 0 else "which is yet to come"
+        if age_days < 0:
             raise DeviceFailed(
-                f"{what}: found a calibration of {self.on}, {age}, expected at most {self.max_age_days}; measure it "
-                "again with: tactometry calibrate; nothing was played"
+                f"{what}: found a calibration of {self.on}, which is yet to come, expected a day up to {today}; correct "
+                "the bench file, or the clock of this computer; nothing was played"
+            )
+        if age_days > self.max_age_days:
+            raise DeviceFailed(
+                f"{what}: found a calibration of {self.on}, {age_days} days old, expected at most "
+                f"{self.max_age_days}; measure it again with: tactometry calibrate; nothing was played"
             )

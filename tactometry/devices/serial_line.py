@@ -55,7 +55,7 @@ class SerialSource:
             line.reset_input_buffer()
         except (serial.SerialException, OSError, ValueError) as error:
             raise DeviceFailed(
-                f"{self.name}: cannot open the line ({' '.join(str(error).split())}), expected a device to read"
+                f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
             ) from None
         self._framing, self._samples, self._line = Framing(self.n_channels), CountedSamples(1e-6), line
 
@@ -86,6 +86,12 @@ def _available(line: Any, n_missing: int) -> bytes:
     if ready and not data:
         raise OSError("the device hung up")
     return data
+
+
+def _reason(error: Exception) -> str:
+    """What pyserial says of the system's own words, once."""
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else " ".join(str(error).split())
 
 
 def _library() -> Any:
