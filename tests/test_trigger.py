@@ -1,6 +1,7 @@
 """The decision in the sensors' threads: never early, once, and not after it was called off."""
 
 import math
+import queue
 import sys
 import threading
 import time
@@ -11,6 +12,8 @@ from conftest import LONGEST_WAIT_S
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tactometry.devices.reader import Reader
+from tactometry.errors import DeviceFailed
 from tactometry.request import Press, Slide
 from tactometry.rigs.emitter import Emitter
 from tactometry.rigs.glide import MOVING_S
@@ -319,3 +322,34 @@ def test_a_thread_that_says_nothing_at_all_is_held_up():
     assert trace.quiet(60.0)
     trace.hear(np.empty(0), np.empty(0))
     assert not trace.quiet(60.0)
+
+
+class Gone:
+    """A sensor that is there once, and then neither tells nor can be found again."""
+
+    name, n_channels, rate_hz = "gone", 1, 1000.0
+    n_opened = 0
+
+    def open(self):
+        self.n_opened += 1
+        if self.n_opened > 1:
+            raise DeviceFailed("gone: it is not there")
+
+    def receive(self):
+        raise DeviceFailed("gone: it went away")
+
+    def close(self):
+        pass
+
+    def facts(self):
+        return {}
+
+
+def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came():
+    reader, told = Reader(Gone()), queue.Queue()
+    reader.tell(told.put)
+    reader.open()
+    blocks = [told.get(timeout=LONGEST_WAIT_S) for _ in range(5)]
+    reader.close()
+    assert all(block.values.shape == (0, 1) for block in blocks)
+    assert reader.facts()["failure"] is not None

@@ -40,8 +40,8 @@ class Measured:
         age_days = (today - self.on).days
         if age_days < 0:
             raise DeviceFailed(
-                f"{what}: found a calibration of {self.on}, which is yet to come, expected a day up to {today}; correct "
-                "the bench file, or the clock of this computer; nothing was played"
+                f"{what}: found a calibration of {self.on}, which is yet to come, expected a day up to {today}; "
+                "correct the bench file, or the clock of this computer; nothing was played"
             )
         if age_days > self.max_age_days:
             raise DeviceFailed(
