@@ -105,6 +105,54 @@ def test_the_speed_gate_opens_half_a_window_and_a_hold_after_the_first_sample():
     assert len(opened_s) == 200 - round(opened_s[0] * 1000)
 
 
+TICK_S = 1 / 1024
+"""Multiples of it, their sums and quotients are exact."""
+
+
+def glided(gate, ticks, speed_m_per_s=1.0):
+    for n in ticks:
+        gate = gate.after(n * TICK_S, speed_m_per_s * n * TICK_S)
+    return gate
+
+
+def test_a_sample_exactly_one_window_ago_is_in_the_window():
+    gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S, max_gap_s=1.0)
+    assert glided(gate, (0, 64)).speed_m_per_s == 1.0
+    assert glided(gate, (0, 65)).speed_m_per_s is None
+
+
+def test_the_speed_is_known_once_the_samples_span_exactly_half_of_the_window():
+    gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S, max_gap_s=1.0)
+    assert glided(gate, (0, 31)).speed_m_per_s is None
+    assert glided(gate, (0, 32)).speed_m_per_s == 1.0
+
+
+def test_the_speed_gate_opens_exactly_a_hold_after_the_speed_is_known():
+    gate = SpeedGate(1.0, 0.25, hold_s=16 * TICK_S, window_s=64 * TICK_S)
+    assert [glided(gate, range(n)).open for n in (48, 49)] == [False, True]
+
+
+def test_samples_a_longest_gap_apart_belong_together_and_a_doubled_stamp_begins_anew():
+    gate = SpeedGate(1.0, 0.25, window_s=16 * TICK_S, max_gap_s=8 * TICK_S)
+    assert glided(gate, (0, 8)).moving
+    assert not glided(gate, (0, 9)).moving
+    assert glided(gate, (0, 8, 8)).samples == ((8 * TICK_S, 8 * TICK_S),)
+
+
+@pytest.mark.parametrize(("speed", "held"), [(0.75, True), (1.25, True), (0.7499, False), (1.2501, False)])
+def test_the_band_of_a_speed_holds_its_edges(speed, held):
+    gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S)
+    assert glided(gate, range(65), speed).moving is held
+    times_s = TICK_S * np.arange(65)
+    assert motion(times_s, speed * times_s, 1.0, 0.25).in_band == held
+
+
+def test_a_window_around_a_sample_holds_samples_at_its_ends():
+    """At 0, 1, 2 s a window of 2 s spans (0, 1), (0, 2), (1, 2): 1, 1.5 and 2 m/s."""
+    assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.5, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
+    assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.0, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
+
+
 def test_samples_further_apart_than_the_window_have_the_speed_between_them():
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.1], 0.05, tolerance=0.1, window_s=0.05).in_band == 1.0
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.5], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(2 / 3)
