@@ -14,6 +14,15 @@ ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""
 
 
+def counted(n: int, noun: str) -> str:
+    """A number with its noun.
+
+    >>> counted(1, "trial"), counted(2, "trial")
+    ('1 trial', '2 trials')
+    """
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
 @dataclass(frozen=True)
 class PlannedBlock:
     """One part: its number, its factors, its procedure or questionnaire, how many tracks are interleaved, and at most
@@ -37,8 +46,8 @@ class PlannedBlock:
         parts = [
             self.procedure,
             f"{self.n_tracks} interleaved" if self.n_tracks > 1 else "",
-            f"at most {self.n_trials_at_most} trials" if self.n_trials_at_most else "",
-            f"{self.n_items} items" if self.n_items else "",
+            f"at most {counted(self.n_trials_at_most, 'trial')}" if self.n_trials_at_most else "",
+            counted(self.n_items, "item") if self.n_items else "",
         ]
         return ", ".join(filter(None, parts))
 

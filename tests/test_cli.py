@@ -64,6 +64,14 @@ def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
     assert "trials agree" in call(capsys, "replay", "d")
 
 
+def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_session(capsys):
+    planned = json.loads(call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run", "--json"))
+    said = call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run")
+    assert "at most 1 trial, 28 items" in said
+    longest = int(said.rsplit("at most ", 1)[1].split()[0])
+    assert longest - 1 < planned["minutes_at_most"] <= longest
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

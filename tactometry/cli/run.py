@@ -1,5 +1,6 @@
 """`tactometry run`."""
 
+import math
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
@@ -124,7 +125,7 @@ RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
 
 def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     from tactometry.dataset import cell
-    from tactometry.experiments.planning import duration_s, plan
+    from tactometry.experiments.planning import counted, duration_s, plan
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
@@ -135,9 +136,8 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     ]
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
-    text = "\n".join(
-        ["block", *rows, *notes, f"at most {minutes:.0f} minutes, trials that are asked again not counted"]
-    )
+    longest = f"at most {counted(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
+    text = "\n".join(["block", *rows, *notes, longest])
     say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}, as_json=as_json)
 
 
