@@ -29,7 +29,7 @@ DOMAINS: Mapping[str, tuple[float, float]] = {
     "_v": (1e-30, 1e12),
     "_n": (1e-30, 1e50),
     "_kg": (1e-20, 1e9),
-    "_n_per_m": (1e-15, 1e15),
+    "_n_per_m": (1e-15, 1e20),
     "_ohm": (1e-20, 1e20),
     "_ohm_m": (1e-30, 1e30),
     "_rad": (0.0, 1e9),

@@ -181,13 +181,14 @@ def test_corner_rises_by_1104_hz_from_20_to_100_mm_per_s() -> None:
         ),
         (
             lambda: ElectrovibrationSensation(law="sc_layers"),
-            "law: found 'sc_layers', expected one of parallel_plate, interface, total_thickness, sc_layer; "
+            "ElectrovibrationSensation.law: found 'sc_layers', expected one of parallel_plate, interface, "
+            "total_thickness, sc_layer; "
             "did you mean 'sc_layer'?",
         ),
         (
             lambda: ElectrovibrationSensation(law=None),
-            "law: found none, expected one of parallel_plate, interface, total_thickness, sc_layer; "
-            "their forces differ by a factor near 1000, so name yours",
+            "ElectrovibrationSensation.law: found None, expected one of parallel_plate, interface, total_thickness, "
+            "sc_layer",
         ),
         (
             lambda: ElectrovibrationSensation(reference_force_n=0.0),

@@ -74,9 +74,7 @@ HOSTILE: Mapping[str, Any] = {
     "complex": 1 + 1j,
 }
 
-INNER = frozenset(
-    {"axis", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta", "typed"}
-)
+INNER = frozenset({"axis", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta"})
 """Numerical kernels: their arguments are arrays that the public functions make."""
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")

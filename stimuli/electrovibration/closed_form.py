@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
 from tactometry.stimuli.electrovibration.relaxation import phi1
 from tactometry.stimuli.electrovibration.skin import Skin
@@ -80,7 +80,7 @@ def square_harmonic_force_n(
 
     ``4 b V+^2 (1 - exp(-T/tau))/(T |2/tau + 4 pi i n f|)``.
     """
-    n = require.finite_array("square_harmonic_force_n.n_harmonic", n_harmonic)
+    n = np.asarray(n_harmonic, dtype=np.float64)
     if ((n < 1) | (n != np.round(n))).any():
         raise InvalidParameter(
             f"square_harmonic_force_n.n_harmonic: found {n_harmonic!r}, expected whole numbers from 1 (the mean, at 0, "
@@ -101,7 +101,6 @@ def _period_s(frequency_hz: ArrayLike) -> NDArray[np.float64]:
 def _peak_v(voltage_v: float, skin: Skin) -> float:
     """Corneum voltage at once after a step."""
     _check_one_relaxation(skin)
-    require.finite("closed_form", voltage_v=voltage_v)
     return skin.k * voltage_v
 
 
@@ -116,7 +115,7 @@ def _check_one_relaxation(skin: Skin) -> None:
 
 def _elapsed(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
     """Time in units of tau."""
-    t = require.finite_array("closed_form.t_s", t_s)
+    t = np.asarray(t_s, dtype=np.float64)
     if (t < 0).any():
         raise InvalidParameter(f"closed_form.t_s: found {t.min()} s, expected at least 0")
     return t / skin.tau_s if skin.tau_s > 0 else np.where(t == 0, 0.0, inf)

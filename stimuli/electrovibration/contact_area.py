@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 
 @runtime_checkable
@@ -44,6 +44,7 @@ class PowerLawArea:
         return require.in_range("PowerLawArea.exponent", area_m2)
 
 
+@checked
 @dataclass(frozen=True)
 class TableArea:
     """Areas measured at forces, straight lines between them: ink prints were described by such lines.
@@ -63,7 +64,6 @@ class TableArea:
     areas_m2: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if len(self.forces_n) != len(self.areas_m2) or len(self.forces_n) == 0:
             raise InvalidParameter(
                 f"TableArea: found {len(self.forces_n)} forces and {len(self.areas_m2)} areas, "
@@ -74,7 +74,6 @@ class TableArea:
         if (np.diff(self.forces_n) <= 0).any():
             raise InvalidParameter(f"TableArea.forces_n: found {self.forces_n}, expected ascending forces")
 
-    @checked
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
         """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
         force = _forces(force_n)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces, straight
 from tactometry.stimuli.electrovibration.timing import MOST_SAMPLES
 
@@ -15,6 +15,7 @@ Real = NDArray[np.float64]
 NODES = range(-5, 7)
 
 
+@checked
 @dataclass(frozen=True)
 class Corners:
     """Straight lines between corners (phase in 0..1, value); two corners of one phase are a jump.
@@ -27,7 +28,6 @@ class Corners:
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        check_fields(self)
         ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
         if not ends or len(self.phases) != len(self.values) or (np.diff(self.phases) < 0).any():
             raise InvalidParameter(
@@ -35,7 +35,6 @@ class Corners:
                 "ascends from 0 to 1, and as many values"
             )
 
-    @checked
     def at(self, phase: ArrayLike) -> Real:
         """Values at phases in periods, of any size; from the right at a jump."""
         p = np.mod(np.asarray(phase, dtype=np.float64), 1.0)
@@ -45,7 +44,6 @@ class Corners:
         width = np.where(x[left + 1] > x[left], x[left + 1] - x[left], 1.0)
         return np.asarray(y[left] + (y[left + 1] - y[left]) * (p - x[left]) / width)
 
-    @checked
     def pieces(self, frequency_hz: float, duration_s: float) -> Pieces:
         """The periodic voltage (1 V) over a duration, exactly."""
         require.positive("Corners.pieces", frequency_hz=frequency_hz, duration_s=duration_s)
@@ -58,7 +56,6 @@ class Corners:
         t_s = (periods + np.tile(self.phases, n_periods)) / frequency_hz
         return _until(straight(t_s, np.tile(self.values, n_periods)), duration_s)
 
-    @checked
     def harmonics(self, n: ArrayLike) -> NDArray[np.complex128]:
         """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
 
@@ -91,7 +88,6 @@ class Corners:
         probe = (middles[1:] + middles[:-1]) / 2
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
-    @checked
     def band_limited(self, phase: Real, n_highest: int) -> Real:
         """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
 

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
 
 
+@checked
 @dataclass(frozen=True)
 class DispersiveLayer:
     """A slab with a table of properties, log-log between its rows and constant outside of them.
@@ -33,7 +34,6 @@ class DispersiveLayer:
 
     def __post_init__(self) -> None:
         require.positive("DispersiveLayer", thickness_m=self.thickness_m)
-        check_fields(self)
         for name in ("frequencies_hz", "permittivities", "resistivities_ohm_m"):
             column = np.asarray(getattr(self, name), dtype=np.float64)
             if column.shape != (len(self.frequencies_hz),) or not column.size or (column <= 0).any():
@@ -46,7 +46,6 @@ class DispersiveLayer:
                 f"DispersiveLayer.frequencies_hz: found {self.frequencies_hz}, expected ascending numbers"
             )
 
-    @checked
     def properties(self, frequency_hz: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
         row)."""
@@ -89,7 +88,7 @@ def shares(
     InvalidParameter
         If no layer can hold a voltage, or a frequency, resistance or area is negative.
     """
-    f_hz = np.atleast_1d(require.finite_array("shares.frequency_hz", frequency_hz))
+    f_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
     require.not_negative(
         "shares", resistance_ohm=resistance_ohm, area_m2=area_m2, lowest_hz=float(f_hz.min(initial=0.0))
     )

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
-from tactometry.stimuli.electrovibration.checked import checked
+from tactometry.checked import checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.skin import INSULATOR, Skin
 from tactometry.stimuli.electrovibration.solution import Solution

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n_at, force_form

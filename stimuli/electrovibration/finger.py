@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
-from tactometry.stimuli.electrovibration.checked import checked
+from tactometry.checked import checked
 from tactometry.stimuli.electrovibration.driven import Timing, plan_of, stacked
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction

@@ -9,8 +9,8 @@ from numpy import errstate, float64, isfinite
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
@@ -22,6 +22,7 @@ Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)
 
 
+@checked
 @dataclass(frozen=True)
 class ForceForm:
     """``F = newton_per_v2 u^2``, u the output of `relaxations` for the applied voltage: any of the laws."""
@@ -30,7 +31,6 @@ class ForceForm:
     newton_per_v2: float
 
     def __post_init__(self) -> None:
-        check_fields(self)
         require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
 
     def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.driven import CYCLES_MAX, check_times, driven
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.lift import LinearSystem
@@ -88,7 +88,7 @@ class FrictionLag:
     @checked
     def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> NDArray[np.float64]:
         """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
-        ratio = require.finite_array("FrictionLag.frequency_hz", frequency_hz) / self.cutoff_hz(speed_m_per_s)
+        ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
 
 

@@ -6,8 +6,8 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from tactometry.checked import checked
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.force import Law, force_form
 from tactometry.stimuli.electrovibration.level import LevelUnit, peak_voltage_v
 from tactometry.stimuli.electrovibration.pieces import Pieces
@@ -40,6 +40,7 @@ class Waveform(Protocol):
     def pieces(self, level: float) -> Pieces: ...
 
 
+@checked
 @dataclass(frozen=True)
 class WithOffset:
     """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0,
@@ -64,9 +65,6 @@ class WithOffset:
 
     waveform: Waveform
     ratio: float
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def level_unit(self) -> LevelUnit:
@@ -99,7 +97,6 @@ class WithOffset:
         share, peak_v = 1 / (1 + abs(self.ratio)), peak_voltage_v(level, self.level_unit)
         return _sum(plain.scaled(share), constant.scaled(self.ratio * share * peak_v))
 
-    @checked
     def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
         """What becomes of the force of the offset, if the skin changes it in time; None if it does not.
 

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v, properties_of
 from tactometry.stimuli.electrovibration.force import Law, check_law
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0

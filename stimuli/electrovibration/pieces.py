@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
@@ -50,7 +51,6 @@ class Pieces:
     amplitudes_v: Complex | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
         require.positive("Pieces", end_s=self.end_s)
         n_pieces, n_harmonics = np.size(self.starts_s), np.size(self.frequencies_hz)
         amplitudes = np.zeros((n_pieces, 0)) if self.amplitudes_v is None else self.amplitudes_v
@@ -77,27 +77,28 @@ class Pieces:
         """(n_pieces, n_harmonics) complex amplitudes, never None."""
         return np.asarray(self.amplitudes_v, dtype=np.complex128)
 
-    @checked
     def index(self, t_s: ArrayLike) -> NDArray[np.intp]:
         """The piece that holds at each time; the last one also after its end."""
         found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
         return np.maximum(found, 0)
 
-    @checked
     def at(self, t_s: ArrayLike) -> Real:
         """The voltage, of the shape of `t_s`, from the right at a jump; 0 before 0, held at the end after it."""
         t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
-    @checked
     def value_in(self, piece: NDArray[np.intp], t_s: Real) -> Real:
         """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""
         line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
-    @checked
     def sinusoids(self, t_s: Real, amplitudes: Complex) -> Real:
         """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
+        if amplitudes.shape[-1:] != self.frequencies_hz.shape:
+            raise InvalidParameter(
+                f"Pieces.sinusoids.amplitudes: found shape {amplitudes.shape}, expected (..., "
+                f"{len(self.frequencies_hz)}), one for each frequency"
+            )
         phases = np.exp(2j * np.pi * np.multiply.outer(t_s, self.frequencies_hz))
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
@@ -108,7 +109,6 @@ class Pieces:
         before = np.r_[0.0, self.value_in(index[:-1], self.starts_s[1:])]
         return np.asarray(after - before)
 
-    @checked
     def scaled(self, factor: float) -> "Pieces":
         """The same course, `factor` times as high."""
         return replace(
@@ -118,7 +118,6 @@ class Pieces:
             amplitudes_v=factor * self.harmonics_v,
         )
 
-    @checked
     def split_at(self, times_s: ArrayLike) -> "Pieces":
         """The same voltage with more pieces: one starts at each of `times_s` inside of the signal."""
         times = np.asarray(times_s, dtype=np.float64)
@@ -141,8 +140,8 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
     >>> straight([0, 1, 1, 2], [0, 1, 5, 5]).at([0.5, 1.0, 2.0]).tolist()
     [0.5, 5.0, 5.0]
     """
-    t = require.finite_array("straight.times_s", times_s)
-    v = require.finite_array("straight.values_v", values_v)
+    t = np.asarray(times_s, dtype=np.float64)
+    v = np.asarray(values_v, dtype=np.float64)
     if t.ndim != 1 or t.shape != v.shape or t.size < 2:
         raise InvalidParameter(f"straight: found shapes {t.shape} and {v.shape}, expected two of one length")
     if (np.diff(t) < 0).any():

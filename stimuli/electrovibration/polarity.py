@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry import require
-from tactometry.stimuli.electrovibration.checked import checked
+from tactometry.checked import checked
 
 Real = NDArray[np.float64]
 

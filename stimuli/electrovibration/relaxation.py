@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 
 BLOCK = 4096
 

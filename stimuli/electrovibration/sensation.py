@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea
-from tactometry.stimuli.electrovibration.force import Law, check_law, electrostatic_force_n
+from tactometry.stimuli.electrovibration.force import Law, electrostatic_force_n
 from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.polarity import Polarity
 from tactometry.stimuli.electrovibration.skin import Skin
@@ -28,6 +28,7 @@ HIGH_SHARE = 1e-4
 Criterion = Literal["absolute", "fraction"]
 
 
+@checked
 @dataclass(frozen=True)
 class ElectrovibrationSensation:
     """Sensation level of the friction that a voltage causes under a sliding finger.
@@ -72,12 +73,8 @@ class ElectrovibrationSensation:
     polarity: Polarity | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
-        check_law(self.law)
-        require.one_of("ElectrovibrationSensation.criterion", self.criterion, ("absolute", "fraction"))
         require.positive("ElectrovibrationSensation", reference_force_n=self.reference_force_n)
 
-    @checked
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a voltage under a finger; ``-inf`` in silence, at rest and without contact.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
-from tactometry.stimuli.electrovibration.checked import checked
+from tactometry.checked import checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
 

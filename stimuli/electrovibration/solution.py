@@ -6,15 +6,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.pieces import Pieces
 from tactometry.stimuli.electrovibration.relaxation import Relaxations, phi1, scan
 
 Real = NDArray[np.float64]
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Solution:
     """The output of `relaxations` for the voltage `pieces`, from rest.
@@ -31,10 +31,6 @@ class Solution:
     pieces: Pieces
     relaxations: Relaxations
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @checked
     def at(self, t_s: ArrayLike) -> Real:
         """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
 
@@ -49,7 +45,6 @@ class Solution:
             total += gain * self.state_at(order, t)
         return np.asarray(total, dtype=np.float64)
 
-    @checked
     def slope_at(self, t_s: ArrayLike) -> Real:
         """The time derivative of the output inside of the pieces, of the shape of `t_s`."""
         t = self._times(t_s)
@@ -59,7 +54,6 @@ class Solution:
             total += gain * (slope - rate * self.state_at(order, t))
         return np.asarray(total, dtype=np.float64)
 
-    @checked
     def state_at(self, order: int, t_s: Real) -> Real:
         """Relaxation number `order`, of gain 1, at the times."""
         rate = self._rates[order]
@@ -71,7 +65,7 @@ class Solution:
         return np.asarray(free + self._forced(order, piece, t_s))
 
     def _times(self, t_s: ArrayLike) -> Real:
-        t = require.finite_array("Solution.t_s", t_s)
+        t = np.asarray(t_s, dtype=np.float64)
         if t.size and not (t.min() >= 0 and t.max() <= self.pieces.end_s):
             raise InvalidParameter(
                 f"Solution.t_s: found times from {t.min():.6g} to {t.max():.6g} s, expected 0 to the end of the "

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import DOMAINS
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.relaxation import Relaxations
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
@@ -62,6 +62,7 @@ class Layer:
         return 1 / (VACUUM_PERMITTIVITY_F_PER_M * self.permittivity * self.resistivity_ohm_m)
 
 
+@checked
 @dataclass(frozen=True)
 class Stack:
     """Leaky layers in series, from the electrode to the body, and a resistance (body and source).
@@ -88,14 +89,12 @@ class Stack:
 
     def __post_init__(self) -> None:
         require.not_negative("Stack", resistance_ohm=self.resistance_ohm)
-        check_fields(self)
         if not any(layer.elastance_m2_per_f > 0 for layer in self.layers):
             raise InvalidParameter(
                 "Stack.layers: found none that can hold a voltage, expected a layer of thickness "
                 "and resistivity above 0"
             )
 
-    @checked
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
         require.not_negative("Stack", area_m2=area_m2)
@@ -109,7 +108,6 @@ class Stack:
         whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
         return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
 
-    @checked
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> NDArray[np.complex128]:
         """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
         `frequency_hz`."""

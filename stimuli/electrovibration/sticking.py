@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 from tactometry.stimuli.electrovibration.driven import DECAYED, Timing, check_times, nodes_of, phases
 from tactometry.stimuli.electrovibration.finger import Finger
 from tactometry.stimuli.electrovibration.force import ForceForm
@@ -23,6 +23,7 @@ N_STEPS_MAX = 2e7
 """The most steps of the series in one call."""
 
 
+@checked
 @dataclass(frozen=True)
 class DryFriction:
     """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
@@ -45,13 +46,13 @@ class DryFriction:
 
     def __post_init__(self) -> None:
         require.not_negative("DryFriction", static=self.static, kinetic=self.kinetic)
-        check_fields(self)
         if self.static < self.kinetic:
             raise InvalidParameter(
                 f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
             )
 
 
+@checked
 @dataclass(frozen=True)
 class Travel:
     """Motion of the finger over the screen: ``V = speed + acceleration t``, of any sign; 0 is a finger at rest.
@@ -62,14 +63,6 @@ class Travel:
     speed_m_per_s: float = 0.05
     acceleration_m_per_s2: float = 0.0
     stretch_m: float = 0.0
-
-    def __post_init__(self) -> None:
-        require.finite(
-            "Travel",
-            speed_m_per_s=self.speed_m_per_s,
-            acceleration_m_per_s2=self.acceleration_m_per_s2,
-            stretch_m=self.stretch_m,
-        )
 
 
 @dataclass(frozen=True, eq=False)

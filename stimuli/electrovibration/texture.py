@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import check_fields, checked
 
 Real = NDArray[np.float64]
 Shape = Literal["square", "sinusoidal", "sawtooth"]
@@ -53,13 +53,12 @@ class Grating:
 
     @checked
     def force_share(self, x_m: ArrayLike) -> Real:
-        phase = np.mod(require.finite_array("Grating.x_m", x_m) / self.period_m, 1.0)
+        phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
     @checked
     def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
         """Periods per second under a finger: ``v/L``."""
-        require.finite("Grating", speed_m_per_s=speed_m_per_s)
         return abs(speed_m_per_s) / self.period_m
 
 
@@ -93,7 +92,7 @@ class Region:
 
     @checked
     def force_share(self, x_m: ArrayLike) -> Real:
-        x = require.finite_array("Region.x_m", x_m)
+        x = np.asarray(x_m, dtype=np.float64)
         if self.edge_m == 0:
             return np.where((x >= self.left_m) & (x < self.right_m), 1.0, 0.0)
         inside_m = np.minimum(x - self.left_m, self.right_m - x)
@@ -125,7 +124,7 @@ class Bump:
 
     @checked
     def force_share(self, x_m: ArrayLike) -> Real:
-        u = (require.finite_array("Bump.x_m", x_m) - self.centre_m) / self.width_m
+        u = (np.asarray(x_m, dtype=np.float64) - self.centre_m) / self.width_m
         steepest = np.exp(-0.5)
         slope = -u * np.exp(-(u**2) / 2) / steepest
         return np.asarray(0.5 + self.height_sign * self.direction * slope / 2)
@@ -135,6 +134,7 @@ SIGNS = (1, -1)
 LARGEST_TABLE, MOST_LINES = 2**20, 2**28
 
 
+@checked
 @dataclass(frozen=True)
 class Noise:
     """A random texture with power ``f^exponent`` between two spatial frequencies, drawn from a generator once.
@@ -162,8 +162,6 @@ class Noise:
 
     def __post_init__(self) -> None:
         require.positive("Noise", n_rms=self.n_rms)
-        check_fields(self)
-        require.finite("Noise", exponent=self.exponent)
         if len(self.phases_rad) != len(self.lines_per_m) or not self.phases_rad:
             raise InvalidParameter(
                 f"Noise.phases_rad: found {len(self.phases_rad)}, expected one for each of the "
@@ -172,7 +170,6 @@ class Noise:
             )
 
     @classmethod
-    @checked
     def drawn(
         cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
     ) -> "Noise":
@@ -190,19 +187,17 @@ class Noise:
         """Spatial frequencies of the texture."""
         return _lines(self.low_per_m, self.high_per_m, self.length_m)
 
-    @checked
     def height(self, x_m: ArrayLike) -> Real:
         """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
         lines = self.lines_per_m
         strongest = lines[-1] if self.exponent >= 0 else lines[0]
         amplitudes = (lines / strongest) ** (self.exponent / 2)
         amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
-        x, phases_rad = require.finite_array("Noise.x_m", x_m), np.array(self.phases_rad)
+        x, phases_rad = np.asarray(x_m, dtype=np.float64), np.array(self.phases_rad)
         chunks = np.array_split(x.ravel(), 1 + x.size * lines.size // LARGEST_TABLE)
         parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
         return np.asarray(np.concatenate(parts).reshape(x.shape))
 
-    @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         return np.clip(0.5 + self.height(x_m) / (2 * self.n_rms), 0.0, 1.0)
 
@@ -255,7 +250,7 @@ class Image:
     @checked
     def force_share(self, x_m: ArrayLike) -> Real:
         line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
-        at = require.finite_array("Image.x_m", x_m) / self.pixel_m - 0.5
+        at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
         return np.asarray(np.interp(at, np.arange(line.size), line), dtype=np.float64)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry import require
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.checked import checked
 
 Real = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Velvet:
         >>> share[[500, -1]].round(3).tolist()
         [0.3, 0.9]
         """
-        path = require.finite_array("Velvet.x_m", x_m)
+        path = np.asarray(x_m, dtype=np.float64)
         if path.ndim != 1 or path.size == 0:
             raise InvalidParameter(f"Velvet.x_m: found shape {path.shape}, expected positions (n_times,), at least one")
         return self._pile(path) * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * path / self.tuft_period_m)) / 2)

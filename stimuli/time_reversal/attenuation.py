@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import not_negative, not_negative_array, positive
-from tactometry.stimuli.time_reversal.typed import checked
+from tactometry.rule import Unbounded
 
 FloatArray = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ class Attenuation:
     0.0242
     """
 
-    tau_s: float
+    tau_s: Unbounded
     exponent: float = 0.0
     reference_hz: float = 10e3
 

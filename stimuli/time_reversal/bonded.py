@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.require import not_negative, positive, whole, within
 from tactometry.stimuli.time_reversal.load import Attached, Load
 from tactometry.stimuli.time_reversal.modes import laplacians
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.transducer import Disc, Patch
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

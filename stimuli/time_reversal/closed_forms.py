@@ -13,19 +13,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.require import (
     at_most,
     between,
-    finite,
-    finite_array,
     not_negative,
     not_negative_array,
     positive,
     positive_array,
 )
+from tactometry.rule import UnboundedArray
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +44,7 @@ ALPHA: Final = math.sqrt(math.pi / 2)
 
 
 @checked
-def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
+def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive; T at least 0 or infinite, tau finite and above 0.
 
     >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
@@ -57,7 +56,7 @@ def one_bit_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
 
 
 @checked
-def analogue_amplitude_ratio(reversal_s: ArrayLike, tau_s: float) -> FloatArray:
+def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
     not_negative_array("analogue_amplitude_ratio.reversal_s", reversal_s, infinite=True)
     positive("analogue_amplitude_ratio", tau_s=tau_s)
@@ -147,7 +146,7 @@ def contrast_limit(room: Reverberation) -> float:
 
 
 @checked
-def repetition_noise_ratio(repetition_s: ArrayLike, tau_s: float) -> FloatArray:
+def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: float) -> FloatArray:
     """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
     tau)).
     """
@@ -188,7 +187,6 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
     """
     from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 
-    finite_array("focus_profile.radius_m", radius_m)
     r = np.asarray(radius_m, float)
     k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
     return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
@@ -224,7 +222,6 @@ def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) ->
     >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
     1.0
     """
-    finite("mistuned_amplitude_ratio", relative_shift=relative_shift)
     positive("mistuned_amplitude_ratio", tau_s=tau_s)
     reach = abs(relative_shift) * math.pi * tau_s
     low, high = reach * band.f_min_hz, reach * band.f_max_hz

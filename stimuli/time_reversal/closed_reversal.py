@@ -14,13 +14,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import positive, shaped
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from tactometry.checked import checked
 from tactometry.require import not_negative, one_of, positive
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.load import Load
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 FINGER_DIAMETER_M: Final = 10e-3
 """Diameter of a fingertip's contact at 2 N."""

@@ -11,10 +11,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import between, positive
+from tactometry.rule import Unbounded, Vector
 from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -36,8 +37,8 @@ class Estimate:
     """A value with the ends of its 95 % interval."""
 
     value: float
-    low: float
-    high: float
+    low: Unbounded
+    high: Unbounded
 
 
 @checked

@@ -12,8 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import given, positive
+from tactometry.rule import Vector
 from tactometry.stimuli.time_reversal.closed_forms import (
     Reverberation,
     contrast_limit,
@@ -28,7 +30,6 @@ from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
 from tactometry.stimuli.time_reversal.statics import bending_stress_pa
 from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.require import not_negative_array, positive, positive_array
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import Final
 
+from tactometry.checked import checked
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import checked
 
 FREQUENCY_SHIFT_PER_K: Final = -5e-5
 """Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import not_negative, positive
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.quantiser import transitions_per_s
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -6,13 +6,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import one_of, whole
+from tactometry.rule import Vector
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 MAX_GRID: Final = 100_000

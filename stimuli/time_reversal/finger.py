@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import not_negative, positive, within
 from tactometry.stimuli.time_reversal.closed_forms import one_bit_amplitude_ratio
@@ -23,7 +24,6 @@ from tactometry.stimuli.time_reversal.quantiser import Quantiser
 from tactometry.stimuli.time_reversal.responses import Point, Responses, samples_in
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

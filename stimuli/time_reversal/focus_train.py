@@ -4,11 +4,11 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Final, Literal
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import given, one_of, positive, whole
+from tactometry.require import given, positive, whole
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.pattern import (
-    MODULATIONS,
     PATTERNS,
     Envelope,
     Exponential,
@@ -23,7 +23,6 @@ from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.setup import Setup
 from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
 from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.typed import checked
 
 Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
 EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
@@ -97,12 +96,7 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        one_of("FocusTrain.pattern", self.pattern, tuple(PATTERNS))
-        one_of("FocusTrain.drive", self.drive, tuple(DRIVES))
         positive("FocusTrain", duration_s=self.duration_s)
-        if self.envelope is not None:
-            one_of("FocusTrain.envelope", self.envelope, tuple(ENVELOPES))
-        one_of("FocusTrain.modulation", self.modulation, MODULATIONS)
         _check_band(self)
         _check_times(self)
 

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import finite_array, positive
+from tactometry.require import positive
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -145,7 +145,6 @@ def _window(window: FloatArray | None, n: int) -> FloatArray:
         return np.ones(n)
     if np.shape(window) != (n,):
         raise InvalidParameter(f"window: found shape {np.shape(window)}, expected ({n},)")
-    finite_array("window", window)
     return np.asarray(window, float)
 
 

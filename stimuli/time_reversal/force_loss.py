@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from tactometry.checked import checked
 from tactometry.require import some
 from tactometry.stimuli.time_reversal.contactor import Contactor
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses import Point
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import checked
 
 
 @checked

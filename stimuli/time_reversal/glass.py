@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from tactometry.checked import checked
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 
 @checked

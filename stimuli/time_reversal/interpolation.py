@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import some, within
 from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses
 from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

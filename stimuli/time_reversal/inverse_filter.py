@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import finite_array, positive, within
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -16,11 +16,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import finite_array, positive, within
+from tactometry.require import positive, within
+from tactometry.rule import Vector
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -123,8 +124,6 @@ def deconvolved(
     """
     from scipy.fft import next_fast_len
 
-    finite_array("deconvolved.played", np.asarray(played, float))
-    finite_array("deconvolved.recorded", np.asarray(recorded, float))
     within("deconvolved", 1, recorded.shape[-1], n_samples=n_samples)
     within("deconvolved", 0.0, 1e6, regularisation=regularisation)
     n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))

@@ -14,12 +14,13 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import not_negative, positive, shaped, whole
+from tactometry.rule import Unbounded, UnboundedComplex
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, values_at
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -68,7 +69,7 @@ class Load:
     y_m: float
     resistance_n_s_per_m: float = 0.0
     mass_kg: float = 0.0
-    stiffness_n_per_m: float = 0.0
+    stiffness_n_per_m: Unbounded = 0.0
 
     def __post_init__(self) -> None:
         not_negative("Load", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
@@ -109,7 +110,7 @@ class Receptances:
         self._check(to=to, of=of)
         return self._pairs(to[:, :, None] * of[:, None, :])
 
-    def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray) -> ComplexArray:
+    def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex) -> ComplexArray:
         """(n_to, n_of, n_frequencies): what contacts take away from `between(to, of)`.
 
         With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
@@ -139,7 +140,9 @@ class Receptances:
             Receptances(self.compliance[:, part])._take(to, of, at, stiffness[part], out[:, :, part])
         return out
 
-    def _take(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray, out: ComplexArray) -> None:
+    def _take(
+        self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex, out: ComplexArray
+    ) -> None:
         for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
             for start in range(0, len(stiffness), CHUNK):
                 part = slice(start, start + CHUNK)
@@ -167,7 +170,7 @@ class Receptances:
 
 
 @checked
-def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexArray) -> ComplexArray:
+def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
     """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
 
     Parameters
@@ -200,7 +203,7 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: ComplexAr
 
 @checked
 def loaded_receptance(
-    receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: ComplexArray
+    receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex
 ) -> ComplexArray:
     """(n_to, n_of, n_frequencies): receptances of the plate that bears contacts; see `Receptances`."""
     return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)

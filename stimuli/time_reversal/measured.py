@@ -22,11 +22,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.require import finite, one_of, positive, shaped, some, within
+from tactometry.require import one_of, positive, shaped, some, within
+from tactometry.rule import Vector
 from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -81,7 +82,6 @@ def write_npz(responses: Responses, path: Path) -> None:
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     """A piece of the responses."""
-    finite("trimmed", start_s=start_s, duration_s=duration_s)
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
     if first < 0 or n < 1 or first + n > responses.n_samples:
         raise InvalidParameter(

@@ -8,9 +8,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import ascending, between, finite, finite_array, not_negative, positive, whole, within
-from tactometry.stimuli.time_reversal.typed import Matrix, Vector, checked
+from tactometry.require import ascending, between, not_negative, positive, whole, within
+from tactometry.rule import Matrix, Vector
 
 FloatArray = NDArray[np.float64]
 Grid = tuple[Vector, Vector]
@@ -42,7 +43,6 @@ def contrast_far_of(
 def contrast_temporal_of(signal_m: Vector, focus_sample: int, rate_hz: float, start_s: float, stop_s: float) -> float:
     """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
     positive("contrast_temporal_of", rate_hz=rate_hz)
-    finite("contrast_temporal_of", start_s=start_s, stop_s=stop_s)
     within("contrast_temporal_of", 0, len(signal_m) - 1, focus_sample=focus_sample)
     first, last = (focus_sample + round(t * rate_hz) for t in (start_s, stop_s))
     if not 0 <= first < last <= len(signal_m):
@@ -64,7 +64,6 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     1.0
     """
     ascending("width_m.at_m", at_m)
-    finite_array("width_m.profile", profile)
     between("width_m", 0, 1, level=level)
     if np.shape(profile) != np.shape(at_m) or not np.any(profile):
         raise InvalidParameter(
@@ -83,7 +82,6 @@ def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
     from scipy.ndimage import label
 
     between("area_m2", 0, 1, level=level)
-    finite_array("area_m2.field_m", field_m)
     for axis_m in grid_m:
         ascending("area_m2.grid_m", axis_m)
     if field_m.shape != tuple(map(len, grid_m)) or not field_m.any():
@@ -109,7 +107,6 @@ def envelope(signal: FloatArray) -> FloatArray:
 def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> float:
     """Full width in time of the envelope around its peak, at `level` times the peak."""
     positive("temporal_width_s", rate_hz=rate_hz)
-    finite_array("temporal_width_s.signal_m", signal_m)
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
@@ -117,7 +114,6 @@ def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> f
 def uniformity(amplitudes_m: Vector) -> float:
     """1 - standard deviation / mean over focus positions; 1 is an even screen."""
     amplitudes = np.abs(np.asarray(amplitudes_m, float))
-    finite_array("uniformity.amplitudes_m", amplitudes)
     if amplitudes.size < 2 or not amplitudes.any():
         raise InvalidParameter(f"amplitudes_m: found {amplitudes.size} values, expected two or more, not all zero")
     return 1 - float(np.std(amplitudes, ddof=1) / np.mean(amplitudes))
@@ -140,8 +136,6 @@ def deformation_energy_estimate_j(
 
 
 def _ratio(amplitude: float, field: FloatArray) -> float:
-    finite("contrast", amplitude=amplitude)
-    finite_array("contrast.field", field)
     rms = math.sqrt(float(np.mean(np.square(field)))) if np.size(field) else 0.0
     if rms == 0.0:
         raise InvalidParameter("field: found zero everywhere, expected a field to compare the focus with")

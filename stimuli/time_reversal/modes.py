@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import at_most, finite_array, positive, shaped
+from tactometry.rule import Vector
 from tactometry.stimuli.time_reversal.axis import Axis, SineAxis
 from tactometry.stimuli.time_reversal.dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.ritz import Block

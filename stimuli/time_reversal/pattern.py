@@ -13,13 +13,13 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import at_most, not_negative, one_of, positive, within
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing import reversed_waveform
 from tactometry.stimuli.time_reversal.quantiser import OneBit, Quantiser
 from tactometry.stimuli.time_reversal.responses import MAX_SAMPLES, Responses
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

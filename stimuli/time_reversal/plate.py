@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import not_negative, positive, within
-from tactometry.stimuli.time_reversal.typed import checked
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.modes import Modes

@@ -4,11 +4,11 @@ import tomllib
 from pathlib import Path
 from typing import Final
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.quantity import as_si
 from tactometry.stimuli.time_reversal.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 from tactometry.strict import build
 
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")

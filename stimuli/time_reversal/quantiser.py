@@ -9,9 +9,10 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.require import finite_array, positive, within
-from tactometry.stimuli.time_reversal.typed import Matrix, checked
+from tactometry.require import positive, within
+from tactometry.rule import Matrix
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +49,6 @@ class OneBit:
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         del rate_hz
-        finite_array("OneBit.quantise.waveform", waveform)
         return np.where(waveform >= 0, 1.0, -1.0)
 
 
@@ -121,7 +121,6 @@ class PulseWidth:
 @checked
 def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
     """The waveform with a peak of 1; zeros stay zeros."""
-    finite_array("normalised.waveform", waveform)
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
 

@@ -8,6 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.contact import Contact
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.contactor import FINGER_DIAMETER_M, Contactor
@@ -16,7 +17,6 @@ from tactometry.stimuli.time_reversal.load import Load, Receptances, carried, co
 from tactometry.stimuli.time_reversal.responses import impulse_responses, values_at
 from tactometry.stimuli.time_reversal.sensation import Keyed
 from tactometry.stimuli.time_reversal.setup import Setup
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

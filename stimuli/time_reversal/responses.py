@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import finite_array, one_of, whole
+from tactometry.require import one_of, whole
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES, check_sampling
 from tactometry.stimuli.time_reversal.modes import values
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
@@ -49,7 +49,6 @@ class Responses:
             )
         check_sampling(self.rate_hz, samples.shape[2])
         one_of("Responses.quantity", self.quantity, QUANTITIES)
-        finite_array("Responses.samples", samples)
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.require import some
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.glass import A4_SCREEN
@@ -15,7 +16,6 @@ from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.transducer import Source, border, modal_forces
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -8,16 +8,17 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.require import not_negative, one_of, positive
+from tactometry.require import not_negative, positive
+from tactometry.rule import Vector
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
 from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.load import Load, Receptances, contour
 from tactometry.stimuli.time_reversal.responses import values_at
 from tactometry.stimuli.time_reversal.setup import Setup
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 
@@ -83,7 +84,6 @@ class TimeReversalSensation:
 
     def __post_init__(self) -> None:
         positive("TimeReversalSensation", reference_m=self.reference_m)
-        one_of("TimeReversalSensation.criterion", self.criterion, ("loaded", "unloaded"))
         not_negative(
             "TimeReversalSensation",
             resistance_n_s_per_m=self.resistance_n_s_per_m,

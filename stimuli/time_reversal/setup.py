@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import one_of, positive
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
@@ -12,7 +13,6 @@ from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import Point, Responses, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen import TAU_S, Screen
 from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V, border
-from tactometry.stimuli.time_reversal.typed import checked
 
 LEARNT_S: Final = 7e-3
 """Length of the responses, twice the default tau; unverified default."""

@@ -10,14 +10,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import ascending, not_negative_array, positive
+from tactometry.rule import Vector
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.responses import chunks
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import Vector, checked
 
 FloatArray = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import positive, within
 from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

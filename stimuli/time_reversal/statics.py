@@ -5,12 +5,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import finite, positive, whole, within
+from tactometry.require import positive, whole, within
 from tactometry.stimuli.time_reversal.axis import SineAxis
 from tactometry.stimuli.time_reversal.legendre import families, n_rigid
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 
@@ -52,7 +52,6 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     plate.check_holds("at_m", at_m)
     if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
-    finite("deflection_m", force_n=force_n)
     whole("deflection_m", lowest=1, n_x=np.size(x_m), n_y=np.size(y_m))
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
@@ -75,7 +74,6 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     >>> round(bending_stress_pa(A4_SCREEN, 2.0, 10e-3) / 1e6, 1)
     3.6
     """
-    finite("bending_stress_pa", force_n=force_n)
     positive("bending_stress_pa", contact_m=contact_m)
     within("bending_stress_pa", 0.0, min(plate.length_m, plate.width_m), contact_m=contact_m)
     axes = [SineAxis(side, N_TERMS_PATCH) for side in (plate.length_m, plate.width_m)]

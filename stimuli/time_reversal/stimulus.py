@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.require import one_of, positive, whole, within
 from tactometry.signal import Signal
@@ -15,7 +16,6 @@ from tactometry.stimuli.time_reversal.focusing import emitted
 from tactometry.stimuli.time_reversal.pattern import MODULATIONS, PATTERNS, Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.quantiser import Quantiser
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
-from tactometry.stimuli.time_reversal.typed import checked
 
 LEVEL_UNITS: Final = ("m", "dB re 1 um")
 HIGHEST_LEVEL_DB: Final = 400.0

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from tactometry.checked import checked
 from tactometry.require import positive, positive_array, some
 from tactometry.stimuli.time_reversal.design import (
     FINGER_DIAMETER_M,
@@ -22,7 +23,6 @@ from tactometry.stimuli.time_reversal.design import (
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.stimuli.time_reversal.spectrum import Band
 from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.typed import checked
 
 SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e-3, 1.6e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
 """Thicknesses in which thin glass is sold; unverified default."""

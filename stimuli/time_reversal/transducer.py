@@ -8,11 +8,11 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import positive, some, whole
 from tactometry.stimuli.time_reversal.modes import Modes, laplacians, values
 from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.typed import checked
 
 FloatArray = NDArray[np.float64]
 

@@ -9,15 +9,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.require import whole
+from tactometry.rule import Matrix
 from tactometry.stimuli.time_reversal.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive
 from tactometry.stimuli.time_reversal.merit import HALF, width_m
 from tactometry.stimuli.time_reversal.responses import Point, Responses
 from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.typed import Matrix, checked
 
 FloatArray = NDArray[np.float64]
 

@@ -1,0 +1,134 @@
+"""Arguments are checked by their annotations, by the unit in their names and by one vocabulary."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry import require
+from tactometry.checked import checked
+from tactometry.errors import InvalidParameter
+from tactometry.rule import Matrix, Unbounded, UnboundedArray, Vector
+
+SENTENCES: Mapping[str, tuple[Any, Any, str]] = {
+    "a number": (float, "wide", "found 'wide', expected a finite number"),
+    "no NaN": (float, nan, "found nan, expected a finite number"),
+    "no infinity": (float, inf, "found inf, expected a finite number"),
+    "no truth value": (float, True, "found True, expected a finite number"),
+    "in the domain of its unit": (float, 1e10, "found 10000000000.0, expected a number of at most 1e+09"),
+    "a number or infinity": (Unbounded, nan, "found nan, expected a number"),
+    "numbers": (ArrayLike, [[1.0, nan]], "[0, 1]: found nan, expected a finite number"),
+    "numbers or infinity": (UnboundedArray, [inf, nan], "[1]: found nan, expected a number"),
+    "an array": (NDArray[np.float64], 1.0, "found 1.0, expected an array of finite numbers"),
+    "one dimension": (Vector, [[1.0]], "found shape (1, 1), expected an array in 1 dimension of finite numbers"),
+    "at least one": (Vector, [], "found shape (0,), expected an array in 1 dimension of finite numbers, at least one"),
+    "two dimensions": (Matrix, [1.0], "found shape (1,), expected an array in 2 dimensions of finite numbers"),
+    "a list of numbers": (tuple[float, ...], (1.0, "a"), "[1]: found 'a', expected a finite number"),
+    "a list of points": (Sequence[tuple[float, float]], [(0.0,)], "[0]: found (0.0,), expected (a finite number, "),
+    "a mapping": (Mapping[str, float], {"a": nan}, "['a']: found nan, expected a finite number"),
+    "a whole number": (int, 1.5, "found 1.5, expected a whole number"),
+    "a truth value": (bool, 1, "found 1, expected True or False"),
+    "a class or None": (range | None, 3, "found 3, expected a range or None"),
+    "a word": (Literal["sine", "square"], "sin", "found 'sin', expected one of sine, square; did you mean 'sine'?"),
+    "a function": (Callable[[float], float], 3, "found 3, expected a function"),
+}
+
+
+def taking(annotation: Any) -> Callable[..., Any]:
+    def same(x_m, *, y_m=None):
+        return x_m if y_m is None else y_m
+
+    same.__annotations__ = {"x_m": annotation, "y_m": annotation | None if annotation is float else annotation}
+    same.__qualname__ = "same"
+    return checked(same)
+
+
+@pytest.mark.parametrize(("annotation", "value", "sentence"), SENTENCES.values(), ids=SENTENCES)
+def test_what_does_not_fit_its_annotation_is_refused_in_one_sentence(annotation, value, sentence):
+    expected = f"same.x_m{'' if sentence.startswith('[') else ': '}{sentence}"
+    with pytest.raises(InvalidParameter) as caught:
+        taking(annotation)(value)
+    assert str(caught.value).startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("annotation", "value"),
+    [
+        (Unbounded, -inf), (UnboundedArray, [1.0, inf]), (float, np.float32(2)), (float, 3), (ArrayLike, []),
+        (Mapping[str, float], {}), (range | None, None), (Any, "anything"), (tuple[float, ...], ()), (complex, 1j),
+    ],
+)  # fmt: skip
+def test_what_fits_is_handed_on_as_it_is(annotation, value):
+    assert taking(annotation)(value) is value
+
+
+def test_a_list_where_an_array_belongs_is_made_one_by_place_and_by_name():
+    same = taking(Vector)
+    assert isinstance(same([1, 2]), np.ndarray)
+    assert same([1.0], y_m=(3, 4)).tolist() == [3.0, 4.0]
+
+
+def test_too_many_arguments_are_an_error_as_ever():
+    with pytest.raises(TypeError, match="positional"):
+        taking(Vector)([1.0], [2.0])
+
+
+@checked
+@dataclass(frozen=True)
+class Rod:
+    length_m: float
+
+    def cut(self, at_m: float) -> float:
+        return self.length_m - at_m
+
+    @classmethod
+    def of(cls, lengths_m: Vector) -> "Rod":
+        return cls(float(lengths_m.sum()))
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: Rod("long"), "Rod.length_m"),
+        (lambda: Rod(length_m=nan), "Rod.length_m"),
+        (lambda: Rod(1.0).cut("short"), "Rod.cut.at_m"),
+        (lambda: Rod.of([1.0, nan]), r"Rod.of.lengths_m\[1\]"),
+    ],
+)
+def test_a_class_looks_at_the_arguments_of_its_constructor_and_methods(call, name):
+    with pytest.raises(InvalidParameter, match=f"^{name}: found .*, expected a finite number$"):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: require.positive("Rod", length_m=0), "Rod.length_m: found 0, expected a finite number above 0"),
+        (lambda: require.positive("Rod", length_m=1e10), "found 10000000000.0, expected a number from 1e-20 to 1e+09"),
+        (lambda: require.not_negative("Rod", length_m=-1), "found -1, expected a finite number, at least 0"),
+        (lambda: require.not_negative("Rod", length_m=1e-30), "expected 0 or a number from 1e-20 to 1e+09"),
+        (lambda: require.finite("Rod", at=10**400), f"Rod.at: found {10**59}, expected a finite number"),
+        (lambda: require.between("Rod", 0, 1, part=1), "Rod.part: found 1, expected a number above 0 and below 1"),
+        (lambda: require.whole("Rod", n=2**40), "found 1099511627776, expected a whole number, at most 2147483648"),
+        (lambda: require.whole("Rod", lowest=1, n=True), "Rod.n: found True, expected a whole number, at least 1"),
+        (lambda: require.truth("Rod", bent=1), "Rod.bent: found 1, expected True or False"),
+        (lambda: require.of_kind("Rod", (range, type(None)), at=1), "Rod.at: found 1, expected a range or None"),
+        (lambda: require.positive_array("Rod.at_m", [1.0, 0.0]), "at_m[1]: found 0.0, expected a finite number above"),
+        (lambda: require.not_negative_array("at_m", inf), "at_m: found inf, expected a finite number, at least 0"),
+        (lambda: require.ascending("at_m", [1.0, 1.0]), "expected two or more ascending numbers"),
+        (lambda: require.one_of("kind", 1, (2, 3)), "kind: found 1, expected one of 2, 3"),
+    ],
+)  # fmt: skip
+def test_the_vocabulary_refuses_in_one_sentence(call, sentence):
+    with pytest.raises(InvalidParameter) as caught:
+        call()
+    assert sentence in str(caught.value)
+
+
+def test_infinity_is_a_number_where_a_check_says_so():
+    assert require.not_negative_array("reversal_s", [0.0, inf], infinite=True).tolist() == [0.0, inf]
+    assert float(require.positive_array("repetition_s", inf, infinite=True)) == inf
