@@ -10,6 +10,7 @@ from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.analysis.cells import Cell
 from tactometry.analysis.counts import Array
+from tactometry.analysis.design import RELATIVE_ZERO
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
 
@@ -52,7 +53,7 @@ def _group(part: pd.DataFrame, dependent: str, interval: float) -> dict[str, obj
 
 
 def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
-    """Mean of one value at least, with SD and t-interval of two.
+    """Mean of one value at least, with SD of two, and t-interval where they differ.
 
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
     {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
@@ -61,6 +62,8 @@ def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
     if n < 2:
         return {"mean": mean}
     sd = float(values.std(ddof=1))
+    if sd <= RELATIVE_ZERO * float(np.abs(values).max()):
+        return {"mean": mean, "sd": 0.0}
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
     return {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
 
@@ -77,9 +80,9 @@ def _bounded(part: pd.DataFrame, known: "pd.Series[float]", n_below: int, n_abov
 
 def _text(row: dict[str, object], n: int) -> str:
     if row["mean"] is not None:
-        ends = "" if row["sd"] is None else f" [{number_text(row['mean_low'])}, {number_text(row['mean_high'])}]"
+        alike = ", all alike" if row["sd"] == 0 else ""
         lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
-        return f"{number_text(row['mean'])}{ends} (n = {row['n']}{lost})"
+        return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{alike}{lost})"
     if row["n_below"] and row["n_above"]:
         return f"{row['n_below']} below, {row['n_above']} above the levels, of {n}"
     if row["n_below"]:
@@ -93,6 +96,23 @@ def number_text(value: object) -> str:
     """One decimal place, or three digits where that would hide the number."""
     assert isinstance(value, float)
     return f"{value:.1f}" if value == 0 or 0.05 <= abs(value) < 1e6 else f"{value:.3g}"
+
+
+def interval_text(value: object, low: object, high: object) -> str:
+    """The value, with its interval if there is one, in as many digits as tell the ends apart.
+
+    >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25, None, None), interval_text(1e6 + 0.5, 1e6 + 0.4, 1e6 + 0.7)
+    ('1.2 [0.9, 1.6]', '1.2', '1000000.50 [1000000.40, 1000000.70]')
+    """
+    if low is None or high is None:
+        return number_text(value)
+    assert isinstance(low, float)
+    assert isinstance(high, float)
+    texts = [number_text(each) for each in (value, low, high)]
+    if texts[1] == texts[2] and low < high:
+        decimals = max(0, 1 - math.floor(math.log10(high - low)))
+        texts = [f"{each:.{decimals}f}" for each in (value, low, high)]
+    return f"{texts[0]} [{texts[1]}, {texts[2]}]"
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -109,8 +109,8 @@ class HierarchicalFit:
         Raises
         ------
         InvalidParameter
-            For a condition without a mean, a quantity other than ``threshold`` or ``log_width``, or fewer than two
-            participants.
+            For a condition without a mean, a quantity other than ``threshold`` or ``log_width`` (or the width where it
+            has a bound only), or fewer than two participants.
         """
         keys = self._keys()
         for key in weights:
@@ -156,6 +156,8 @@ class HierarchicalFit:
         if len(lost):
             found = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
             raise InvalidParameter(f"conditions: found no mean threshold for {found}, expected conditions with one")
+        if of == "log_width" and self.conditions["width"].isna().all():
+            raise InvalidParameter("of: found 'log_width', expected 'threshold': the widths have an upper bound only")
         n, rows = len(self.conditions), np.zeros((len(weights), len(self.means)))
         if of == "threshold":
             rows[:, :n] = weights

@@ -8,7 +8,7 @@ from scipy.stats import chi2
 
 from tactometry.analysis.counts import Array, Bools, Counts
 from tactometry.analysis.likelihood import GUESS, THRESHOLD, log_chances
-from tactometry.analysis.mode import Mode, find_mode
+from tactometry.analysis.mode import Mode, climb
 from tactometry.analysis.prior import Prior
 from tactometry.psychometric import Shape
 
@@ -50,7 +50,7 @@ def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: 
 def _is_above(
     shape: Shape, counts: Counts, prior: Prior, threshold: Array, start: Array, floor: Array
 ) -> tuple[Bools, Array]:
-    held = find_mode(shape, counts, replace(prior, threshold=threshold), start)
+    held = climb(shape, counts, replace(prior, threshold=threshold), start)
     return held.log_density > floor, held.theta
 
 
@@ -90,7 +90,7 @@ def _bootstrap_one(
     alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
     resampled = counts[same].with_yes(drawn.astype(np.float64))
     start = np.broadcast_to(theta, (n_resamples, len(theta)))
-    refits = find_mode(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
+    refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
     below = (np.sum(refits < theta[THRESHOLD]) + 0.5 * np.sum(refits == theta[THRESHOLD]) + 0.5) / (n_resamples + 1)
     tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
     return np.asarray(np.quantile(refits, ndtr(2 * ndtri(below) + tails)))

@@ -1,12 +1,10 @@
-"""The mode of many posteriors (or likelihoods) at once: the best node of a coarse grid, then damped Newton
-steps.
+"""The mode of many posteriors (or likelihoods) at once: damped Newton steps from every summit of a coarse grid.
 
 The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where
 lapse and guess rates often come to lie.
 """
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,21 +16,26 @@ from tactometry.analysis.likelihood import (
     THRESHOLD,
     Expansion,
     expansion,
-    log_chances_by_curve,
     log_likelihood,
+    saturated_log_likelihood,
 )
 from tactometry.analysis.prior import Prior, log_prior, prior_expansion
+from tactometry.analysis.summits import Starts, grid_starts, step_starts
 from tactometry.psychometric import Shape
 
 MAX_STEPS = 80
 SMALL_DECREMENT = 1e-13
+ROUNDING = 1e-14
+"""Relative, of a log density: near the top a step up may look like one down."""
 ENDLESS_GAIN, ENDLESS_STEP = 1e-7, 1e-3
 """A log width that still moves so far for so little gain has no end: separated answers, whose likelihood rises with the
 steepness for ever."""
 WORTH_LEAVING = 0.6
-NARROWEST_START = 0.03
-N_THRESHOLDS, N_WIDTHS = 19, 8
-N_CURVES = N_THRESHOLDS * N_WIDTHS
+EQUAL = 1e-9
+POOR_FIT = 2.0
+"""A deviance above this times its degrees of freedom."""
+STEP_MARGIN = 1.0
+"""How far below the mode in log density a step may be and yet lead above it."""
 SMALLEST_CURVATURE = 1e-12
 
 
@@ -52,6 +55,11 @@ class Mode:
     def __getitem__(self, which: Which) -> "Mode":
         return Mode(self.theta[which], self.log_density[which], self.covariance[which], self.interior[which])
 
+    def joined(self, other: "Mode") -> "Mode":
+        """The sets of this one, then those of the other."""
+        names = ("theta", "log_density", "covariance", "interior")
+        return Mode(*(np.concatenate([getattr(self, name), getattr(other, name)]) for name in names))
+
     @property
     def threshold_sd(self) -> Array:
         return np.sqrt(self.covariance[:, THRESHOLD, THRESHOLD])
@@ -62,21 +70,40 @@ def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Arr
     return log_likelihood(shape, counts, theta) + log_prior(prior, theta)
 
 
-def find_mode(shape: Shape, counts: Counts, prior: Prior, start: Array | None = None) -> Mode:
-    """Climb from `start` (n_sets, 4), or from the best narrow and the best wide node of a coarse grid.
-
-    A density may have several summits, such as a steep function with lapses and a shallow one without, and the lower
-    start may lead to the highest.
-    """
-    if start is not None:
-        return _climbed(shape, counts, prior, start)
-    both = np.tile(np.arange(len(counts)), 2)
-    found = _climbed(shape, counts[both], prior[both], _coarse_starts(shape, counts, prior))
-    densest = found.log_density.reshape(2, -1).argmax(axis=0)
-    return found[densest * len(counts) + np.arange(len(counts))]
+def find_mode(shape: Shape, counts: Counts, prior: Prior, near: Array | None = None) -> Mode:
+    """Climb from every summit of a coarse grid, or from `near` (n_sets, 4) alone; then again from the steps that may be
+    as dense, and in sets that fit poorly from the best narrow and the best wide node of the grid."""
+    if near is None:
+        found = _highest(shape, counts, prior, grid_starts(shape, counts, prior)[0])
+    else:
+        found = climb(shape, counts, prior, near)
+    again = _second_starts(shape, counts, prior, found)
+    return _highest(shape, counts, prior, again, found) if len(again.sets) else found
 
 
-def _climbed(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
+def _second_starts(shape: Shape, counts: Counts, prior: Prior, found: Mode) -> Starts:
+    if prior.overdispersion is not None:
+        return Starts.none()
+    deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, found.theta))
+    poor = np.flatnonzero(deviance > POOR_FIT * np.maximum(counts.n_levels - len(prior.free), 1))
+    halves = grid_starts(shape, counts[poor], prior[poor])[1]
+    return Starts(poor[halves.sets], halves.theta) + step_starts(shape, counts, prior, found.log_density - STEP_MARGIN)
+
+
+def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: Mode | None = None) -> Mode:
+    """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
+    does not choose."""
+    found, sets = climb(shape, counts[starts.sets], prior[starts.sets], starts.theta), starts.sets
+    if known is not None:
+        found, sets = known.joined(found), np.concatenate([np.arange(len(counts)), sets])
+    highest = np.full(len(counts), -np.inf)
+    np.maximum.at(highest, sets, found.log_density)
+    equal = np.flatnonzero(found.log_density >= highest[sets] - EQUAL)
+    return found[equal[np.unique(sets[equal], return_index=True)[1]]]
+
+
+def climb(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
+    """To the summit that `start` (n_sets, 4) leads to."""
     theta = start.copy()
     low, high = prior.bounds()
     theta = np.clip(theta, low, high)
@@ -87,7 +114,7 @@ def _climbed(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
         step, decrement = _step(here, held, part.damping)
         trial = np.clip(at + step, part.low, part.high)
         there = _expand(shape, part.counts, part.prior, trial)
-        better = there.value >= here.value
+        better = there.value >= here.value - ROUNDING * np.abs(here.value)
         at = np.where(better[:, None], trial, at)
         part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
         here = _chosen(better, there, here)
@@ -212,47 +239,3 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
-
-
-def _coarse_starts(shape: Shape, counts: Counts, prior: Prior) -> Array:
-    """The best nodes (2 n_sets, 4) of a coarse grid: first those of its narrow half, then those of its wide half.
-
-    Sets with the same levels and catch trials share the chances: one product of matrices."""
-    starts = np.empty((2, len(counts), N_PARAMETERS))
-    catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
-    for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
-        nodes = _nodes(prior, float(counts.gap[members[0]]))
-        density = _coarse_density(shape, counts[members], prior[members[:1]], nodes)
-        best = density.reshape(len(members), 2, -1).argmax(axis=2)
-        starts[:, members] = nodes.reshape(2, -1, N_PARAMETERS)[[[0], [1]], best.T]
-    return starts.reshape(-1, N_PARAMETERS)
-
-
-def _coarse_density(shape: Shape, counts: Counts, prior: Prior, nodes: Array) -> Array:
-    """Log densities (n_sets, n_nodes) of sets on the same levels."""
-    yes, no = log_chances_by_curve(shape, counts.u[0], nodes.reshape(N_CURVES, -1, N_PARAMETERS))
-    k, n, used = counts.n_yes, counts.n_trials, counts.n_trials[0] > 0
-    finite = [np.maximum(v.reshape(len(nodes), -1)[:, used], -1e6) for v in (yes, no)]
-    likelihood = np.hstack([k[:, used], (n - k)[:, used]]) @ np.hstack(finite).T
-    return np.asarray(likelihood + log_prior(prior, nodes[None]))
-
-
-def same_rows(rows: Array) -> list[NDArray[np.int64]]:
-    """The places of equal rows, group by group."""
-    if not len(rows) or (rows == rows[0]).all():
-        return [np.arange(len(rows))] if len(rows) else []
-    _, group = np.unique(rows, axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(group.ravel()[order])) + 1)
-
-
-def _nodes(prior: Prior, gap: float) -> Array:
-    """Coarse grid nodes (n_nodes, 4): width after width, threshold after threshold, the rates."""
-    narrow = min(max(1.3 * gap, NARROWEST_START), 1.5)
-    axes = (
-        np.linspace(np.log(narrow), np.log(2.8), N_WIDTHS).tolist(),
-        np.linspace(-0.93, 0.93, N_THRESHOLDS).tolist(),
-        [0.005, 0.05, 0.2] if prior.lapse_rate is None else [prior.lapse_rate],
-        [0.01, 0.08, 0.25] if prior.guess_rate is None else [prior.guess_rate],
-    )
-    return np.array(list(product(*axes)))[:, [1, 0, 2, 3]]

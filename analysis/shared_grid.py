@@ -13,10 +13,11 @@ import numpy as np
 
 from tactometry.analysis.counts import Array, Bools, Counts
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from tactometry.analysis.mode import Mode, same_rows
+from tactometry.analysis.mode import Mode
 from tactometry.analysis.posterior import NEGLIGIBLE, Marginals, marginals, quantiles, rate_rule
 from tactometry.analysis.prior import Prior, log_prior_axes
 from tactometry.analysis.responses import linear
+from tactometry.analysis.summits import same_rows
 from tactometry.psychometric import Shape
 
 MOST_FREE = 3

@@ -29,9 +29,6 @@ RISE_FROM_AN_ASYMPTOTE = 6.635
 """The same where the answers together are no more than guesses, or at the ceiling: chi-square with 1 df at 1 %."""
 TREND_CRITERION = -2.576
 """z of a falling trend, one-sided at 0.5 %."""
-NARROW = 0.5
-"""An interval within the levels and shorter than this part of their range tells a threshold without a
-rise."""
 DROP_SIGNIFICANCE = 0.01
 CEILING_RATE = 0.9
 """A constant rate that may be this high is a ceiling."""
@@ -70,8 +67,6 @@ def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step)
     rise = 2 * (log_likelihood(shape, counts, mode.theta) - constant_log_likelihood(k, n))
     rises = rise >= np.where(is_between, RISE_CRITERION, RISE_FROM_AN_ASYMPTOTE)
     low, high = _range(counts)
-    inside = (mode.theta[:, THRESHOLD] >= low) & (mode.theta[:, THRESHOLD] <= high)
-    told = rises | (is_between & inside & (2 * 1.96 * mode.threshold_sd < NARROW))
     found = []
     for i in range(len(counts)):
         m = mode.theta[i, THRESHOLD]
@@ -80,7 +75,7 @@ def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step)
             (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
             (falls[i], Status.NON_MONOTONE),
             (k[i] == n[i], Status.BELOW),
-            (not told[i], constant[i]),
+            (not rises[i], constant[i]),
             (m < low[i], Status.BELOW),
             (m > high[i], Status.ABOVE),
             (step.is_between[i], Status.SEPARATED),

@@ -9,7 +9,7 @@ import pandas as pd
 
 from tactometry.analysis import apa
 from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, shape_of
-from tactometry.analysis.group import number_text
+from tactometry.analysis.group import interval_text, number_text
 from tactometry.analysis.hierarchical import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
 from tactometry.errors import InvalidParameter
 
@@ -116,9 +116,8 @@ def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.Data
     if fit.status not in HAS_FIT:
         return _without(task, f"no hierarchical fit: {fit.note}")
     conditions, participants = (_with_difference(part) if task == "comparison" else part for part in own)
-    effects, notes = _effects(
-        fit, varied, table, ("threshold", "log_width") if task == "comparison" else ("threshold",)
-    )
+    has_widths = task == "comparison" and fit.conditions["width"].notna().any()
+    effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
     return Together(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)
 
@@ -151,7 +150,7 @@ def _effects(
 def _text(row: "pd.Series[Any]") -> str:
     low, high = row["interval_low"], row["interval_high"]
     if pd.notna(row["threshold"]):
-        return f"{number_text(row['threshold'])} [{number_text(low)}, {number_text(high)}]"
+        return interval_text(row["threshold"], low, high)
     if pd.notna(high):
         return f"< {number_text(high)}"
     return f"> {number_text(low)}" if pd.notna(low) else "none"

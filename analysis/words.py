@@ -49,7 +49,8 @@ def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choic
     """What a reader must know before the numbers."""
     of_fits = []
     if len(table):
-        of_fits = [*_status_warnings(table, trials.factors), *_few_trials(table, trials.factors)]
+        of_fits = [*_missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
+        of_fits += _few_trials(table, trials.factors)
         of_fits += _answer_warnings(trials, table, n_choices)
     return (*of_fits, *_other_tasks(trials), *_quality_warnings(quality))
 
@@ -61,6 +62,21 @@ def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
         + ", ".join(f"{n} trials of {code}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
         for rule, part in excluded.groupby("rule", sort=False)
     ]
+
+
+def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    """Conditions that others have and a participant has not; a factor that varies between participants alone is none of
+    theirs."""
+    found = []
+    for task, part in table.groupby("task", sort=False):
+        inside = [name for name in factors if part.groupby("participant")[name].nunique().max() > 1]
+        conditions = part[inside].drop_duplicates()
+        whole = part[["participant"]].drop_duplicates().merge(conditions, how="cross")
+        held = whole.merge(part[["participant", *inside]].drop_duplicates(), how="left", indicator=True)
+        lost = held[held["_merge"] == "left_only"].sort_values(["participant", *inside])
+        if len(lost):
+            found.append(f"{len(lost)} of {len(held)} cells of {task} have no valid trial ({_named(lost, inside)})")
+    return found
 
 
 def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:

@@ -1,12 +1,14 @@
 """Where the analysis draws its lines: how few participants, which trials are counted, what tells a threshold."""
 
+import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import exact_case
 
 from tactometry.analysis.complete import largest_complete
 from tactometry.analysis.group import quality
 from tactometry.analysis.table import read_trials
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.threshold import METHODS, fit
 
 
 @pytest.mark.parametrize(("n_complete", "found"), [(2, False), (3, True)])
@@ -50,3 +52,21 @@ def test_half_yes_everywhere_tells_no_threshold_however_it_wavers(n_yes):
     """Its interval, twice as long as the levels, is no narrow one."""
     found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="ml")
     assert found.status == "flat"
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("n", [12, 100_000])
+def test_half_yes_at_every_level_tells_no_threshold_however_many_answers_there_are(n, method):
+    """The width's prior alone would place it at the middle, with a short interval."""
+    found = fit(
+        range(7),
+        [n // 2] * 7,
+        n,
+        shape="normal",
+        guess_rate=0.0,
+        lapse_rate=0.0,
+        method=method,
+        rng=np.random.default_rng(),
+    )
+    assert (found.status, found.threshold) == ("flat", None)
+    exact_case("half of the answers yes at every level", against="a status, no number")

@@ -1,13 +1,19 @@
 """The mode of a density with several summits."""
 
+import os
+from itertools import product
+
 import numpy as np
 import pytest
+from hard_cases import exact_case
+from scipy.stats import binom
 
 from tactometry.analysis.counts import checked, normalised
-from tactometry.analysis.mode import find_mode, log_density
+from tactometry.analysis.mode import climb, find_mode, log_density
 from tactometry.analysis.prior import Prior
 from tactometry.psychometric import SHAPES
 
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 LEVELS = np.linspace(-3, 3, 7)
 STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.15, -1.0], np.linspace(0.02, 0.48, 24)))
 
@@ -31,7 +37,7 @@ def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -
     found = find_mode(SHAPES["normal"], counts, prior)
     steep = max(log_density(SHAPES["normal"], counts, prior, node[None])[0] for node in nodes)
     assert found.log_density[0] >= steep
-    shallow = find_mode(SHAPES["normal"], counts, prior, np.array([[0.0, 0.3, 0.01, guess_rate or 0.01]]))
+    shallow = climb(SHAPES["normal"], counts, prior, np.array([[0.0, 0.3, 0.01, guess_rate or 0.01]]))
     assert found.log_density[0] > shallow.log_density[0] + 1
 
 
@@ -45,3 +51,50 @@ def test_each_of_a_stack_has_the_summit_that_it_has_alone() -> None:
         alone = find_mode(SHAPES["normal"], counts[i : i + 1], prior[i : i + 1])
         assert together.theta[i] == pytest.approx(alone.theta[0], abs=1e-9)
         assert together.log_density[i] == pytest.approx(alone.log_density[0], abs=1e-9)
+
+
+# Answers of no psychometric function: the share of sets in which the highest of many summits is found
+def unruly(kind, shape, rng) -> np.ndarray:
+    """Chances (n_sets, n_levels): any, a random walk, or a rise with drops."""
+    if kind == "any":
+        return rng.uniform(0, 1, shape)
+    walk = np.clip(0.2 + np.cumsum(rng.normal(0.1, 0.25, shape), axis=1), 0, 1)
+    if kind == "walk":
+        return walk
+    rise = 1 / (1 + np.exp(-(np.arange(shape[1]) - shape[1] / 2 - rng.uniform(-2, 2, (shape[0], 1)))))
+    return np.where(rng.random(shape) < 0.25, rng.uniform(0, 1, shape), rise)
+
+
+UNRULY = list(
+    product(
+        ("any", "walk", "drops"),
+        ((np.linspace(-3, 3, 7), 20), (np.geomspace(1, 64, 9), 10), (np.array([-3, -1.4, -1.2, 0, 0.9, 2.8, 3]), 40)),
+        (0.5, 0.0, None),
+    )
+)
+
+
+def climbed_from_everywhere(shape, counts, prior) -> np.ndarray:
+    """The highest summits (n_sets,) from a dense grid of starts."""
+    rates = [(0.002, 0.1, 0.3) if rate is None else (rate,) for rate in (prior.lapse_rate, prior.guess_rate)]
+    finest = (21, 12) if SOAK else (9, 6)
+    widths = np.linspace(np.log(max(1.02 * counts.gap[0], 0.01)), np.log(2.9), finest[1])
+    starts = np.array(list(product(np.linspace(-0.99, 0.99, finest[0]), widths, *rates)))
+    each = np.repeat(np.arange(len(counts)), len(starts))
+    found = climb(shape, counts[each], prior[each], np.tile(starts, (len(counts), 1)))
+    return found.log_density.reshape(len(counts), -1).max(axis=1)
+
+
+def test_the_highest_summit_is_found_in_999_of_1000_unruly_sets() -> None:
+    """Against climbs from everywhere; 5 400 sets in the soak."""
+    rng, n, missed = np.random.default_rng(), 200 if SOAK else 3, 0
+    for kind, (levels, n_trials), guess_rate in UNRULY:
+        shape = SHAPES[rng.choice(["normal", "logistic", "gumbel", "reversed_gumbel"])]
+        k = rng.binomial(n_trials, unruly(kind, (n, len(levels)), rng))
+        counts, none = normalised(*checked(levels, k, n_trials, positive=False)), np.zeros(n)
+        prior = Prior(counts.gap, None, guess_rate, none, none)
+        for part in (slice(start, start + 20) for start in range(0, n, 20)):
+            highest = climbed_from_everywhere(shape, counts[part], prior[part])
+            missed += int(np.sum(find_mode(shape, counts[part], prior[part]).log_density < highest - 1e-4))
+    assert missed <= binom.ppf(1 - 1e-4, n * len(UNRULY), 1e-3)
+    exact_case("the highest of several summits", against="climbs from everywhere, 99.9 %")
