@@ -21,14 +21,14 @@ class Sampled:
         return {}
 
     def open(self):
-        self._zero_s, self._n_read = time.perf_counter(), 0
+        self.zero_s, self._n_read = time.perf_counter(), 0
 
     def receive(self):
         time.sleep(STEP_S)
-        n_due = int((time.perf_counter() - self._zero_s) * self.rate_hz)
+        n_due = int((time.perf_counter() - self.zero_s) * self.rate_hz)
         times_s = np.arange(self._n_read, n_due) / self.rate_hz
         self._n_read = n_due
-        samples = [(self._zero_s + time_s, self._value(time_s)) for time_s in times_s.tolist()]
+        samples = [(self.zero_s + time_s, self._value(time_s)) for time_s in times_s.tolist()]
         known = np.array([sample for sample in samples if sample[1] is not None], dtype=float).reshape(-1, 2)
         return Block(known[:, 0], known[:, 1:]) if len(known) else None
 

@@ -5,6 +5,7 @@ That a process which is ended or killed falls silent is heard in `test_device_se
 
 import math
 import threading
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,17 +46,17 @@ class Noise:
 
 
 class Noting:
-    """A driver that notes how many frames it had given when it was told to stop or close."""
+    """A driver that notes when it was told to stop or close, and how many frames it had given by then."""
 
     def __init__(self, driver):
-        self._driver, self.n_given = driver, None
+        self._driver, self.n_given, self.told_s = driver, None, None
 
     def __getattr__(self, name):
         return getattr(self._driver, name)
 
     def _note(self):
         if self.n_given is None and self._driver._course is not None:
-            self.n_given = self._driver._course._at
+            self.n_given, self.told_s = self._driver._course._at, time.perf_counter()
 
     def stop(self):
         self._note()
@@ -107,12 +108,15 @@ class Scene:
     def __init__(self, watched, driver, sink):  # noqa: F811
         self.sink, self.driver, self.force_n = sink, driver, 1.0
         self.screen = Failing(watched)
-        sensor = streamed_force(
-            Reader(Sampled(lambda time_s: self.force_n)), 0, ForceCalibration(newtons_per_count=1.0)
-        )
+        self.source = Sampled(self.felt)
+        sensor = streamed_force(Reader(self.source), 0, ForceCalibration(newtons_per_count=1.0))
         output = Guarded(driver, LIMITS, Load("electrode", 1e-9))
         bank, texts = {"noise": Noise(20.0), "short": Noise(0.5)}, texts_in("en", {})
         self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor)
+
+    def felt(self, time_s):
+        del time_s
+        return self.force_n
 
     def when_heard(self, happens, *args):
         wait_for(lambda: self.sink.heard() > 2 * N_HEARD)
