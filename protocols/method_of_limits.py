@@ -23,7 +23,8 @@ class MethodOfLimits:
     first 0; alternating series begin with a descending one. The transition lies half-way between the last two levels
     that were *delivered*; the threshold is the mean of all transitions. Gescheider, Psychophysics: The Fundamentals,
     3rd ed. (1997), chapter 3. A series that comes to its last level, or begins, without a change has no transition;
-    when more than half of all series have none, the run is censored.
+    when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
+    contradict each other and bound nothing.
 
     Parameters
     ----------
@@ -107,15 +108,17 @@ class MethodOfLimits:
     def ended(self) -> Ending | None:
         if not self.finished:
             return None
-        if 2 * self.transitions.count(None) > self.n_series:
-            return "censored_below" if 2 * sum(self.responses) > len(self.responses) else "censored_above"
-        return "trials"
+        if 2 * self.transitions.count(None) <= self.n_series:
+            return "trials"
+        more_yes = 2 * sum(self.responses) - len(self.responses)
+        if more_yes == 0:
+            return "aborted"
+        return "censored_below" if more_yes > 0 else "censored_above"
 
     def threshold(self) -> float | None:
         """The mean of the transitions; None where there is none or the run is censored."""
         known = [transition for transition in self.transitions if transition is not None]
-        censored = self.ended in ("censored_above", "censored_below")
-        return None if censored or not known else math.fsum(known) / len(known)
+        return math.fsum(known) / len(known) if known and self.ended in (None, "trials") else None
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The next level of the series, or the first of the next one."""

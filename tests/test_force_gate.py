@@ -144,6 +144,10 @@ def test_a_sample_one_window_ago_has_left_the_running_mean():
     assert compliance([0.0, 0.25 - TICK_S], [3.0, 1.0], 1.0, 0.1).in_band == 0.0
 
 
+def test_a_window_that_late_stamps_cannot_resolve_holds_its_own_sample():
+    assert compliance([1e9, 1e9 + 1], [1.0, 3.0], 1.0, 0.1, window_s=1e-9).in_band == 0.5
+
+
 def test_a_running_mean_forgives_a_short_tremor():
     times = np.arange(0, 1, 0.001)
     tremor = np.where(np.arange(1000) % 2 == 0, 0.6, 1.4)

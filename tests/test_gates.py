@@ -156,6 +156,7 @@ def test_a_window_around_a_sample_holds_samples_at_its_ends():
 def test_samples_further_apart_than_the_window_have_the_speed_between_them():
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.1], 0.05, tolerance=0.1, window_s=0.05).in_band == 1.0
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.5], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(2 / 3)
+    assert motion([0.0, 1.0, 2.0], [0.0, 0.1, 0.15], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(1 / 3)
 
 
 def test_a_finger_at_rest_never_opens_the_speed_gate():

@@ -62,6 +62,11 @@ def test_without_counterbalancing_the_order_is_that_of_the_file():
     assert cells == [{"a": 1, "b": 3}, {"a": 1, "b": 4}, {"a": 2, "b": 3}, {"a": 2, "b": 4}]
 
 
+def test_factors_that_are_no_list_are_refused():
+    with pytest.raises(InvalidParameter, match="counterbalanced.outer_first: found 5, expected"):
+        counterbalanced({"a": [1]}, 5, 1)
+
+
 def test_a_number_below_one_is_refused():
     with pytest.raises(InvalidParameter, match="participant number: found 0, expected a whole number from 1"):
         counterbalanced({"a": [1]}, ["a"], 0)

@@ -54,6 +54,13 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
     assert (rule.ended, rule.threshold()) == (ended, None)
 
 
+def test_series_that_contradict_each_other_have_no_bound():
+    """Strong levels are never felt, weak ones always: neither bound holds."""
+    _, rule = follow(RULE, [0, 1, 0, 1])
+    assert rule.transitions == (None,) * 4
+    assert (rule.ended, rule.threshold()) == ("aborted", None)
+
+
 def test_half_of_the_series_without_a_transition_are_not_too_many():
     _, rule = follow(RULE, [0, 0, 1, 0, 0, 1])
     assert rule.transitions == (None, 1.0, None, 1.0)

@@ -1,6 +1,7 @@
 """Staircase and constant stimuli: sequences, censoring, the delivered level, and PsychoPy's handler beside ours."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -126,6 +127,9 @@ def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
     _, end = follow(rule, [1, 0, 1, 0, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 8.0, 6.0)
     assert end.threshold() == (8.0 + 6.0) / 2
+    _, end = follow(replace(rule, n_reversals=6), [1, 0, 1, 0, 0, 1, 1, 0, 1, 0])
+    assert end.reversals == (6.0, 8.0, 6.0, 10.0, 6.0, 8.0)
+    assert end.threshold() == (6.0 + 10.0 + 6.0 + 8.0) / 4
 
 
 @pytest.mark.parametrize("n_down", [1, 2, 3])

@@ -133,6 +133,12 @@ def test_a_hundred_equal_answers_end_as_censored(answer, ended):
     exact_case("100 equal answers to QUEST+", against="censored, no number")
 
 
+@pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
+def test_of_two_thresholds_each_is_an_edge(answer, ended):
+    rule = QuestPlus((10.0, 20.0), ParameterGrid((10.0, 20.0), (5.0,), (0.5,)), n_trials=2)
+    assert follow(rule, [answer] * 2)[1].ended == ended
+
+
 def test_ten_thousand_answers_stay_finite():
     rule, rng = small(n_trials=10**5), np.random.default_rng()
     for answer in rng.random(10_000) < 0.75:
