@@ -350,10 +350,17 @@ def test_a_display_is_measured_by_its_bar(tmp_path):
             "--weights-kg: found 'a,b', expected numbers",
         ),
         (["force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "1,2,3"], "--sensor: found '', expected one of"),
+        (
+            ["force", "--bench", "s.toml", "--by", "Z", "--channel", 3, "--weights-kg", "1,2,3", "--counts", "1,2,3"],
+            "--channel: found 3, expected from 0 to 2, a channel of 'hand'",
+        ),
+        (["gain", "--bench", "s.toml", "--by", " "], "--by: found nothing, expected who measures"),
     ],
 )
 def test_a_bad_calibration_is_one_sentence(tmp_path, arguments, message):
     (tmp_path / "b.toml").write_text("", encoding="utf-8")
+    sensor = '[sensors.hand]\nkind = "lsl"\nstream = "force"\nrate_hz = 1000\nn_channels = 3\n'
+    (tmp_path / "s.toml").write_text(sensor, encoding="utf-8")
     result = calibrate(*arguments, cwd=tmp_path)
     assert result.returncode == 2
     assert message in result.stderr

@@ -11,13 +11,25 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
+    from tactometry.devices.reader import Reader
     from tactometry.experiments.bench_file import BenchFile
     from tactometry.experiments.calibrating import ForceFit
 
 bench_option = click.option(
     "--bench", "bench_path", type=click.Path(path_type=Path), required=True, help="Bench file (TOML)."
 )
-by_option = click.option("--by", required=True, help="Who measures: initials or a code.")
+
+
+def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
+    from tactometry.errors import InvalidParameter
+
+    del ctx, param
+    if not by.strip():
+        raise InvalidParameter("--by: found nothing, expected who measures: initials or a code")
+    return by.strip()
+
+
+by_option = click.option("--by", required=True, callback=_somebody, help="Who measures: initials or a code.")
 TODAY = date.today
 
 
@@ -104,8 +116,8 @@ def force(
 
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
-    masses_kg = _numbers("--weights-kg", weights_kg)
-    counted = _numbers("--counts", counts) if counts else _counted(bench, name, channel, masses_kg)
+    masses_kg, reader = _numbers("--weights-kg", weights_kg), _reader(bench, name, channel)
+    counted = _numbers("--counts", counts) if counts else _counted(reader, channel, masses_kg)
     fit = fit_force(masses_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
     if figure is not None:
         from tactometry.experiments.figures import force_figure
@@ -124,17 +136,26 @@ def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
     yield from zip(fit.forces_n.tolist(), fit.counts.tolist(), fit.residuals_n.tolist(), strict=True)
 
 
-def _counted(bench: "BenchFile", name: str, channel: int, masses_kg: list[float]) -> list[float]:
-    """Mean counts over a second with each weight on."""
+def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
     from tactometry.devices.reader import Reader
     from tactometry.errors import InvalidParameter, nearest
-    from tactometry.experiments.calibrating import mean_counts
 
     if name not in bench.sensors:
         raise InvalidParameter(
             f"--sensor: found {name!r}, expected one of {', '.join(bench.sensors)}{nearest(name, bench.sensors)}"
         )
     reader = Reader(bench.sensors[name].source())
+    if not 0 <= channel < reader.source.n_channels:
+        raise InvalidParameter(
+            f"--channel: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of {name!r}"
+        )
+    return reader
+
+
+def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
+    """Mean counts over a second with each weight on."""
+    from tactometry.experiments.calibrating import mean_counts
+
     with ExitStack() as last_first:
         reader.open()
         last_first.callback(reader.close)
