@@ -52,6 +52,14 @@ def test_the_list_of_commands_says_what_each_one_is(capsys, command):
     assert re.search(rf"^  {command} +\w", call(capsys, "--help"), re.MULTILINE)
 
 
+@pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
+def test_a_session_ends_in_good_order_where_the_system_or_a_closed_terminal_ends_it(capsys, number):
+    call(capsys, "studies")
+    with pytest.raises(SystemExit) as ended:
+        signal.raise_signal(getattr(signal, number))
+    assert ended.value.code == 128 + getattr(signal, number)
+
+
 def test_studies_are_listed(capsys):
     assert set(json.loads(call(capsys, "studies", "--json"))) >= {"electrovibration-threshold", "tutorial"}
 

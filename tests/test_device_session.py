@@ -173,7 +173,10 @@ def played_signals(folder):
 at_full_size = pytest.mark.skipif(not SOAK, reason="full size only: test_device_audio.py kills a smaller program")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGKILL, marks=at_full_size)])
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=at_full_size), pytest.param(signal.SIGKILL, marks=at_full_size)],
+)
 def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):  # noqa: F811
     """In the middle of a stimulus of 20 s that a real sound server hears."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
@@ -197,7 +200,7 @@ def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink,
         watcher.join()
         device.close()
     frames = sink.end()
-    assert status == {signal.SIGTERM: 128 + signal.SIGTERM, signal.SIGKILL: -signal.SIGKILL}[number], errors
+    assert status == (-number if number == signal.SIGKILL else 128 + number), errors
     assert "Traceback" not in errors
     assert 9600 < np.count_nonzero(frames) < 10 * 48_000
     assert not frames[-4800:].any()

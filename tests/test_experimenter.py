@@ -4,6 +4,7 @@ import os
 import select
 import threading
 import time
+from contextlib import suppress
 
 import pytest
 from conftest import LONGEST_WAIT_S
@@ -52,10 +53,16 @@ class Terminal:
             assert time.monotonic() < end_s, self._seen
             time.sleep(0.005)
 
-    def close(self):
+    def goes_away(self):
         os.close(self._master)
+        self._master = None
+
+    def close(self):
+        if self._master is not None:
+            self.goes_away()
         for file in (self.source, self.output, self._file):
-            file.close()
+            with suppress(OSError):
+                file.close()
 
 
 class Kept:
@@ -253,6 +260,13 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
     terminal.shows("found 'pasue', expected one of: p pause")
     terminal.shows("did you mean 'pause'?")
     assert kept.told == []
+
+
+def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):
+    bench = bench_with(lambda time_s: 1.0)
+    terminal.goes_away()
+    assert bench.press(PRESS).valid
+    assert log[-1] == "output.stop"
 
 
 def test_without_a_terminal_a_desk_is_silent(tmp_path, capsys):

@@ -64,6 +64,10 @@ def tactometry() -> None:
     """Psychophysics on touch: run, simulate and analyse experiments."""
 
 
+_ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+"""What ends a command in good order: also a terminal that is closed, unless it is to be outlived (nohup)."""
+
+
 def _terminate(number: int, frame: FrameType | None) -> None:
     del frame
     raise SystemExit(128 + number)
@@ -71,7 +75,9 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command; every foreseen error is one sentence on standard error and an exit status."""
-    signal.signal(signal.SIGTERM, _terminate)
+    for number in _ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, _terminate)
     words = sys.argv[1:] if arguments is None else arguments
     try:
         status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)

@@ -100,8 +100,12 @@ class Desk:
         self._write(f"{words}\n")
 
     def _write(self, words: str) -> None:
-        if self._output is not None:
+        if self._output is None:
+            return
+        try:
             print(words, end="", file=self._output, flush=True)
+        except OSError:  # the terminal is gone, the session is not
+            self._output = None
 
 
 def _available(file: int) -> bytes:
