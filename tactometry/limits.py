@@ -1,10 +1,11 @@
 """What may reach a finger, checked on the final samples by every rig and every output."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.load import Load
+from tactometry.require import positive
 from tactometry.signal import Signal
 
 ROUNDING = 1e-12
@@ -53,10 +54,7 @@ class Limits:
     session_s: float | None = None
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (value is None and field.name in OPTIONAL) and not 0 < value < float("inf"):
-                raise InvalidParameter(f"Limits.{field.name}: found {value}, expected a finite number above 0")
+        positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
         if self.duty is not None and self.duty > 1:
             raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
 

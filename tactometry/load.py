@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import positive
 from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
@@ -47,8 +48,7 @@ class Load:
     displacement_m_per_v: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if not 0 < self.capacitance_f < math.inf:
-            raise InvalidParameter(f"Load.capacitance_f: found {self.capacitance_f}, expected a finite number above 0")
+        positive("Load", capacitance_f=self.capacitance_f)
         if not self.leak_resistance_ohm > 0:
             raise InvalidParameter(f"Load.leak_resistance_ohm: found {self.leak_resistance_ohm}, expected above 0")
         if self.displacement_m_per_v is not None and not all(0 < g < math.inf for g in self.displacement_m_per_v):

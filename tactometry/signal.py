@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import positive
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +46,7 @@ class Signal:
             raise InvalidParameter(
                 f"Signal.samples[{channel}, {sample}]: found {samples[channel, sample]}, expected a finite number"
             )
-        if not (np.isfinite(self.rate_hz) and self.rate_hz > 0):
-            raise InvalidParameter(f"Signal.rate_hz: found {self.rate_hz}, expected a finite rate above 0")
+        positive("Signal", rate_hz=self.rate_hz)
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)
 

@@ -157,7 +157,7 @@ def test_frequency_0_has_no_response_and_is_refused_as_a_tone() -> None:
     assert P0.gain(0.0) == 0
     with pytest.raises(InvalidParameter, match=r"Sine\.frequency_hz: found 0\.0"):
         Sine(frequency_hz=0.0)
-    with pytest.raises(InvalidParameter, match="expected finite numbers, at least 0"):
+    with pytest.raises(InvalidParameter, match="expected a finite number, at least 0"):
         P0.gain(-1.0)
 
 

@@ -53,14 +53,14 @@ def test_silence_and_constants_are_not_felt(samples: list[float]) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: sensitivity_db(-1.0), "frequency_hz: found -1.0, expected finite numbers, at least 0"),
+        (lambda: sensitivity_db(-1.0), "frequency_hz: found -1.0, expected a finite number, at least 0"),
         (
             lambda: components(np.zeros((2, 3)), 1.0),
             "components.samples: found shape (2, 3), expected (n_samples,) finite numbers",
         ),
         (
             lambda: sensation_level_db(Components(np.ones(1), np.ones(1)), 0.0),
-            "sensation_level_db.reference: found 0.0, expected a number above 0",
+            "sensation_level_db.reference: found 0.0, expected a finite number above 0",
         ),
     ],
 )

@@ -40,9 +40,7 @@ class Relaxations:
     @checked
     def response(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
         """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
-        f_hz = np.asarray(frequency_hz, dtype=np.float64)
-        if not (np.isfinite(f_hz).all() and (f_hz >= 0).all()):
-            raise InvalidParameter(f"frequency_hz: found {frequency_hz!r}, expected finite numbers, at least 0")
+        f_hz = require.not_negative_array("Relaxations.response.frequency_hz", frequency_hz)
         s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
         terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
         return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))

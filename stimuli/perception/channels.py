@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.errors import InvalidParameter
+from tactometry.require import positive, positive_array
 from tactometry.stimuli.perception.detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
@@ -25,9 +25,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> NDArray[np.float64]:
     >>> channel_thresholds_db([1.0, 40.0, 250.0]).min(axis=0).round(1).tolist()
     [48.0, 29.3, 0.0]
     """
-    f_hz = np.atleast_1d(np.asarray(frequency_hz, float))
-    if not (np.isfinite(f_hz) & (f_hz > 0)).all():
-        raise InvalidParameter(f"frequency_hz: found {frequency_hz!r}, expected finite numbers above 0")
+    f_hz = np.atleast_1d(positive_array("frequency_hz", frequency_hz))
     curves = np.stack(
         [np.full(f_hz.shape, 28.0), 28 - 5 * np.log2(f_hz / 3), BEST_DB + 12 * np.abs(np.log2(250 / f_hz))]
     )
@@ -43,8 +41,7 @@ def channel_levels_db(parts: Components, reference: float) -> NDArray[np.float64
     >>> channel_levels_db(Components(np.array([250.0]), np.array([2.0])), reference=2.0).tolist()
     [-inf, -inf, 0.0]
     """
-    if not 0 < reference < np.inf:
-        raise InvalidParameter(f"channel_levels_db.reference: found {reference}, expected a number above 0")
+    positive("channel_levels_db", reference=reference)
     heard = parts.amplitudes > 0
     levels_db = 20 * np.log10(parts.amplitudes[heard] / reference) - channel_thresholds_db(parts.frequencies_hz[heard])
     return np.asarray(levels_db.max(axis=1, initial=-np.inf))
@@ -56,7 +53,5 @@ def summation_db(area_m2: float, reference_m2: float) -> float:
     >>> round(summation_db(2e-4, 1e-4), 2)
     3.01
     """
-    for name, value in (("area_m2", area_m2), ("reference_m2", reference_m2)):
-        if not 0 < value < np.inf:
-            raise InvalidParameter(f"summation_db.{name}: found {value}, expected a finite number above 0")
+    positive("summation_db", area_m2=area_m2, reference_m2=reference_m2)
     return float(10 * np.log10(area_m2 / reference_m2))

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal.windows import flattop
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import positive
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
 
 FAINT = 1e-9
@@ -56,8 +57,7 @@ def sensation_level_db(parts: Components, reference: float) -> float:
     >>> sensation_level_db(at_threshold, reference=2.0)
     0.0
     """
-    if not 0 < reference < np.inf:
-        raise InvalidParameter(f"sensation_level_db.reference: found {reference}, expected a number above 0")
+    positive("sensation_level_db", reference=reference)
     audible = parts.amplitudes > 0
     if not audible.any():
         return -np.inf

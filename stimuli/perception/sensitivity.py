@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.errors import InvalidParameter
+from tactometry.require import not_negative_array
 
 SCALE_DB = 62.0
 PER_HZ = 1 / 550
@@ -26,8 +26,6 @@ def sensitivity_db(frequency_hz: ArrayLike) -> NDArray[np.float64]:
     >>> sensitivity_db([0, 40, 100, 250, 500, 1000]).round(2).tolist()
     [62.0, 39.04, 17.11, 0.0, 23.69, 77.0]
     """
-    f_hz = np.asarray(frequency_hz, dtype=np.float64)
-    if not (np.isfinite(f_hz) & (f_hz >= 0)).all():
-        raise InvalidParameter(f"frequency_hz: found {frequency_hz!r}, expected finite numbers, at least 0")
+    f_hz = not_negative_array("frequency_hz", frequency_hz)
     bowl_db: NDArray[np.float64] = SCALE_DB * (np.log10(PER_HZ * f_hz + OFFSET) / np.log10(OFFSET)) ** 2
     return np.minimum(bowl_db, DEPTH_DB)

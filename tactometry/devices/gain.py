@@ -1,6 +1,5 @@
 """What the numbers of an output become at its load."""
 
-import math
 from dataclasses import dataclass
 from datetime import date
 
@@ -8,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.measured import Measured
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.errors import DeviceFailed
+from tactometry.require import positive
 from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
@@ -43,10 +43,7 @@ class Gain:
     max_age_days: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("volts_per_unit", "amplifier_gain"):
-            value = getattr(self, name)
-            if not 0 < value < math.inf:
-                raise InvalidParameter(f"Gain.{name}: found {value}, expected a finite number above 0")
+        positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
 
     @property
     def measured(self) -> Measured:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.request import Press, Slide
+from tactometry.require import positive
 from tactometry.speed_gate import triangle
 
 
@@ -43,9 +44,7 @@ class SimulatedFinger:
                 raise InvalidParameter(
                     f"SimulatedFinger.{name}: found {getattr(self, name)}, expected from 0 to below 1"
                 )
-        for name in ("waver_s", "rate_hz"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise InvalidParameter(f"SimulatedFinger.{name}: found {getattr(self, name)}, expected above 0")
+        positive("SimulatedFinger", waver_s=self.waver_s, rate_hz=self.rate_hz)
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
         """One touch as `request` asks for it, at `rate_hz` for its duration."""

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import finite, not_negative, positive
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
 
@@ -49,19 +50,12 @@ class SignalDetectionObserver:
     latency_s: float = 0.8
 
     def __post_init__(self) -> None:
-        rules = {
-            "criterion": (0 < self.criterion < math.inf, "above 0"),
-            "exponent": (0 < self.exponent < math.inf, "above 0"),
-            "lapse_rate": (0 <= self.lapse_rate < 1, "from 0 to below 1"),
-            "sensitivity_db": (math.isfinite(self.sensitivity_db), "finite"),
-            "between_sd_db": (0 <= self.between_sd_db < math.inf, "at least 0"),
-            "latency_s": (0 < self.latency_s < math.inf, "above 0"),
-        }
-        for name, (holds, expected) in rules.items():
-            if not holds:
-                raise InvalidParameter(
-                    f"SignalDetectionObserver.{name}: found {getattr(self, name)}, expected a number {expected}"
-                )
+        owner = "SignalDetectionObserver"
+        positive(owner, criterion=self.criterion, exponent=self.exponent, latency_s=self.latency_s)
+        finite(owner, sensitivity_db=self.sensitivity_db)
+        not_negative(owner, between_sd_db=self.between_sd_db)
+        if not 0 <= self.lapse_rate < 1:
+            raise InvalidParameter(f"{owner}.lapse_rate: found {self.lapse_rate}, expected a number from 0 to below 1")
 
     def participant(self, rng: np.random.Generator) -> Self:
         """One participant of the population that this observer is the mean of."""
