@@ -156,6 +156,12 @@ def test_a_log_normal_prior_of_widths_has_its_middle_and_its_factor():
     np.testing.assert_allclose(weights / weights[2], np.exp([-2.0, -0.5, 0.0, -0.5, -2.0]))
 
 
+def test_a_value_without_weight_never_gains_any():
+    rule = QuestPlus(LEVELS, GRID, prior={"width": (0.0, 1.0, 1.0)}).after(1).after(0)
+    assert rule.marginal("width")[0] == 0
+    assert rule.marginal("width").sum() == pytest.approx(1)
+
+
 def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
     told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
     one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
