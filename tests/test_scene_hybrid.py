@@ -141,6 +141,16 @@ def test_a_film_has_a_picture_for_each_frame(tmp_path):
         write_film(film(), "a focus", tmp_path / "a.avi")
 
 
+def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, monkeypatch):
+    pytest.importorskip("imageio_ffmpeg")
+    write_film(film(), "a focus", tmp_path / "a.mp4")
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
+    monkeypatch.setattr("tactometry.stimuli.scenes.figures.film._ffmpeg", lambda: "")
+    with pytest.raises(InvalidParameter, match=r"--movie: found no ffmpeg, .*imageio-ffmpeg .*or write a \.gif"):
+        write_film(film(), "a focus", tmp_path / "b.mp4")
+    assert not (tmp_path / "b.mp4").exists()
+
+
 def test_a_film_longer_than_what_is_watched_is_refused_with_the_cure():
     with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise those"):
         screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()

@@ -1,10 +1,12 @@
 """The wave that focuses, as a film."""
 
+import shutil
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import animation
+from matplotlib import animation, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -35,7 +37,7 @@ def write_film(result: Result, title: str, path: Path) -> None:
     image = draw_map(axes, values["x_m"], values["y_m"], frames[0], float(np.abs(frames).max()) / 2)
     figure.colorbar(image, ax=axes, label="displacement (um), cut at half of the peak", shrink=0.8)
     figure.suptitle(title, fontsize="medium")
-    with writer.saving(figure, str(path), RESOLUTION_DPI):
+    with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, str(path), RESOLUTION_DPI):
         for time_s, frame in zip(times_s, frames, strict=True):
             image.set_data(frame.T * 1e6)
             axes.set_title(f"{time_s * 1e6:+.0f} us from the focus", fontsize="small")
@@ -47,6 +49,19 @@ def _writer(path: Path) -> Any:
         raise InvalidParameter(f"--movie: found {str(path)!r}, expected a name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
         return animation.PillowWriter(fps=FRAMES_PER_S)
-    if not animation.FFMpegWriter.isAvailable():
-        raise InvalidParameter("--movie: found no ffmpeg, which writes MP4, expected it; install it or write a .gif")
+    if not _ffmpeg():
+        raise InvalidParameter(
+            "--movie: found no ffmpeg, which writes MP4, expected it; install it or the package imageio-ffmpeg (the "
+            "extra window has it), or write a .gif"
+        )
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
+
+
+def _ffmpeg() -> str:
+    """The program on the path, or that of the package imageio-ffmpeg; empty without."""
+    found = shutil.which("ffmpeg")
+    if found or not find_spec("imageio_ffmpeg"):
+        return found or ""
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    return str(get_ffmpeg_exe())

@@ -19,7 +19,8 @@ MOVING, MOVING_ON_MAP, STILL, STILL_ON_MAP = 0.04, 0.08, 0.3, 2.5
 """Parts of the remainder, of the modes that move and of those that follow; the last of one transducer."""
 OF_LOAD = 0.15
 FEW_TRANSDUCERS = 12
-"""Fewer of them make a weaker focus beside what each does at its own place."""
+"""Fewer of them make a weaker focus beside what each does at its own place: more of the remainder counts."""
+ROUNDING = 1e-9
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
 """How far above its band an emission is followed, by the error from which on that is enough."""
 MOST_NUMBERS = 3e7
@@ -56,11 +57,12 @@ def cut(scene: Surroundings, error: float) -> Cut:
     surface: Any = scene.surface
     left, load = remainder(scene), _load(scene)
     on_map = not MAPS.isdisjoint(scene.outputs)
-    moves = (MOVING_ON_MAP if on_map else MOVING) * left + load
-    ratio = max(1.0, (2 * moves / error) ** (1 / 5))
+    half = error / (2 + ROUNDING)
     few = max(1.0, FEW_TRANSDUCERS / surface.n_transducers)
-    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL * few, 2)
-    follow = max(ratio, (2 * still * left / error) ** (1 / power))
+    moves = (MOVING_ON_MAP if on_map else MOVING * few) * left + load
+    ratio = max(1.0, (moves / half) ** (1 / 5))
+    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL * few**2, 2)
+    follow = max(ratio, (still * left / half) ** (1 / power))
     expected = moves / ratio**5 + still * left / follow**power
     band_hz = surface.band_max_hz
     found = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
