@@ -24,7 +24,7 @@ numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seabor
 joblib dask distributed h5py psychopy psychtoolbox pyglet
 """
 HEAVY = frozenset((*WORDS.split(), *DRIVEN))
-IMPORTED_AS = {"pyserial": "serial"}
+IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg"}
 
 
 def sources() -> list[Path]:

@@ -52,6 +52,30 @@ def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ({"n_samples": 0}, r"settings\.sampling\.n_samples: found 0, expected a whole number above 0, such as \d+"),
+        ({"n_samples": 33.5}, r"settings\.sampling\.n_samples: found 33\.5, expected a whole number above 0"),
+        ({"n_samples": "many"}, r"settings\.sampling\.n_samples: found 'many', expected a whole number"),
+        ({"n_sample": 33}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
+    ],
+)
+def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(setting, message):
+    given = {"level_db_re_1v": 40.0}
+    ours = scene_of(table(settings={"sampling": {"n_samples": 33}}, given=given)).scene
+    assert ours.resolve().run(given)["t_s"].size == 33
+    with pytest.raises(InvalidParameter, match=message):
+        scene_of(table(settings={"sampling": setting})).scene.resolve()
+
+
+@pytest.mark.parametrize("level", [float("nan"), float("inf")])
+def test_what_is_given_is_finite(level):
+    found = scene_of(table(given={"level_db_re_1v": level}))
+    with pytest.raises(InvalidParameter, match=r"given\.level_db_re_1v: found (nan|inf), expected a finite number"):
+        found.scene.resolve().run(found.given)
+
+
 def test_an_unknown_output_names_the_known_ones():
     scene = scene_of(table(outputs=["electrostatic_force"])).scene
     with pytest.raises(InvalidParameter, match=r"nothing that gives 'electrostatic_force', .*did you mean 'electrost"):

@@ -37,7 +37,7 @@ class _Tables:
     effects: tuple[dict[str, Any], ...] = ()
     contacts: tuple[dict[str, Any], ...] = ()
     given: dict[str, float] | None = None
-    settings: dict[str, dict[str, Setting]] | None = None
+    settings: dict[str, dict[str, float | int | str]] | None = None
 
 
 def load_scene(path: Path) -> SceneFile:
@@ -73,7 +73,7 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
         outputs=tables.outputs,
         accuracy=tables.accuracy,
         contacts=tuple(build(Touch, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts)),
-        settings=tables.settings or {},
+        settings=_settings(tables),
     )
     given = tables.given or {}
     for name in given:
@@ -83,6 +83,10 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
                 f"{nearest(name, scene.surface.given)}"
             )
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
+
+
+def _settings(tables: _Tables) -> Mapping[str, Mapping[str, Setting]]:
+    return {stage: dict(chosen) for stage, chosen in (tables.settings or {}).items()}
 
 
 def _all_of(tables: tuple[dict[str, Any], ...]) -> tuple[Effect, ...]:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import Any
 
 from tactometry.errors import InvalidParameter
@@ -62,13 +63,16 @@ class Plan:
         Raises
         ------
         InvalidParameter
-            If a quantity is missing, or one is given that the plan does not take.
+            If a quantity is missing or not finite, or one is given that the plan does not take.
         """
         if set(given) != set(self.given):
             raise InvalidParameter(
                 f"scene: found {', '.join(sorted(given)) or 'nothing'} given, expected "
                 f"{', '.join(self.given) or 'nothing'}"
             )
+        for name, value in given.items():
+            if not isfinite(value):
+                raise InvalidParameter(f"given.{name}: found {value}, expected a finite number")
         registers = [*self._program.constants, *(given[name] for name in self.given)]
         registers += [None] * self._program.n_varying
         for call, read, written in self._program.steps:

@@ -94,7 +94,9 @@ class Scene:
         for name, settings in self.settings.items():
             _check_known(f"settings.{name}", name, list(by_name), "stage of the plan")
             for key in settings:
-                _check_known(f"settings.{name}.{key}", key, list(by_name[name].settings), f"setting of {name}")
+                where, chosen = f"settings.{name}.{key}", by_name[name].settings
+                _check_known(where, key, list(chosen), f"setting of {name}")
+                _check_like(where, settings[key], chosen[key])
         return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
 
 
@@ -103,6 +105,19 @@ def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None
         raise InvalidParameter(
             f"{where}: found no such {what}, expected one of {', '.join(known) or 'none'}{nearest(name, known)}"
         )
+
+
+def _check_like(where: str, value: Setting, chosen: Setting) -> None:
+    """Refuse what is of another kind than the chosen one, or a number not above 0 where that is."""
+    whole = isinstance(chosen, int)
+    if not isinstance(chosen, (int, float)):
+        fits, expected = isinstance(value, type(chosen)), "a text" if isinstance(chosen, str) else "as many numbers"
+    else:
+        fits = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
+        fits = fits and math.isfinite(float(value)) and (float(value) > 0 or chosen <= 0)  # type: ignore[arg-type]
+        expected = f"a {'whole' if whole else 'finite'} number{' above 0' if chosen > 0 else ''}"
+    if not fits:
+        raise InvalidParameter(f"{where}: found {value!r}, expected {expected}, such as {chosen!r}")
 
 
 def _with(stage: Stage, settings: Mapping[str, Setting]) -> Stage:

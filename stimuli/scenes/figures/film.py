@@ -52,7 +52,7 @@ def _writer(path: Path) -> Any:
     if not _ffmpeg():
         raise InvalidParameter(
             "--movie: found no ffmpeg, which writes MP4, expected it; install it or the package imageio-ffmpeg (the "
-            "extra window has it), or write a .gif"
+            "extra film), or write a .gif"
         )
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
 
