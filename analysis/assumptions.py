@@ -8,7 +8,7 @@ from scipy.stats import shapiro
 
 from tactometry.analysis.apa import p_text, share_text
 from tactometry.analysis.contrasts import Effect, effects
-from tactometry.analysis.design import Array, within_design
+from tactometry.analysis.design import Array, spread, within_design
 
 ALPHA = 0.05
 MANY_SD = 3.0
@@ -24,6 +24,11 @@ def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, 
     DataFrame
         `check, statistic, p, holds` (None: cannot be tested) and `text`, a sentence.
 
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`.
+
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
     >>> print(*checks(table, dependent="y", within="force_n", subject="who")["text"], sep=chr(10))
@@ -33,6 +38,7 @@ def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, 
     """
     factors = [within] if isinstance(within, str) else list(within)
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where="checks")
+    spread(design.cells, dependent)
     residuals = _residuals(design.cells)
     rows = [_normality(residuals), *(_sphericity(effect) for effect in effects(design)), _outliers(residuals)]
     return pd.DataFrame(rows)
@@ -46,8 +52,8 @@ def _residuals(cells: Array) -> Array:
 
 def _normality(residuals: Array) -> dict[str, object]:
     name = "normality of the residuals"
-    if residuals.size > MAX_SHAPIRO or np.ptp(residuals) == 0:
-        return _untested(name, "too many values" if residuals.size > MAX_SHAPIRO else "no residual differs from 0")
+    if residuals.size > MAX_SHAPIRO:
+        return _untested(name, "too many values")
     w, p = shapiro(residuals.ravel() / residuals.std())
     return _tested(name, "Shapiro-Wilk W", float(w), float(p))
 
@@ -62,7 +68,7 @@ def _sphericity(effect: Effect) -> dict[str, object]:
 
 def _outliers(residuals: Array) -> dict[str, object]:
     sd = float(residuals.std())
-    n = int(np.sum(np.abs(residuals) > MANY_SD * sd)) if sd > 0 else 0
+    n = int(np.sum(np.abs(residuals) > MANY_SD * sd))
     text = f"outliers: {n or 'no'} residual{'s' if n > 1 else ''} beyond {MANY_SD:g} standard deviations"
     return {"check": "outliers", "statistic": float(n), "p": None, "holds": n == 0, "text": text}
 

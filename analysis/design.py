@@ -94,8 +94,14 @@ def within_design(
     if not n_values.all():
         _refuse_holes(n_values, levels, (subject, *within), dependent)
     values = np.bincount(place, data[dependent].to_numpy(), minlength=n_values.size).reshape(shape) / n_values
-    notes = (AVERAGED,) if (n_values > 1).any() else ()
-    return Design(values, tuple(within), levels[1:], levels[0], notes)
+    return Design(values, tuple(within), levels[1:], levels[0], _averaged(n_values))
+
+
+def _averaged(n_values: NDArray[np.int64]) -> tuple[str, ...]:
+    """A note where cells hold several values, and how many where they do not hold equally many."""
+    few, many = int(n_values.min()), int(n_values.max())
+    uneven = f", from {few} to {many} in a cell: values are missing in some" if few < many else ""
+    return (AVERAGED + uneven,) if many > 1 else ()
 
 
 def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:

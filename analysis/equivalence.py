@@ -44,9 +44,9 @@ def equivalence(
         raise InvalidParameter(f"bound: found {bound}, expected a difference above 0, in the unit of {dependent}")
     if not 0 < alpha < 0.5:
         raise InvalidParameter(f"alpha: found {alpha}, expected a chance between 0 and 0.5")
-    compared = compare(table, dependent, factor, subject, by, "equivalence")
+    compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
     result = pd.DataFrame([_row(pair, by, bound, alpha) for pair in compared])
-    result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
+    result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha, "notes": notes}
     return result
 
 

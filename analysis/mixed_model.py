@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from tactometry.analysis.design import Array, finite_rows
+from tactometry.analysis.design import RELATIVE_ZERO, Array, DesignStatus, UndefinedStatistic, finite_rows
 from tactometry.errors import InvalidParameter
 
 RATIOS = (1e-8, 1e10)
@@ -84,8 +84,9 @@ def mixed_model(
     Raises
     ------
     InvalidParameter
-        For unknown columns, values that are not finite (naming the row), fewer than two participants, a base that is
-        no level, and terms that the data cannot tell apart.
+        For unknown columns, fewer than two participants, a base that is no level, and terms that the data cannot tell
+        apart. As `UndefinedStatistic`, with its status: for values that are not finite (naming the row), the same
+        everywhere or without error, and a factor of one level.
 
     Notes
     -----
@@ -105,7 +106,17 @@ def mixed_model(
     matrix = design_matrix(data, factors, covariates, interactions=interactions, base=base or {})
     y = data[dependent].to_numpy(dtype=np.float64)
     groups, names = pd.factorize(data[subject])
-    scale = float(y.std()) or 1.0
+    scale = float(y.std())
+    if scale <= RELATIVE_ZERO * float(np.abs(y).max()):
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
+    if not _has_error(y, matrix.x, groups):
+        raise UndefinedStatistic(
+            f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
+            "undefined",
+            DesignStatus.ZERO_ERROR,
+        )
     fit = _fit((y - y.mean()) / scale, matrix.x, groups)
     df = len(y) - matrix.x.shape[1] - len(names) + 1
     estimates, covariance = fit.estimates * scale, fit.covariance * scale**2
@@ -179,6 +190,10 @@ def design_matrix(
 
 def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     levels = sorted(data[name].unique())
+    if len(levels) < 2:
+        raise UndefinedStatistic(
+            f"{name}: found {len(levels)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
+        )
     first = levels[0] if base is None else base
     if first not in levels:
         raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")
@@ -202,6 +217,18 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
                 f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
                 "tell apart; leave the term or the condition out"
             )
+
+
+def _has_error(y: Array, x: Array, groups: Any) -> bool:
+    """Whether anything is left of the values when each participant has a mean of its own."""
+    both = np.column_stack([x, y])
+    left = (
+        both
+        - np.stack([np.bincount(groups, column) for column in both.T], axis=1)[groups]
+        / (np.bincount(groups)[groups, None])
+    )
+    residual = left[:, -1] - left[:, :-1] @ np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=TOLERANCE)[0]
+    return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
 
 
 @dataclass(frozen=True)

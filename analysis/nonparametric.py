@@ -45,7 +45,9 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
     row = found.iloc[0]
     w, q, p = (float(row[name]) for name in ("W", "Q", "p_unc"))
     columns = ["Source", "W", "ddof1", "Q", "p_unc", "n"]
-    return pd.DataFrame([[factor, w, values.shape[1] - 1, q, p, design.n]], columns=columns)
+    result = pd.DataFrame([[factor, w, values.shape[1] - 1, q, p, design.n]], columns=columns)
+    result.attrs["notes"] = list(design.notes)
+    return result
 
 
 def aligned_rank_transform(

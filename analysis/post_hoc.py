@@ -48,7 +48,8 @@ def pairs(
     """Paired t-tests between all levels of `factor`, or of all others against `reference`, at each level of `by` if
     given; all corrected together.
 
-    Each pair has its own error: pooling it would ask for sphericity. Other columns are averaged over.
+    Each pair has its own error: pooling it would ask for sphericity. Other columns are averaged over, which
+    `attrs["notes"]` says.
 
     Returns
     -------
@@ -68,10 +69,11 @@ def pairs(
     >>> found[["a", "b", "difference", "t", "p_corr", "dz"]].round(3).values.tolist()
     [[1.0, 2.0, 1.75, 3.656, 0.035, 1.828]]
     """
-    compared = compare(table, dependent, factor, subject, by, "pairs")
+    compared, notes = compare(table, dependent, factor, subject, by, "pairs")
     if reference is not None:
         compared = _against(compared, reference, factor)
     result = pd.DataFrame([_row(pair, by, interval) for pair in compared])
+    result.attrs["notes"] = notes
     return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
 
 
@@ -85,16 +87,20 @@ def rank_pairs(
     >>> found[["w", "p_unc", "r"]].values.tolist()
     [[0.0, 0.125, 1.0]]
     """
-    compared = compare(table, dependent, factor, subject, by, "rank_pairs")
+    compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
     result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
+    result.attrs["notes"] = notes
     return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
 
 
-def compare(table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str) -> list[Pair]:
-    """All pairs of levels, of a complete design."""
+def compare(
+    table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str
+) -> tuple[list[Pair], list[str]]:
+    """All pairs of levels, of a complete design, and what a reader must know of it."""
     factors = [factor] if by is None else [factor, by]
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
-    return [pair for place in range(1 if by is None else len(design.levels[1])) for pair in _pairs_at(design, place)]
+    places = range(1 if by is None else len(design.levels[1]))
+    return [pair for place in places for pair in _pairs_at(design, place)], list(design.notes)
 
 
 def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:

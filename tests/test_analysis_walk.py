@@ -1,0 +1,272 @@
+"""The hard cases of the issue, through every fit, every statistic of a group, and the command: a number where the data
+tell one, else a status; never a warning of a library."""
+
+import json
+import os
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from hard_cases import exact_case
+from scipy.special import ndtr
+
+from tactometry.analysis.anova import permutation_test, repeated_measures
+from tactometry.analysis.assumptions import checks
+from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.mixed_model import mixed_model
+from tactometry.analysis.nonparametric import aligned_rank_transform, art_contrasts, friedman
+from tactometry.analysis.post_hoc import pairs, rank_pairs
+from tactometry.analysis.threshold import METHODS, fit, fit_many
+from tactometry.cli.analyse import command
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import SHAPES
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+SEVEN = np.arange(1.0, 8.0)
+RISING = [1, 2, 5, 10, 16, 18, 20]
+
+# Levels, "yes" answers, trials, and the statuses that the answers leave open at a guess rate of 0
+SETS = {
+    "all correct": (SEVEN, [20] * 7, 20, {"threshold_below_range"}),
+    "all chance": (SEVEN, [10] * 7, 20, {"flat"}),
+    "all wrong": (SEVEN, [0] * 7, 20, {"threshold_above_range"}),
+    "perfect step": (SEVEN, [0, 0, 0, 20, 20, 20, 20], 20, {"separated"}),
+    "one level": ([3.0], [15], 20, {"too_few_levels"}),
+    "one trial per level": (np.arange(1, 21), [0] * 7 + [1, 0, 0, 1, 0, 1] + [1] * 7, 1, {"ok"}),
+    "a million trials per level": (SEVEN, [50_000 * k for k in RISING], 1_000_000, {"ok"}),
+    "levels 1e-9 apart": (1e-9 * SEVEN, RISING, 20, {"ok"}),
+    "levels 1e9 apart": (1e9 * SEVEN, RISING, 20, {"ok"}),
+    "levels of 1e-12": (1e-12 * SEVEN, RISING, 20, {"ok"}),
+    "huge offset, small spread": (1e6 + 1e-3 * SEVEN, RISING, 20, {"ok"}),
+    "non-monotone": (SEVEN, [2, 8, 18, 20, 12, 5, 2], 20, {"non_monotone"}),
+    "rows without trials": ([*SEVEN, 40, -3], [*RISING, 0, 0], [20] * 7 + [0, 0], {"ok"}),
+    "duplicated levels": (np.repeat(SEVEN, 2), np.repeat(RISING, 2), 20, {"ok"}),
+}
+TOLD = ("ok", "separated", "non_monotone", "too_few_levels")
+"""Statuses that may come with a threshold."""
+
+
+def is_honest(found, levels) -> bool:
+    """A threshold within its interval and the levels, or none and a note that says why."""
+    if found.threshold is None:
+        return bool(found.note) and found.width is None and found.function is None
+    ends = [end for end in (found.interval_low, found.interval_high) if end is not None]
+    assert np.isfinite([found.threshold, *ends]).all()
+    inside = min(levels) <= found.threshold <= max(levels)
+    return found.status in TOLD and inside and sorted([found.threshold, *ends])[len(ends) // 2] == found.threshold
+
+
+@pytest.mark.parametrize("case", list(SETS))
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_and_family_gives_a_number_or_a_status(method, case) -> None:
+    """All families in the soak, else one of them by turns."""
+    levels, k, n, statuses = SETS[case]
+    turn = METHODS.index(method) + list(SETS).index(case)
+    for shape in SHAPES if SOAK else [list(SHAPES)[turn % len(SHAPES)]]:
+        options = {"shape": shape, "guess_rate": 0.0, "method": method, "n_resamples": 200}
+        found = fit(levels, k, n, rng=np.random.default_rng(1), **options)
+        wide = statuses | {"ok", "threshold_below_range", "threshold_above_range", "separated"}
+        assert found.status in (statuses if shape in ("normal", "logistic") else wide), shape
+        assert is_honest(found, levels)
+    exact_case("every hard case by every method and family", against="a number or a status")
+
+
+@pytest.mark.parametrize("method", ["ml", "profile", "map", "posterior"] if SOAK else ["map", "posterior"])
+def test_a_stack_of_hard_cases_says_of_each_what_it_is_alone(method) -> None:
+    """Data sets of different lengths and sizes side by side."""
+    columns: list[list[np.ndarray]] = [[], [], []]
+    for levels, k, n, _ in SETS.values():
+        for column, part in zip(columns, (levels, k, np.broadcast_to(n, len(levels))), strict=True):
+            column.append(np.pad(np.asarray(part, dtype=float), (0, 20 - len(levels))))
+    options = {"shape": "logistic", "guess_rate": 0.0, "method": method}
+    together = fit_many(*columns, **options)
+    for found, (levels, k, n, _) in zip(together, SETS.values(), strict=True):
+        alone = fit(levels, k, n, **options)
+        assert (found.status, found.threshold is None) == (alone.status, alone.threshold is None)
+        if found.threshold is not None and found.interval_low is not None and found.interval_high is not None:
+            reach = 0.01 * (found.interval_high - found.interval_low)
+            assert found.threshold == pytest.approx(alone.threshold, abs=reach)
+    exact_case("all hard cases in one stack", against="each alone")
+
+
+# Statistics of a group
+WITHIN = ["force", "hz"]
+NAMES = {"dependent": "y", "subject": "who"}
+STATISTICS = {
+    "ANOVA": lambda t: repeated_measures(t, within=WITHIN, **NAMES)[["F", "p_unc", "np2", "ng2"]],
+    "permutation": lambda t: permutation_test(t, within=WITHIN, **NAMES)[["F", "p_permutation"]],
+    "checks": lambda t: checks(t, within=WITHIN, **NAMES)[["text"]],
+    "ART": lambda t: aligned_rank_transform(t, within=WITHIN, **NAMES)[["F", "p_unc"]],
+    "ART-C": lambda t: art_contrasts(t, within=WITHIN, contrast=["hz"], **NAMES)[["t", "p_corr", "status"]],
+    "mixed model": lambda t: mixed_model(t, factors=WITHIN, **NAMES).terms[["F", "p"]],
+    "Friedman": lambda t: friedman(t, factor="hz", **NAMES)[["Q", "p_unc"]],
+    "pairs": lambda t: pairs(t, factor="hz", **NAMES)[["t", "p_corr", "status"]],
+    "rank pairs": lambda t: rank_pairs(t, factor="hz", **NAMES)[["w", "p_corr", "status"]],
+    "TOST": lambda t: equivalence(t, factor="hz", bound=1.0, **NAMES)[["difference", "p"]],
+}
+FACTORIAL = ("ANOVA", "permutation", "checks", "ART", "ART-C")
+PAIRED = ("Friedman", "pairs", "rank pairs", "TOST")
+
+
+def group() -> pd.DataFrame:
+    rng = np.random.default_rng(2)
+    keys = list(product([f"P{i}" for i in range(6)], (0.5, 1.0), (60, 240, 480)))
+    values = rng.normal(size=(6, 6)) + 0.5 * np.arange(6)[:, None] + np.array([0, 1, 0, 0, 1, 2.0])
+    return pd.DataFrame(keys, columns=["who", *WITHIN]).assign(y=values.ravel())
+
+
+WHOLE = group()
+NO_ERROR = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "mixed model"), "zero_error")
+NONE_WITHIN = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "Friedman"), "no_variance_within")
+SAME = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "mixed model"), "constant")
+TABLES = {
+    "identical participants": (WHOLE.assign(y=np.tile([1, 2, 3, 4, 6, 5.0], 6)), NO_ERROR),
+    "no variance within participants": (
+        WHOLE.assign(y=np.repeat(np.arange(6.0), 6)),
+        NONE_WITHIN | {"mixed model": "zero_error"},
+    ),
+    "the same value everywhere": (WHOLE.assign(y=3.0), SAME | {"Friedman": "no_variance_within"}),
+    "two participants": (WHOLE[WHOLE["who"] < "P2"], dict.fromkeys((*FACTORIAL, *PAIRED), "too_few_participants")),
+    "one participant": (WHOLE[WHOLE["who"] < "P1"], dict.fromkeys(STATISTICS, "too_few_participants")),
+    "a missing cell": (WHOLE.drop(index=7), dict.fromkeys(FACTORIAL, "missing_cell")),
+    "a participant without a level": (
+        WHOLE[(WHOLE["who"] != "P1") | (WHOLE["hz"] != 240)],
+        dict.fromkeys((*FACTORIAL, *PAIRED), "missing_cell"),
+    ),
+    "one level": (WHOLE[WHOLE["hz"] == 60], dict.fromkeys(STATISTICS, "one_level")),
+    "NaN": (WHOLE.assign(y=WHOLE["y"].where(WHOLE.index != 5)), dict.fromkeys(STATISTICS, "not_finite")),
+    "text": (
+        WHOLE.assign(y=WHOLE["y"].astype(object).where(WHOLE.index != 5, "loud")),
+        dict.fromkeys(STATISTICS, "not_finite"),
+    ),
+    "no row": (WHOLE.iloc[:0], dict.fromkeys(STATISTICS, "no_data")),
+    "values of 1e-12": (WHOLE.assign(y=1e-12 * WHOLE["y"]), {}),
+    "1e9 away": (WHOLE.assign(y=1e9 + WHOLE["y"]), {}),
+}
+
+
+@pytest.mark.parametrize("case", list(TABLES))
+@pytest.mark.parametrize("statistic", list(STATISTICS))
+def test_every_statistic_of_a_group_is_a_number_or_refused_with_its_status(statistic, case) -> None:
+    table, statuses = TABLES[case]
+    if statistic in statuses:
+        with pytest.raises(InvalidParameter, match=r"found .*expected") as refusal:
+            STATISTICS[statistic](table)
+        assert getattr(refusal.value, "status", "too_few_participants") == statuses[statistic]
+    else:
+        found = STATISTICS[statistic](table)
+        tested = found[found["status"] == "ok"] if "status" in found else found
+        assert np.isfinite(tested.select_dtypes("number")).all(axis=None)
+    exact_case("every hard case by every statistic of a group", against="a number or a status")
+
+
+def test_means_over_cells_of_which_one_is_missing_say_so() -> None:
+    for compared in (pairs, rank_pairs, friedman):
+        found = compared(WHOLE.drop(index=7), factor="hz", **NAMES)
+        assert found.attrs["notes"] == [
+            "several values of one participant in one cell were averaged, from 1 to 2 in a cell: values are missing in "
+            "some"
+        ]
+
+
+# The command
+HEAD = "participant,trial,hz,procedure,level,task,response,correct,target"
+TASKS = ("yes_no", "forced_choice", "comparison")
+
+
+def rising(levels=SEVEN, n=12):
+    """Answers of each of four participants in each of two conditions: thresholds near the middle."""
+
+    def drawn(place, floor, rng):
+        spacing = levels[1] - levels[0]
+        chance = floor + (0.98 - floor) * ndtr((levels - np.mean(levels)) / spacing - 0.25 * place)
+        return list(zip(levels, rng.binomial(n, chance), [n] * len(levels), strict=True))
+
+    return drawn
+
+
+def constant(k, levels=SEVEN, n=12):
+    return lambda place, floor, rng: [
+        (x, each, n) for x, each in zip(levels, np.broadcast_to(k, len(levels)), strict=True)
+    ]
+
+
+STUDIES = {
+    "all correct": (constant(12), 4, "threshold_below_range"),
+    "all chance": (constant(6), 4, ("flat", "threshold_above_range", "flat")),
+    "perfect step": (lambda place, floor, rng: [(x, 10 if x > 4 else 10 * floor, 10) for x in SEVEN], 4, "separated"),
+    "one level": (constant(6, [4.0]), 4, "too_few_levels"),
+    "levels 1e-9 apart": (rising(1e-9 * SEVEN), 4, None),
+    "levels 1e9 apart": (rising(1e9 * SEVEN), 4, None),
+    "levels of 1e-12": (rising(1e-12 * SEVEN), 4, None),
+    "huge offset, small spread": (rising(1e6 + 1e-3 * SEVEN), 4, None),
+    "falling": (constant([12, 11, 10, 8, 4, 2, 0]), 4, "non_monotone"),
+    "duplicated levels": (lambda *a: [*rising(n=6)(*a), *rising(n=6)(*a)], 4, None),
+    "two participants": (rising(), 2, None),
+    "one participant": (rising(), 1, None),
+}
+
+
+def written(path, drawn, n, task, without=()):
+    rng, lines = np.random.default_rng(3), [HEAD]
+    floor = 0.5 if task == "forced_choice" else 0.0
+    for place, hz in product(range(n), (60, 240)):
+        if (place, hz) in without:
+            continue
+        for level, k, trials in drawn(place, floor, rng):
+            for trial in range(trials):
+                felt, target = int(trial < k), 1 + trial % 2
+                tail = f"{target if felt else 3 - target},{felt},{target}" if floor else f"{felt},,"
+                lines.append(f"P{place},{trial},{hz},c,{float(level)!r},{task},{tail}")
+    path.write_text("\n".join(lines))
+    return path
+
+
+def analysed(file, *options) -> dict:
+    result = CliRunner().invoke(command, [str(file), "--json", *options])
+    assert (result.exit_code, result.stderr) == (0, ""), result.output
+    return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize("case", list(STUDIES))
+def test_the_command_tells_every_hard_case_for_what_it_is(tmp_path, case) -> None:
+    """Every task, with its report, in the soak; else one of them by turns."""
+    drawn, n, status = STUDIES[case]
+    turn = list(STUDIES).index(case) % len(TASKS)
+    for task in TASKS if SOAK else TASKS[turn : turn + 1]:
+        file = written(tmp_path / f"{task}.csv", drawn, n, task)
+        found = analysed(file, *(["--report", str(tmp_path / f"{task}.html")] if SOAK else []))
+        expected = status[TASKS.index(task)] if isinstance(status, tuple) else status
+        statuses = {row["status"] for row in found["thresholds"]}
+        assert statuses == {expected} if expected else "ok" in statuses
+        if expected in ("threshold_below_range", "threshold_above_range", "flat", "too_few_levels"):
+            assert {row["threshold"] for row in found["thresholds"]} == {None}
+            assert {row["mean"] for row in found["outcomes"][0]["group"]} == {None}
+            assert found["hierarchical"] == [] or found["hierarchical"][0]["status"] is None
+            assert found["warnings"]
+    exact_case("every hard case by the command", against="a number or a status")
+
+
+def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
+    file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
+    found = analysed(file)
+    assert found["warnings"][0] == "1 of 8 cells of comparison have no valid trial (P1 hz 240)"
+    assert found["outcomes"][0]["notes"][0].endswith("left out: participant P1")
+
+
+def test_participants_who_are_all_alike_have_a_mean_and_no_interval(tmp_path) -> None:
+    file = written(tmp_path / "t.csv", constant([0, 1, 3, 6, 9, 11, 12]), 4, "comparison")
+    found = analysed(file)
+    first = found["outcomes"][0]["group"][0]
+    assert first["text"] == "4.0 (n = 4, all alike)"
+    assert (first["sd"], first["mean_low"], first["mean_high"]) == (0.0, None, None)
+    assert found["outcomes"][0]["status"] == "constant"
+
+
+def test_a_step_has_no_test_of_its_width(tmp_path) -> None:
+    file = written(tmp_path / "t.csv", STUDIES["perfect step"][0], 4, "comparison")
+    (hierarchical,) = analysed(file)["hierarchical"]
+    assert [row["width"] for row in hierarchical["conditions"]] == [None, None]
+    assert not any("width" in sentence and "F(" in sentence for sentence in hierarchical["sentences"])
