@@ -61,9 +61,9 @@ def played(raw, wanted):
     return len(heard) > 0 and np.array_equal(frames[heard[0] : heard[-1] + 1], wanted)
 
 
-@pytest.mark.parametrize("n_channels", [2, 8, 32])
-def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels):
-    what = asked(n_channels, "tofile", 1.0)
+@pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
+def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels, rate_hz):
+    what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
     subprocess.run([*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=60, stdout=subprocess.DEVNULL)
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 

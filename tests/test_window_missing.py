@@ -51,6 +51,13 @@ def test_the_keyboard_that_loses_answers_is_refused(display, home):
     assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'")
 
 
+@pytest.mark.parametrize(("status", "told"), [(143, "SystemExit 143"), (0, "window: PsychoPy could not open one (S")])
+def test_a_signal_while_the_window_opens_ends_the_process_and_psychopy_does_not(display, home, status, told):
+    quits = f"import sys\nfrom psychopy import visual\nvisual.Window = lambda **more: sys.exit({status})\n"
+    ends = OPEN + "except SystemExit as end:\n    print('SystemExit', end.code)\n"
+    assert said(quits + ends, HOME=home, DISPLAY=os.environ["DISPLAY"]).startswith(told)
+
+
 def test_the_bench_is_imported_without_psychopy(home):
     script = "import sys, tactometry.rigs.bench; print([name for name in sys.modules if name.startswith('psychopy')])"
     assert said(script, HOME=home) == "[]"

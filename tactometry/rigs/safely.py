@@ -13,6 +13,15 @@ SIGNALLED = 128
 """Exit status of a process that a signal ended: this and the signal's number."""
 
 
+def ended_by_signal(error: BaseException) -> bool:
+    """Whether it ends the process because a signal asked for that.
+
+    >>> ended_by_signal(SystemExit(143)), ended_by_signal(SystemExit(0))
+    (True, False)
+    """
+    return isinstance(error, SystemExit) and isinstance(error.code, int) and error.code > SIGNALLED
+
+
 class Closing(Protocol):
     """What can be closed, and knows whether it is."""
 
@@ -39,7 +48,7 @@ def safely(method: Callable[Concatenate[B, P], R]) -> Callable[Concatenate[B, P]
             return method(bench, *args, **kwargs)
         except SystemExit as end:
             bench.close()
-            if isinstance(end.code, int) and end.code > SIGNALLED:
+            if ended_by_signal(end):
                 raise
             raise DeviceFailed(
                 f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"

@@ -18,6 +18,7 @@ from tactometry.errors import DeviceFailed
 from tactometry.rigs.frames import Pacer
 from tactometry.rigs.keys import FreshPresses
 from tactometry.rigs.page import PAPER, Box, Click, Disc, Event, Item, KeyDown, Page, Text
+from tactometry.rigs.safely import ended_by_signal
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES = 20
@@ -63,6 +64,8 @@ def load_psychopy() -> SimpleNamespace:
             "apt-get install libgl1 libglu1-mesa libfontconfig1 libportaudio2"
         ) from error
     except (Exception, SystemExit) as error:
+        if ended_by_signal(error):
+            raise
         raise DeviceFailed(
             f"window: found no display ({type(error).__name__}: {error}), expected a screen; start it "
             "from a desktop session, or set DISPLAY"
@@ -261,6 +264,8 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
             autoLog=False,
         )
     except (Exception, SystemExit) as error:
+        if ended_by_signal(error):
+            raise
         raise DeviceFailed(
             f"window: PsychoPy could not open one ({type(error).__name__}: {error}); check that DISPLAY "
             "names a screen with 24-bit colour and OpenGL"
@@ -271,6 +276,8 @@ def _open_keyboard(psychopy: SimpleNamespace) -> Any:
     try:
         keyboard = psychopy.keyboard.Keyboard(backend="ptb")
     except (Exception, SystemExit) as error:
+        if ended_by_signal(error):
+            raise
         raise DeviceFailed(
             f"keyboard: PsychoPy could not open one ({type(error).__name__}: {error}); on macOS allow the "
             "terminal 'Input Monitoring' in the privacy settings"
