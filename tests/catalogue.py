@@ -7,6 +7,7 @@ import io
 from dataclasses import replace
 
 import numpy as np
+from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, small_screen
 
 from tactometry.contact import Contact
 from tactometry.experiments.study import builtin, load
@@ -65,6 +66,10 @@ from tactometry.stimuli.electrovibration import (
 )
 from tactometry.stimuli.electrovibration.played_texture import straight_path_m
 from tactometry.stimuli.hybrid import Hybrid
+from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
 from tactometry.stimuli.time_reversal.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.responses import Responses
 from tactometry.stimuli.time_reversal.setup import Setup
@@ -102,6 +107,21 @@ STIMULI = {
         AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=25e3),
     ),
 }
+
+RUBBED = (default("skin_leakage"), default("contact_area"), default("friction"))
+FOCUSED = (effect("attenuation", tau_s=2e-3), effect("one_bit"), effect("finger_load"))
+
+SCENES = {
+    "electrovibration": panel(*RUBBED, outputs=("t_s", "friction_force_n")),
+    "time_reversal": screen(*FOCUSED, outputs=("t_s", "focus_displacement_m")),
+    "hybrid": Scene(
+        HybridScreen(Electrovibration(60.0, duration_s=0.05, ramp_s=0.01), small_screen()),
+        (*FOCUSED, default("force_law"), *RUBBED),
+        ("peak_m", "sliding_t_s", "friction_force_n"),
+        contacts=(Touch(2.0), replace(SLIDING[0], x_m=0.09, y_m=0.06)),
+    ),
+}
+GIVEN = {**LEVEL, **VOLT}
 
 PROCEDURES = {
     "weighted_staircase": WeightedStaircase(

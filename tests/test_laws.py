@@ -1,6 +1,7 @@
 """What holds for every stimulus, procedure, protocol, observer and rig of the catalogue."""
 
 import math
+from dataclasses import replace
 
 import catalogue
 import numpy as np
@@ -20,6 +21,7 @@ per_stimulus = pytest.mark.parametrize("stimulus", catalogue.STIMULI.values(), i
 in_volts = {name: stimulus for name, stimulus in catalogue.STIMULI.items() if stimulus.level_unit == "dB re 1 V"}
 per_voltage = pytest.mark.parametrize("stimulus", in_volts.values(), ids=in_volts)
 per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
+per_scene = pytest.mark.parametrize("scene", catalogue.SCENES.values(), ids=catalogue.SCENES)
 per_protocol = pytest.mark.parametrize("protocol", catalogue.PROTOCOLS.values(), ids=catalogue.PROTOCOLS)
 per_observer = pytest.mark.parametrize("observer", catalogue.OBSERVERS.values(), ids=catalogue.OBSERVERS)
 per_rig = pytest.mark.parametrize("rig", catalogue.RIGS.values(), ids=catalogue.RIGS)
@@ -53,6 +55,35 @@ def test_the_same_level_gives_the_same_samples(stimulus):
 def test_a_level_without_a_finite_signal_is_refused(stimulus, level):
     with pytest.raises(InvalidParameter, match="found .*expected"):
         stimulus.at(level)
+
+
+def run_of(plan):
+    return plan.run({name: catalogue.GIVEN[name] for name in plan.given})
+
+
+@per_scene
+def test_a_scene_gives_the_same_twice_and_keeps_its_plan(scene):
+    once, again = run_of(scene.resolve()), run_of(scene.resolve())
+    for output in scene.outputs:
+        np.testing.assert_array_equal(once[output], again[output])
+    assert scene.resolve() == scene.resolve()
+
+
+@per_scene
+@given(data=st.data())
+@settings(max_examples=5)
+def test_the_order_of_effects_and_contacts_does_not_change_a_scene(scene, data):
+    effects, contacts = (data.draw(st.permutations(part)) for part in (scene.effects, scene.contacts))
+    assert replace(scene, effects=tuple(effects), contacts=tuple(contacts)).resolve() == scene.resolve()
+
+
+@per_scene
+@given(accuracy=st.floats(1e-4, 0.5), looser=st.floats(1.0, 2.0))
+@settings(max_examples=20)
+def test_a_looser_scene_promises_its_accuracy_and_costs_no_more(scene, accuracy, looser):
+    fine, loose = (replace(scene, accuracy=value).resolve() for value in (accuracy, accuracy * looser))
+    assert fine.error <= accuracy
+    assert loose.n_operations <= fine.n_operations
 
 
 @per_procedure

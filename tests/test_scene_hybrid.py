@@ -103,7 +103,7 @@ def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path,
     assert len(runs) == 2
 
 
-@pytest.mark.parametrize("damage", ["torn", "altered", "empty"])
+@pytest.mark.parametrize("damage", ["torn", "altered", "empty", "one bit"])
 def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, damage):
     runs = counting(monkeypatch)
     first = kept(HYBRID, tmp_path)
@@ -113,12 +113,22 @@ def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, d
             arrays = {name: held[name] for name in held.files}
         np.savez(file, **(arrays | {"peak_m": 2 * arrays["peak_m"]}))
     else:
-        content = file.read_bytes()
-        file.write_bytes(content[: len(content) // 2] if damage == "torn" else b"")
+        content = bytearray(file.read_bytes())
+        content[len(content) // 2] ^= 1
+        torn = {"torn": content[: len(content) // 2], "empty": b"", "one bit": content}
+        file.write_bytes(torn[damage])
     assert kept(HYBRID, tmp_path)["peak_m"] == first["peak_m"]
     assert kept(HYBRID, tmp_path)["peak_m"] == first["peak_m"]
     assert len(runs) == 2
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_result_of_another_version_is_computed_again(tmp_path, monkeypatch):
+    runs = counting(monkeypatch)
+    kept(HYBRID, tmp_path)
+    monkeypatch.setattr(cache, "versions", lambda: {"numpy": "0"})
+    kept(HYBRID, tmp_path)
+    assert len(runs) == 2
 
 
 # --- films

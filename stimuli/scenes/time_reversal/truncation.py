@@ -18,7 +18,7 @@ from tactometry.stimuli.scenes.effect import Surroundings
 MOVING, MOVING_ON_MAP, STILL, STILL_ON_MAP = 0.04, 0.08, 0.3, 2.5
 """Parts of the remainder, of the modes that move and of those that follow; the last of one transducer."""
 OF_LOAD = 0.15
-FEW_TRANSDUCERS = 12
+FEW_TRANSDUCERS = 16
 """Fewer of them make a weaker focus beside what each does at its own place: more of the remainder counts."""
 ROUNDING = 1e-9
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
