@@ -1,14 +1,14 @@
-"""Broken study files, data sets, journals and command lines: one sentence, the right exit status, nothing changed."""
+"""Broken study files and command lines: one sentence, the right exit status, nothing changed."""
 
 import re
 
 import pytest
+from command_line import call
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactometry.cli import main
 from tactometry.errors import TactometryError
-from tactometry.experiments.study import builtin, load, parse
+from tactometry.experiments.study import builtin, parse
 from tactometry.experiments.wiring import wire
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
@@ -191,14 +191,6 @@ SYNTAX = {
 }
 
 
-def call(capsys, *arguments):
-    """The exit status of a command line and what it said on standard error."""
-    with pytest.raises(SystemExit) as ended:
-        main(list(map(str, arguments)))
-    said = capsys.readouterr()
-    return ended.value.code, said.err.strip(), said.out
-
-
 def assert_one_sentence(said):
     assert said.startswith("tactometry: ")
     assert "\n" not in said
@@ -326,7 +318,7 @@ def test_a_study_with_a_weighted_staircase_runs(tmp_path, capsys):
         capsys, "simulate", tmp_path / "s.toml", "--participants", 1, "--seed", 1, "--out", tmp_path / "d"
     )
     assert (status, said) == (0, "")
-    assert b",weighted_staircase," in trials_of(tmp_path / "d").read_bytes()
+    assert b",weighted_staircase," in next((tmp_path / "d" / "data").glob("*.csv")).read_bytes()
 
 
 def test_a_file_is_not_overwritten(tmp_path, capsys):
@@ -335,126 +327,6 @@ def test_a_file_is_not_overwritten(tmp_path, capsys):
     status, said, _ = call(capsys, "new", "tutorial", "--out", mine)
     assert (status, said) == (2, f"tactometry: {mine}: found a file, expected none to overwrite; give another --out")
     assert mine.read_text() == "precious"
-
-
-@pytest.fixture(scope="module")
-def data_set(tmp_path_factory):
-    root = tmp_path_factory.mktemp("data") / "d"
-    with pytest.raises(SystemExit):
-        main(["simulate", "tutorial", "--participants", "2", "--seed", "3", "--out", str(root)])
-    return root
-
-
-@pytest.fixture
-def copied(data_set, tmp_path):
-    import shutil
-
-    return shutil.copytree(data_set, tmp_path / "d")
-
-
-def trials_of(root):
-    return sorted((root / "data").glob("*.csv"))[0]
-
-
-def edit(path, old, new, count=1):
-    content = path.read_bytes()
-    assert old in content
-    path.write_bytes(content.replace(old, new, count))
-
-
-DEFECTS = {
-    "cell": (lambda root: edit(trials_of(root), b",yes_no,", b",yes,"), "column 'task': found 'yes', expected one of"),
-    "row": (
-        lambda root: edit(trials_of(root), b"P01,1,tutorial,1,2,", b"P01,1,tutorial,1,2,9,"),
-        "row 3: found 25 cells",
-    ),
-    "header": (lambda root: edit(trials_of(root), b"latency_s", b"latenz_s"), "found no column 'latency_s'"),
-    "bytes": (lambda root: edit(trials_of(root), b"tutorial", b"\xff"), "found no CSV in UTF-8"),
-    "empty": (lambda root: trials_of(root).write_bytes(b""), "found an empty file"),
-    "missing": (lambda root: trials_of(root).unlink(), "found no such file, expected the trials of the journal"),
-    "extra row": (
-        lambda root: trials_of(root).write_bytes(
-            trials_of(root).read_bytes() + trials_of(root).read_bytes().splitlines()[-1] + b"\n"
-        ),
-        "expected each trial once",
-    ),
-    "value": (lambda root: edit(trials_of(root), b",1,1,", b",1,0,"), "found another row than the journal holds"),
-    "study": (lambda root: edit(root / "study.toml", b"tutorial", b"tutoria"), "digest of another study.toml"),
-    "no study": (lambda root: (root / "study.toml").unlink(), "study.toml: found no such file"),
-    "description": (
-        lambda root: edit(root / "dataset_description.json", b"schema.org", b"example.org"),
-        "@context: found",
-    ),
-    "broken description": (
-        lambda root: (root / "dataset_description.json").write_text("{"),
-        "dataset_description.json: found no description",
-    ),
-    "undescribed column": (
-        lambda root: edit(root / "dataset_description.json", b'"name": "latency_s"', b'"name": "latenz_s"'),
-        "has a column 'latency_s', expected both to agree",
-    ),
-    "journal": (
-        lambda root: edit(next((root / "journals").glob("*P01*")), b'"at_s":2.0', b'"at_s":3.0'),
-        "row 2: the line is damaged",
-    ),
-    "no journal": (lambda root: next((root / "journals").glob("*P01*")).unlink(), "found no journal of this session"),
-}
-
-
-@pytest.mark.parametrize("defect", DEFECTS)
-def test_validate_names_the_defect(copied, capsys, defect):
-    break_it, message = DEFECTS[defect]
-    break_it(copied)
-    status, _, out = call(capsys, "validate", copied)
-    assert status == 1
-    assert message in out
-
-
-def test_validate_finds_nothing_in_a_sound_data_set(copied, capsys):
-    status, _, out = call(capsys, "validate", copied)
-    assert (status, out.strip()) == (0, f"{copied}: sound; 2 sessions, {n_trials(copied)} trials")
-
-
-def n_trials(root):
-    return sum(path.read_bytes().count(b"\n") - 1 for path in (root / "data").glob("*.csv"))
-
-
-def test_replay_names_the_first_row_that_differs(copied, capsys):
-    edit(trials_of(copied), b",1,1,", b",1,0,")
-    status, said, _ = call(capsys, "replay", copied)
-    assert status == 1
-    assert re.search(r"row \d+: found another row than the replayed session gives", said)
-
-
-def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
-    edit(next((copied / "journals").glob("*P01*")), b'"at_s":2.0', b'"at_s":3.0')
-    status, said, _ = call(capsys, "replay", copied)
-    assert status == 2
-    assert "line 2: the line is damaged" in said
-
-
-def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(copied):
-    from tactometry.errors import Diverged
-    from tactometry.journal import read
-    from tactometry.rigs.replay import Replay
-    from tactometry.run import replay
-
-    study, _ = load("tutorial")
-    experiment = wire(study, "tutorial")
-    recording = read(next((copied / "journals").glob("*P01*")))
-    with pytest.raises(Diverged, match=r"line \d+: .*the recording holds .*, the protocol asks for"):
-        replay(experiment.course("P01", 1, 1, 4), Replay(recording.entries, "journal", recording.lines))
-
-
-def test_resuming_with_another_seed_is_refused(copied, capsys):
-    journal = next((copied / "journals").glob("*P01*"))
-    journal.write_bytes(journal.read_bytes()[:-50])
-    arguments = ["run", "tutorial", "--participant", "P01", "--rig", "simulated", "--seed", 4, "--resume"]
-    status, said, _ = call(capsys, *arguments, "--out", copied)
-    assert (status, said) == (
-        2,
-        "tactometry: --seed: found 4, but this session began with 3; leave it out to go on",
-    )
 
 
 @given(content=st.binary(max_size=300) | st.text(max_size=300).map(lambda text: text.encode("utf-8", "replace")))
@@ -480,21 +352,3 @@ def refused(content):
     except TactometryError as error:
         return str(error)
     return None
-
-
-@given(content=st.binary(max_size=400))
-@settings(max_examples=50)
-def test_random_bytes_for_a_journal_never_give_a_traceback(data_set, content):
-    import shutil
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(shutil.copytree(data_set, Path(folder) / "d"))
-        journal = next((root / "journals").glob("*P01*"))
-        journal.write_bytes(content)
-        for command in ("replay", "validate"):
-            with pytest.raises(SystemExit) as ended:
-                main([command, str(root)])
-            assert ended.value.code in (0, 1, 2)
-        assert journal.read_bytes() == content

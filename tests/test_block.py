@@ -1,0 +1,147 @@
+"""A block: what it does with several tracks, lost trials, rests and feedback."""
+
+from collections import Counter
+from dataclasses import replace
+
+import catalogue
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from memory import Memory
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
+from tactometry.protocols.block import run_block, turns
+from tactometry.request import Show
+from tactometry.run import run
+
+
+def lived(protocol, seed=1):
+    memory = Memory()
+    ended = run(protocol, catalogue.simulated(seed), memory)
+    return ended, memory
+
+
+def two_tracks(**how):
+    condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"])
+    rules = {"a": ConstantStimuli((10.0, 20.0), 10), "b": ConstantStimuli((30.0,), 20)}
+    tracks = tuple(Track(condition, rule, name) for name, rule in rules.items())
+    return Block(tracks, catalogue.TASKS["yes_no"], **how)
+
+
+def test_balanced_interleaving_presents_every_track_once_a_round():
+    _, memory = lived(run_block(two_tracks(interleaving="balanced"), 1, 1, np.random.default_rng(1)))
+    order = [trial.track for trial in memory.trials]
+    assert all(set(order[n : n + 2]) == {"a", "b"} for n in range(0, 40, 2))
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5))
+@settings(max_examples=30)
+def test_random_turns_are_those_of_their_seed(seed, n):
+    drawn = [turns("random", np.random.default_rng(seed)) for _ in range(2)]
+    assert [drawn[0](range(n)) for _ in range(20)] == [drawn[1](range(n)) for _ in range(20)]
+
+
+def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
+    _, memory = lived(run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1)))
+    assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
+
+
+def test_a_rest_is_counted_down_before_it_can_be_ended():
+    _, memory = lived(run_block(two_tracks(rest_after=10, rest_s=30.0), 1, 1, np.random.default_rng(1)))
+    shown = [(request.message, request.duration_s) for request, _ in memory.entries if isinstance(request, Show)]
+    assert shown == [("resting", 30.0), ("rest", None)] * 3
+
+
+def test_a_block_that_lasts_too_long_ends():
+    (first, second), memory = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))[0][0], None
+    del memory
+    assert {first.ended, second.ended} == {"aborted"}
+
+
+def test_feedback_says_whether_the_answer_was_right():
+    _, memory = lived(run_block(two_tracks(feedback=True), 1, 1, np.random.default_rng(1)))
+    said = [request.message for request, _ in memory.entries if isinstance(request, Show)]
+    assert said == ["right" if trial.correct else "wrong" for trial in memory.trials if trial.valid]
+
+
+TWICE = ConstantStimuli(levels=(10.0,), repeats=2)
+
+
+class Losing:
+    """A rig that loses the touches of these numbers (from 1)."""
+
+    def __init__(self, lost):
+        self._rig, self._lost, self._n = catalogue.simulated(), lost, 0
+
+    def press(self, request):
+        self._n += 1
+        return replace(self._rig.press(request), valid=self._n not in self._lost)
+
+    def __getattr__(self, name):
+        return getattr(self._rig, name)
+
+
+@given(lost=st.sets(st.integers(1, 48), max_size=12))
+@settings(max_examples=30, deadline=None)
+def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
+    memory = Memory()
+    block = two_tracks(catch_rate=0.25)
+    tracks, next_trial = run(run_block(block, 1, 1, np.random.default_rng(2)), Losing(lost), memory)
+    assert next_trial == 1 + max(trial.trial for trial in memory.trials)
+    attempts = Counter((trial.trial, trial.attempt) for trial in memory.trials)
+    assert set(attempts.values()) == {1}
+    for track in tracks:
+        felt = [t.level for t in memory.trials if t.track == track.name and t.valid and not t.catch]
+        asked_for = block.tracks[tracks.index(track)].procedure.order
+        assert track.ended == "aborted" or sorted(felt) == sorted(asked_for)
+        owed = {t.trial for t in memory.trials if t.track == track.name} - {
+            t.trial for t in memory.trials if t.track == track.name and t.valid
+        }
+        assert track.ended == "aborted" or not owed
+
+
+class Saying(Losing):
+    """A rig whose participant gives these answers to yes or no."""
+
+    def __init__(self, lost, options):
+        super().__init__(lost)
+        self._options = iter(options)
+
+    def choose(self, request):
+        return replace(self._rig.choose(request), option=next(self._options))
+
+
+def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():
+    track = replace(catalogue.block("yes_no", "constant_stimuli", "press").tracks[0], procedure=TWICE)
+    (track,), _ = run(
+        run_block(Block((track,), YesNo()), 1, 1, np.random.default_rng(2)), Saying({2}, [1, 0]), Memory()
+    )
+    assert (track.procedure.ended, track.ended) == ("trials", "trials")
+
+
+@pytest.mark.parametrize("task", ["rating", "adjustment", "preference"])
+def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
+    block = catalogue.block(task, "constant_stimuli", "press")
+    (track,), _ = run(run_block(block, 1, 1, np.random.default_rng(2)), catalogue.simulated(), Memory())
+    assert track.ended == "trials"
+
+
+@pytest.mark.parametrize(
+    ("how", "sentence"),
+    [
+        ({"tracks": ()}, "Block.tracks: found no track, expected at least one"),
+        ({"catch_rate": 0.6}, "Block.catch_rate: found 0.6, expected from 0 to 0.5"),
+        ({"interleaving": "rounds"}, "Block.interleaving: found 'rounds', expected one of random, balanced"),
+        ({"n_attempts": 0}, "Block.n_attempts: found 0, expected a whole number, at least 1"),
+        ({"rest_s": 0.0}, "Block.rest_s: found 0.0, expected a finite number above 0"),
+    ],
+)
+def test_an_impossible_block_is_refused(how, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        replace(two_tracks(), **how)
+
+
+def test_half_of_the_presentations_may_be_catch_trials():
+    assert two_tracks(catch_rate=0.5).catch_rate == 0.5
