@@ -14,49 +14,50 @@ from typing import Any
 
 import numpy as np
 import pytest
+from time_reversal_calls import calls
+from time_reversal_parts import (
+    BAND,
+    CLICK,
+    DESIGN,
+    EMISSION,
+    FOCUS,
+    PLATE,
+    RESPONSES,
+    ROOM,
+    SCREEN,
+    SETUP,
+    SHEETS,
+    TRAIN,
+)
 
 import tactometry.stimuli.time_reversal as room
-from tactometry.contact import Contact
 from tactometry.errors import TactometryError
-from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal import (
     Analogue,
     Attenuation,
-    Band,
-    ClosedReversal,
     Contactor,
     Disc,
-    Emission,
     Finger,
-    FocusTrain,
     Glass,
     Load,
     OneBit,
     Patch,
     Pattern,
-    Plate,
     PointForce,
     PulseWidth,
-    Responses,
-    Screen,
-    Setup,
     SigmaDelta,
     Target,
     TimeReversalSensation,
     TimeReversalStimulus,
-    border,
 )
 from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.closed_forms import Reverberation
 from tactometry.stimuli.time_reversal.decay import Estimate
-from tactometry.stimuli.time_reversal.design import Design, Transducers
+from tactometry.stimuli.time_reversal.design import Transducers
 from tactometry.stimuli.time_reversal.learning import Excitation
-from tactometry.stimuli.time_reversal.load import Receptances
 from tactometry.stimuli.time_reversal.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.reading import FocusReading
 from tactometry.stimuli.time_reversal.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.spectrum import Butterworth, Hold, Measured
-from tactometry.stimuli.time_reversal.thickness import sheets
 
 HOSTILE: Mapping[str, Any] = {
     "None": None,
@@ -76,36 +77,6 @@ HOSTILE: Mapping[str, Any] = {
 
 INNER = frozenset({"axis", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta"})
 """Numerical kernels: their arguments are arrays that the public functions make."""
-
-PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
-SCREEN = Screen(PLATE, border(PLATE, 2), Attenuation(3e-3))
-BAND = Band(100.0, 900.0)
-RNG = np.random.default_rng(0)
-DECAYING = np.exp(-np.arange(400) / 40) * RNG.standard_normal((2, 2, 400))
-RESPONSES = Responses(1e-9 * DECAYING, 2e3)
-FOCUS = RESPONSES.at_point(0)
-SIGNAL = Signal(np.sign(RNG.standard_normal((2, 8))), 2e3, "V")
-EMISSION = Emission(BAND, 5e-3, 2e3)
-SETUP = Setup(n_transducers=2, rate_hz=4e3, modes_to_hz=1e3, tau_s=1e-3, learnt_s=2e-3)
-TRAIN = FocusTrain(SETUP, f_max_hz=900.0, duration_s=0.1)
-DESIGN = Design(PLATE, Transducers(8), Band(1e3, 20e3), 3e-3, 6e-3)
-ROOM = Reverberation(32, 25e3, 3e-3, 6e-3, 18e-3)
-GRID = (np.linspace(0, 0.297, 7), np.linspace(0, 0.21, 5))
-BUMP = np.array([0.0, 1.0, 4.0, 1.0, 0.0])
-LINE = np.arange(5.0)
-FIELD = np.outer(BUMP, BUMP)
-POINTS = [(0.1, 0.1), (0.2, 0.05)]
-S = np.array([1.0 + 2j, 1.0 + 50j])
-MODAL = SCREEN.modes(1e3)
-WEIGHTS = np.ones((len(MODAL.frequency_hz), 1))
-RECEPTANCES = Receptances.of(SCREEN.oscillators(1e3), 0.15, S)
-CLOSED = ClosedReversal.of(PLATE, Attenuation(3e-3), 1e3, 5e-3)
-SAMPLING = {"rate_hz": 2e3, "duration_s": 4e-3, "f_max_hz": 1e3}
-LOW = {"f_max_hz": 1e3}
-SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])
-FREE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF").modes(500.0)
-AT_SETUP = Signal(np.sign(RNG.standard_normal((2, 8))), 4e3, "V")
-CLICK = np.eye(1, 400)[0]
 
 
 @dataclass(frozen=True)
@@ -133,345 +104,6 @@ def constructors() -> Iterator[tuple[str, object]]:
         "stimulus": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         "thickness": SHEETS[0], "transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
-
-
-def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
-    """Valid arguments of every public function, by module; `self` is the instance of a method."""
-    npz = folder / "h.npz"
-    np.savez(npz, samples=RESPONSES.samples, rate_hz=2e3)
-    toml = folder / "plate.toml"
-    toml.write_text('glass = "Borofloat 33"\nlength_m = 0.2\nwidth_m = 0.1\nthickness_m = 1e-3\nboundary = "SSSS"\n')
-    on_plate = {"plate": PLATE, "frequency_hz": 1e3}
-    heard = {"responses": RESPONSES}
-    driven = {"screen": SCREEN, "signal": SIGNAL, **LOW}
-    return {
-        "attenuation": {
-            "Attenuation.rate_per_s": {"self": Attenuation(3e-3), "frequency_hz": [1e3]},
-            "tau_from_damping_ratio_s": {"damping_ratio": 0.01, "frequency_hz": 1e3},
-            "tau_from_loss_factor_s": {"loss_factor": 0.01, "frequency_hz": 1e3},
-        },
-        "bonded": {
-            "Stiffener.weights": {"self": Stiffener(0.1, 0.1, 1.0), "screen": SCREEN, **LOW},
-            "Stiffener.dynamic_stiffness": {"self": Stiffener(0.1, 0.1, 1.0), "s": S},
-            "Ceramic.added_rigidity_n_m": {"self": Ceramic(), "plate": PLATE},
-            "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True, "n_parts": 1},
-        },
-        "closed_forms": {
-            "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
-            "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
-            "contrast_whole": {"room": ROOM},
-            "contrast_far": {"room": ROOM, "k_max_rad_per_m": 300.0, "radius_m": 0.03},
-            "contrast_temporal": {"room": ROOM, "start_s": 1e-3, "stop_s": 2e-3},
-            "contrast_limit": {"room": ROOM},
-            "repetition_noise_ratio": {"repetition_s": [5e-3], "tau_s": 3e-3},
-            "repetition_amplitude_ratio": {"reversal_s": 6e-3, "repetition_s": 3e-3, "tau_s": 3e-3},
-            "focus_profile": {"plate": PLATE, "band": BAND, "radius_m": [0.0, 0.1]},
-            "resolution_m": {"plate": PLATE, "band": BAND, "level": 0.5},
-            "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
-            "mistuned_amplitude_ratio": {"relative_shift": 1e-3, "band": BAND, "tau_s": 3e-3},
-        },
-        "closed_reversal": {
-            "ClosedReversal.of": {"plate": PLATE, "attenuation": Attenuation(3e-3), "reversal_s": 5e-3, **LOW},
-            "ClosedReversal.modal_amplitudes": {"self": CLOSED, "sources": WEIGHTS, "focus": WEIGHTS[:, 0]},
-            "overlap": {"oscillators": SCREEN.oscillators(1e3), "reversal_s": 5e-3},
-        },
-        "contactor": {
-            "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
-            "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
-        },
-        "decay": {
-            "schroeder_db": {"response": CLICK},
-            "tau_s": {"response": DECAYING[0, 0], "rate_hz": 2e3},
-            "tau_estimate": {"responses": RESPONSES},
-            "decay_of": {"energy": np.exp(-np.arange(32.0) / 5)},
-            "mean_estimate": {"values": LINE, "confidence": 0.95},
-        },
-        "design": {
-            "one_bit_amplitude_m": {"design": DESIGN},
-            "recommend": {
-                "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3,
-                "target": Target(1e-2, 5.0, 1e-6, 200.0),
-            },
-            "amplitude_over_reversal": {"design": DESIGN, "reversal_s": np.array([1e-3])},
-            "contrast_over": {"design": DESIGN, "n_channels": np.array([8.0]), "reversal_s": np.array([1e-3])},
-            "n_held": {"plate": PLATE, "side_m": 1e-2},
-            "thickness_for_m": {"plate": PLATE, "band": BAND, "wanted_resolution_m": 1e-2},
-            "wavelength_to_patch": {**on_plate, "side_m": 1e-2},
-        },
-        "dispersion": {
-            "wavenumber_rad_per_m": on_plate,
-            "wavelength_m": on_plate,
-            "phase_velocity_m_per_s": on_plate,
-            "group_velocity_m_per_s": on_plate,
-            "mindlin_angular_frequency_rad_per_s": {
-                "plate": PLATE, "wavenumber_rad_per_m": [100.0], "shear_factor": 0.8,
-            },
-            "mindlin_wavenumber_rad_per_m": {**on_plate, "shear_factor": 0.8},
-            "mindlin_phase_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
-            "mindlin_group_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
-            "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
-        },
-        "drift": {"warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5}},
-        "energy": {
-            "deformation_energy_j": {**driven, "sample": 7},
-            "kinetic_energy_j": {**driven, "sample": 7},
-            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
-            "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
-            "bridge_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
-            "average_power_w": {"power_w": 1.0, "duration_s": 1e-3, "repetition_hz": 100.0},
-        },
-        "estimation": {
-            "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
-            "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
-            "alpha_from_resolutions": {"resolution_m": [1e-2, 2e-2], "f_mean_hz": [2e4, 5e3], "plate": PLATE},
-            "youngs_modulus_pa": {"rigidity_ratio": Estimate(3.0, 2.9, 3.1), "plate": PLATE},
-        },
-        "field": {
-            "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
-            "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
-            "field": {**driven, "sample": 7, "at_m": GRID},
-            "movie": {**driven, "samples": [3, 7], "at_m": GRID},
-            "modal_history": {**driven, "samples": [3, 7]},
-        },
-        "finger": {
-            "Finger.load": {"self": Finger(0.1, 0.1)},
-            "Finger.weights": {"self": Finger(0.1, 0.1), "screen": SCREEN, **LOW},
-            "Finger.dynamic_stiffness": {"self": Finger(0.1, 0.1), "s": S},
-            "Emission.responses": {"self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [Finger(0.1, 0.1)]},
-            "amplitude_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [Load(0.2, 0.1, 9.0)], "emission": EMISSION,
-                "relearn": False,
-            },
-            "amplitude_ratio_at_focus": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "absorbing_tau_s": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "amplitude_ratio_elsewhere": {
-                "plate": PLATE, "impedance_n_s_per_m": 10.0, "tau_s": 3e-3, "reversal_s": 6e-3,
-            },
-            "contact_is_lost": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "force_n": 2.0, "pulp_mass_kg": 1e-4},
-            "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
-        },
-        "focus_train": {
-            "FocusTrain.at": {"self": TRAIN, "level": -60.0},
-            "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
-            "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
-        },
-        "focusing": {
-            "reversed_waveform": {
-                "foci": RESPONSES, "reversal_s": 0.2, "weights": [1.0, -1.0], "window": np.ones(400),
-            },
-            "drive": {
-                "foci": RESPONSES, "voltage_v": 30.0, "quantiser": OneBit(), "reversal_s": 0.2,
-                "weights": [1.0, -1.0], "window": np.ones(400),
-            },
-            "emitted": {"signal": SIGNAL, **heard},
-            "focus_amplitudes": {"signal": SIGNAL, **heard},
-            "focus_amplitude": {"signal": SIGNAL, **heard, "point": 1},
-        },
-        "force_loss": {
-            "force_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
-                "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
-            }
-        },
-        "glass": {
-            "Glass.plate": {
-                "self": Glass("x", 64e9, 0.2, 2230.0, "here"), "length_m": 0.2, "width_m": 0.1, "thickness_m": 1e-3,
-                "boundary": "SSSS",
-            }
-        },
-        "interpolation": {
-            "interpolated": {
-                "calibrated": RESPONSES, "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "noise_share": 1e-4,
-            },
-            "estimator": {
-                "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "frequency_hz": [1e3], "noise_share": 1e-4,
-            },
-            "expected_amplitude_ratio": {
-                "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "band": BAND, "noise_share": 1e-4,
-            },
-            "one_bit_amplitude_ratio_expected": {"share": 0.5},
-        },
-        "inverse_filter": {
-            "inverse_filter_waveform": {
-                "points": RESPONSES, "wanted": [1.0, 0.0], "band": BAND, "reversal_s": 0.1, "regularisation": 0.01,
-            }
-        },
-        "learning": {
-            "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
-            "sequence": {"order": 4, "rate_hz": 2e3},
-            "deconvolved": {"played": CLICK, "recorded": CLICK, "n_samples": 9, "regularisation": 1e-6},
-            "delay_s": {"played": CLICK, "recorded": CLICK, "rate_hz": 2e3},
-            "learnt": {
-                "played": CLICK, "recorded": DECAYING[0], "rate_hz": 2e3, "duration_s": 0.1,
-                "quantity": "velocity", "regularisation": 1e-6,
-            },
-            "as_displacement": {**heard, "f_min_hz": 100.0, "f_max_hz": 900.0},
-            "write_learnt": {**heard, "path": folder / "learnt.npz", "provenance": {"who": "me"}},
-            "read_provenance": {"path": npz},
-        },
-        "load": {
-            "Load.weights": {"self": Load(0.1, 0.1), "screen": SCREEN, **LOW},
-            "Load.dynamic_stiffness": {"self": Load(0.1, 0.1, 9.0), "s": S},
-            "Receptances.of": {"oscillators": SCREEN.oscillators(1e3), "mass_kg": 0.15, "s": S},
-            "Receptances.between": {"self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS},
-            "Receptances.correction": {
-                "self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
-            },
-            "Receptances.among": {"self": RECEPTANCES, "at": WEIGHTS},
-            "carried": {
-                "to_contacts": np.ones((1, 1, 2), complex), "among": np.ones((2, 1, 1), complex),
-                "stiffness": S[:, None],
-            },
-            "loaded_receptance": {
-                "receptances": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
-            },
-            "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [Load(0.1, 0.1, 9.0)], **SAMPLING},
-            "contour": {"n_samples": 9, "rate_hz": 2e3},
-        },
-        "measured": {
-            "read": {"paths": [npz], "full_scale": 1.0, "quantity": "velocity"},
-            "write_npz": {**heard, "path": folder / "kept.npz"},
-            "trimmed": {**heard, "start_s": 0.01, "duration_s": 0.1},
-            "aligned": {**heard, "delay_s": [1e-3, 2e-3]},
-            "inspect": {**heard, "snr_db": 20.0},
-            "reciprocity_error": {"there": LINE, "back": BUMP},
-        },
-        "merit": {
-            "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
-            "contrast_far_of": {
-                "amplitude_m": 4.0, "field_m": FIELD, "grid_m": (LINE, LINE), "focus_m": (2.0, 2.0), "radius_m": 1.0,
-            },
-            "contrast_temporal_of": {
-                "signal_m": BUMP, "focus_sample": 2, "rate_hz": 1.0, "start_s": 1.0, "stop_s": 2.0,
-            },
-            "width_m": {"at_m": LINE, "profile": BUMP, "level": 0.5},
-            "area_m2": {"field_m": FIELD, "grid_m": (LINE, LINE), "level": 0.5},
-            "envelope": {"signal": BUMP},
-            "temporal_width_s": {"signal_m": DECAYING[0, 0], "rate_hz": 2e3, "level": 0.5},
-            "uniformity": {"amplitudes_m": BUMP},
-            "deformation_energy_estimate_j": {
-                "area_density_kg_per_m2": 2.4, "frequency_hz": 1e4, "amplitude_m": 1e-5, "resolution_m": 1e-2,
-            },
-        },
-        "modes": {
-            "values": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
-            "laplacians": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
-            "modes_of": {"plate": PLATE, "f_max_hz": 1e3, "shear_factor": 0.8},
-            **{
-                f"{kind}Modes.{name}": {"self": modes, **arguments}
-                for kind, modes in (("Separable", MODAL), ("Ritz", FREE))
-                for name, arguments in {
-                    "products": {"on_x": lambda axis: axis.value(0.1), "on_y": lambda axis: axis.value(0.1)},
-                    "field": {"amplitude": np.ones(len(modes.frequency_hz)), "x_m": GRID[0], "y_m": GRID[1]},
-                    "frame": {"x_m": GRID[0], "y_m": GRID[1]},
-                }.items()
-            },
-        },
-        "pattern": {
-            **{
-                f"{type(envelope).__name__}.at": {"self": envelope, "position": np.array([0.0, 0.5])}
-                for envelope in (Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)))
-            },
-            "pattern_drive": {
-                "foci": RESPONSES, "pattern": Pattern(10.0, 0.2), "voltage_v": 30.0, "quantiser": OneBit(),
-                "reversal_s": 0.1, "path": [0, 1], "modulation": "burst", "tau_s": 3e-2,
-            },
-            "focus_samples": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3, "n_reversal": 9},
-            "burst_s": {"weight": 0.5, "reversal_s": 7e-3, "tau_s": 3.5e-3},
-        },
-        "plate": {
-            "Plate.contains": {"self": PLATE, "x_m": 0.1, "y_m": 0.1},
-            "Plate.check_holds": {"self": PLATE, "name": "at_m", "at_m": (0.1, 0.1)},
-            "Plate.modes": {"self": PLATE, "shear_factor": 0.8, **LOW},
-            "Plate.frequencies_hz": {"self": PLATE, **LOW},
-            "Plate.mode_count": {"self": PLATE, "frequency_hz": 1e3},
-        },
-        "plate_file": {"read_plate": {"path": toml}},
-        "quantiser": {
-            **{
-                f"{type(rule).__name__}.quantise": {"self": rule, "waveform": FIELD, "rate_hz": 2e3}
-                for rule in (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0))
-            },
-            "normalised": {"waveform": FIELD, "per_channel": True},
-            "transitions_per_s": {"values": np.sign(FIELD - 2), "rate_hz": 2e3},
-        },
-        "reading": {
-            "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
-            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [Load(0.1, 0.1, 9.0)]},
-        },
-        "responses": {
-            "Responses.at_point": {"self": RESPONSES, "index": 1},
-            "Responses.of_channels": {"self": RESPONSES, "channels": [1]},
-            "impulse_responses": {
-                "screen": SCREEN, "points": POINTS, **SAMPLING, "quantity": "displacement", "static_to_hz": 2e3,
-            },
-            "samples_in": {"name": "duration_s", "duration_s": 1.0, "rate_hz": 2e3},
-            "chunks": {"n_samples": 9, "size": 4},
-            "values_at": {"screen": SCREEN, "points": POINTS, **LOW},
-        },
-        "screen": {f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")},
-        "sensation": {
-            **{
-                f"TimeReversalSensation.{name}": {
-                    "self": TimeReversalSensation(SETUP), "signal": AT_SETUP, "contact": Contact(2.0),
-                }
-                for name in ("sensation_db", "displacement_m")
-            },
-            "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": Load(0.1, 0.1, 9.0)},
-            "events": {"displacement_m": BUMP, "rate_hz": 1e3},
-            "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},
-        },
-        "setup": {"Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP}},
-        "sound": {
-            "a_weighting_db": {"frequency_hz": [1e3]},
-            "coincidence_frequency_hz": {"plate": PLATE, "sound_speed_m_per_s": 343.0},
-            "radiation_efficiency": on_plate,
-            "noise": {**driven, "distance_m": 0.3, "duration_s": 0.1},
-            "velocity_spectrum": driven,
-        },
-        "spectrum": {
-            **{
-                f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
-                for gain in (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3))
-            },
-            "through": {**heard, "gain": Hold(2e3)},
-            "band_limited": {**heard, "band": BAND},
-            "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
-        },
-        "statics": {
-            "deflection_m": {"plate": PLATE, "force_n": 2.0, "at_m": (0.1, 0.1), "x_m": [0.1], "y_m": [0.1]},
-            "bending_stress_pa": {"plate": PLATE, "force_n": 2.0, "contact_m": 0.01},
-        },
-        "stimulus": {
-            f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
-            for name in ("at", "voltage_v")
-        },
-        "thickness": {
-            "sheets": {
-                "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),
-                "thicknesses_m": [1e-3],
-            },
-            "recommended": {"among": SHEETS, "thickness_m": 1e-3},
-        },
-        "transducer": {
-            **{
-                f"{type(source).__name__}.{name}": {"self": source, **arguments}
-                for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01))
-                for name, arguments in {
-                    "modal_force": {"modes": MODAL},
-                    "check": {"plate": PLATE, "name": "source"},
-                }.items()
-            },
-            "modal_forces": {"modes": MODAL, "sources": SCREEN.sources},
-            "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012},
-        },
-        "variability": {
-            "contributions_m": {**heard, "voltage_v": 30.0},
-            "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
-            "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
-            "resolution_per_focus_m": {"screen": SCREEN, "foci": [(0.14, 0.1)], "emission": EMISSION, "level": 0.5},
-        },
-    }  # fmt: skip
 
 
 def catalogue(folder: Path) -> Mapping[str, Call]:

@@ -1,0 +1,52 @@
+"""Small sound parts of time reversal, of which its calls are made."""
+
+import numpy as np
+
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal import (
+    Attenuation,
+    Band,
+    ClosedReversal,
+    Emission,
+    FocusTrain,
+    Plate,
+    Responses,
+    Screen,
+    Setup,
+    Target,
+    border,
+)
+from tactometry.stimuli.time_reversal.closed_forms import Reverberation
+from tactometry.stimuli.time_reversal.design import Design, Transducers
+from tactometry.stimuli.time_reversal.load import Receptances
+from tactometry.stimuli.time_reversal.thickness import sheets
+
+PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
+SCREEN = Screen(PLATE, border(PLATE, 2), Attenuation(3e-3))
+BAND = Band(100.0, 900.0)
+RNG = np.random.default_rng(0)
+DECAYING = np.exp(-np.arange(400) / 40) * RNG.standard_normal((2, 2, 400))
+RESPONSES = Responses(1e-9 * DECAYING, 2e3)
+FOCUS = RESPONSES.at_point(0)
+SIGNAL = Signal(np.sign(RNG.standard_normal((2, 8))), 2e3, "V")
+EMISSION = Emission(BAND, 5e-3, 2e3)
+SETUP = Setup(n_transducers=2, rate_hz=4e3, modes_to_hz=1e3, tau_s=1e-3, learnt_s=2e-3)
+TRAIN = FocusTrain(SETUP, f_max_hz=900.0, duration_s=0.1)
+DESIGN = Design(PLATE, Transducers(8), Band(1e3, 20e3), 3e-3, 6e-3)
+ROOM = Reverberation(32, 25e3, 3e-3, 6e-3, 18e-3)
+GRID = (np.linspace(0, 0.297, 7), np.linspace(0, 0.21, 5))
+BUMP = np.array([0.0, 1.0, 4.0, 1.0, 0.0])
+LINE = np.arange(5.0)
+FIELD = np.outer(BUMP, BUMP)
+POINTS = [(0.1, 0.1), (0.2, 0.05)]
+S = np.array([1.0 + 2j, 1.0 + 50j])
+MODAL = SCREEN.modes(1e3)
+WEIGHTS = np.ones((len(MODAL.frequency_hz), 1))
+RECEPTANCES = Receptances.of(SCREEN.oscillators(1e3), 0.15, S)
+CLOSED = ClosedReversal.of(PLATE, Attenuation(3e-3), 1e3, 5e-3)
+SAMPLING = {"rate_hz": 2e3, "duration_s": 4e-3, "f_max_hz": 1e3}
+LOW = {"f_max_hz": 1e3}
+SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])
+FREE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF").modes(500.0)
+AT_SETUP = Signal(np.sign(RNG.standard_normal((2, 8))), 4e3, "V")
+CLICK = np.eye(1, 400)[0]
