@@ -6,9 +6,36 @@ from typing import Any
 
 import numpy as np
 from time_reversal_parts import (
-    AT_SETUP, BAND, BUMP, CLICK, CLOSED, DECAYING, DESIGN, EMISSION, FIELD, FOCUS, FREE, GRID, LINE, LOW, MODAL,
-    PLATE, POINTS, RECEPTANCES, RESPONSES, ROOM, SAMPLING, SCREEN, SETUP, SHEETS, SIGNAL, TRAIN, WEIGHTS, S,
-)  # fmt: skip
+    AT_SETUP,
+    BAND,
+    BUMP,
+    CLICK,
+    CLOSED,
+    DECAYING,
+    DESIGN,
+    EMISSION,
+    FIELD,
+    FOCUS,
+    FREE,
+    GRID,
+    LINE,
+    LOW,
+    MODAL,
+    PLATE,
+    POINTS,
+    RECEPTANCES,
+    RESPONSES,
+    ROOM,
+    SAMPLING,
+    SCREEN,
+    SETUP,
+    SHEETS,
+    SIGNAL,
+    TRAIN,
+    WEIGHTS,
+    S,
+    written,
+)
 
 from tactometry.contact import Contact
 from tactometry.stimuli.time_reversal import (
@@ -39,10 +66,7 @@ from tactometry.stimuli.time_reversal.spectrum import Butterworth, Hold, Measure
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
     """Valid arguments of every public function, by module; `self` is the instance of a method."""
-    npz = folder / "h.npz"
-    np.savez(npz, samples=RESPONSES.samples, rate_hz=2e3)
-    toml = folder / "plate.toml"
-    toml.write_text('glass = "Borofloat 33"\nlength_m = 0.2\nwidth_m = 0.1\nthickness_m = 1e-3\nboundary = "SSSS"\n')
+    npz, toml = written(folder)
     on_plate = {"plate": PLATE, "frequency_hz": 1e3}
     heard = {"responses": RESPONSES}
     driven = {"screen": SCREEN, "signal": SIGNAL, **LOW}

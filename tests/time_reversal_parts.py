@@ -1,5 +1,7 @@
 """Small sound parts of time reversal, of which its calls are made."""
 
+from pathlib import Path
+
 import numpy as np
 
 from tactometry.signal import Signal
@@ -50,3 +52,12 @@ SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])
 FREE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF").modes(500.0)
 AT_SETUP = Signal(np.sign(RNG.standard_normal((2, 8))), 4e3, "V")
 CLICK = np.eye(1, 400)[0]
+PLATE_FILE = 'glass = "Borofloat 33"\nlength_m = 0.2\nwidth_m = 0.1\nthickness_m = 1e-3\nboundary = "SSSS"\n'
+
+
+def written(folder: Path) -> tuple[Path, Path]:
+    """Responses and a plate in files."""
+    npz, toml = folder / "h.npz", folder / "plate.toml"
+    np.savez(npz, samples=RESPONSES.samples, rate_hz=2e3)
+    toml.write_text(PLATE_FILE)
+    return npz, toml

@@ -1,5 +1,6 @@
 """What emitting longer buys: amplitude and contrast of the focus against the reversal time T."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -20,31 +21,40 @@ SIDES_M, N_POINTS = (A4_PROTOTYPE.plate.length_m, A4_PROTOTYPE.plate.width_m), (
 def amplitude() -> Problem:
     """One bit on the A4 prototype, relative to twelve time constants."""
     heard = _heard()
-    return Problem(
+    return _against_time(
         "reversal-time-amplitude",
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
-        "twelve time constants",
+        partial(_amplitude_m, heard),
         "convolution of the whole drive, last sample",
-        reference=lambda: (_amplitude_m(heard, LONGEST * TAU_S), 6.2e-6),
-        independent=lambda: (_emitted_m(heard), 6.2e-6),
-        error=lambda found, reference: abs(1 - found / reference),
-        rungs=tuple(Rung(f"T = {n:g} tau", partial(_amplitude_m, heard, n * TAU_S), price=n * TAU_S) for n in N_TAU),
-        price="time of emission T (s)",
+        lambda: (_emitted_m(heard), 6.2e-6),
     )
 
 
 def contrast() -> Problem:
     """The focus over the rms of the plate."""
     heard = _heard()
-    return Problem(
+    return _against_time(
         "reversal-time-contrast",
         "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
-        "twelve time constants",
+        partial(_contrast, heard),
         "exact steps of the modes",
-        reference=lambda: (_contrast(heard, LONGEST * TAU_S), 6.2e-6),
-        independent=lambda: (_contrast_of_modes(heard), 1e-9),
+        lambda: (_contrast_of_modes(heard), 1e-9),
+    )
+
+
+def _against_time(
+    name: str, what: str, after: Callable[[float], float], check: str, independent: Callable[[], tuple[float, float]]
+) -> Problem:
+    """The loss of what a reversal time gives, against that time."""
+    return Problem(
+        name,
+        what,
+        "twelve time constants",
+        check,
+        reference=lambda: (after(LONGEST * TAU_S), 6.2e-6),
+        independent=independent,
         error=lambda found, reference: abs(1 - found / reference),
-        rungs=tuple(Rung(f"T = {n:g} tau", partial(_contrast, heard, n * TAU_S), price=n * TAU_S) for n in N_TAU),
+        rungs=tuple(Rung(f"T = {n:g} tau", partial(after, n * TAU_S), price=n * TAU_S) for n in N_TAU),
         price="time of emission T (s)",
     )
 
