@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scikit_fem_plate import bogner_fox_schmit_hz
 from scipy import sparse
 
 from tactometry.experiments.ladders import boundary_basis, plate_modes
@@ -50,27 +51,7 @@ def free() -> list[Rung]:
 
 
 def _elements_hz(plate: Plate, n: int, n_modes: int) -> Real:
-    """Bogner-Fox-Schmit elements, Kirchhoff's bilinear form, natural edges, shift-inverted Lanczos."""
-    from scipy.sparse.linalg import eigsh
-    from skfem import Basis, BilinearForm, ElementQuadBFS, MeshQuad
-    from skfem.helpers import dd, ddot, trace
-
-    side = np.linspace(0, plate.length_m, n + 1)
-    basis, nu = Basis(MeshQuad.init_tensor(side, side), ElementQuadBFS()), plate.poisson_ratio
-
-    @BilinearForm
-    def bending(u, v, w):  # type: ignore[no-untyped-def]
-        del w
-        return (1 - nu) * ddot(dd(u), dd(v)) + nu * trace(dd(u)) * trace(dd(v))
-
-    @BilinearForm
-    def inertia(u, v, w):  # type: ignore[no-untyped-def]
-        del w
-        return u * v
-
-    lowest = eigsh(bending.assemble(basis), n_modes, inertia.assemble(basis), sigma=-1.0, return_eigenvectors=False)
-    found = np.sort(plate.wave_constant_m2_per_s * np.sqrt(np.maximum(lowest, 0)) / (2 * math.pi))
-    return found[plate_modes.N_RIGID :]
+    return bogner_fox_schmit_hz(plate, n, n, n_modes)[plate_modes.N_RIGID :]
 
 
 def other_bases() -> list[Rung]:

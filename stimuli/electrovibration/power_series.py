@@ -104,12 +104,24 @@ def _stick_series(s: float, speed: float, acceleration: float, h: float, out: Re
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _held(stretch: Real, speed: float, acceleration: float, h: float, c: float, k: float) -> Real:
-    """The friction that a stuck finger asks for, ``k s + c V``."""
+def _breaks_loose(stretch: Real, speed: float, acceleration: float, h: float, c: float, k: float, limit: Real) -> float:
+    """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
     asked = k * stretch
     asked[0] += c * speed
     asked[1] += c * acceleration * h
-    return asked
+    place: float = min(_falls(limit - asked), _falls(limit + asked))
+    return place
+
+
+@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+def _comes_to_rest(stretch: Real, speed: float, acceleration: float, h: float, direction: float) -> float:
+    """Where the skin is as fast as the finger that slips over it, in units of `h`."""
+    ahead = np.zeros(DEGREE + 1)
+    ahead[0], ahead[1] = direction * speed, direction * acceleration * h
+    for n in range(DEGREE):
+        ahead[n] -= direction * (n + 1) * stretch[n + 1] / h
+    place: float = _falls(ahead)
+    return place
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
@@ -186,15 +198,10 @@ def flow(  # noqa: PLR0912, PLR0915
                 break
             if direction == 0:
                 _stick_series(s, here, travel[1], unit, stretch)
-                asked_series = _held(stretch, here, travel[1], unit, c, k)
-                place = min(_falls(limit - asked_series), _falls(limit + asked_series))
+                place = _breaks_loose(stretch, here, travel[1], unit, c, k, limit)
             else:
                 _slip_series(s, rate, push, unit, m, c, k, stretch)
-                ahead = np.zeros(DEGREE + 1)
-                ahead[0], ahead[1] = direction * here, direction * travel[1] * unit
-                for n in range(DEGREE):
-                    ahead[n] -= direction * (n + 1) * stretch[n + 1] / unit
-                place = _falls(ahead)
+                place = _comes_to_rest(stretch, here, travel[1], unit, direction)
             reached = min(place, 1.0)
             passed = reached * h
             s, rate = _value(stretch, reached), _slope(stretch, reached) / unit
