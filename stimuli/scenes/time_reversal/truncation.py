@@ -61,7 +61,7 @@ def cut(scene: Surroundings, error: float) -> Cut:
     few = max(1.0, FEW_TRANSDUCERS / surface.n_transducers)
     moves = (MOVING_ON_MAP if on_map else MOVING * few) * left + load
     ratio = max(1.0, (moves / half) ** (1 / 5))
-    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL * few**2, 2)
+    still, power = (STILL_ON_MAP / surface.n_transducers, 1) if on_map else (STILL * few**3, 2)
     follow = max(ratio, (still * left / half) ** (1 / power))
     expected = moves / ratio**5 + still * left / follow**power
     band_hz = surface.band_max_hz
