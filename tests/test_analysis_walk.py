@@ -269,4 +269,5 @@ def test_a_step_has_no_test_of_its_width(tmp_path) -> None:
     file = written(tmp_path / "t.csv", STUDIES["perfect step"][0], 4, "comparison")
     (hierarchical,) = analysed(file)["hierarchical"]
     assert [row["width"] for row in hierarchical["conditions"]] == [None, None]
+    assert hierarchical["sentences"][0].startswith("hz: Wald's F(1, 3) = ")
     assert not any("width" in sentence and "F(" in sentence for sentence in hierarchical["sentences"])
