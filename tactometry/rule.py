@@ -88,16 +88,18 @@ def _of_numbers(hint: Any, high: float, unbounded: bool) -> Rule:
     good = _good_to(high, unbounded)
     number, numbers = _number(high, unbounded), "numbers" if unbounded else "finite numbers"
     if hint is float:
-        return Rule(number, numbers.replace("numbers", "number") if unbounded else "a finite number", good=good)
+        return Rule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
         return Rule(lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good)
     if hint == ArrayLike:
         array = _array("iuf", high, good)
         return Rule(lambda value: number(value) or array(value), numbers, good=good)
     dtype = get_args(get_args(hint)[1])[0]
-    array = _array("iufc" if issubclass(dtype, np.complexfloating) else "iuf", high, good)
-    words = f"an array of {'complex ' if issubclass(dtype, np.complexfloating) else ''}{numbers}"
-    return Rule(lambda value: _is_listed(value) and array(value), words, good=good, dtype=dtype)
+    kinds, prefix = ("iufc", "complex ") if issubclass(dtype, np.complexfloating) else ("iuf", "")
+    array = _array(kinds, high, good)
+    return Rule(
+        lambda value: _is_listed(value) and array(value), f"an array of {prefix}{numbers}", good=good, dtype=dtype
+    )
 
 
 def _good_to(high: float, unbounded: bool) -> Callable[[Any], NDArray[np.bool_]]:
