@@ -7,6 +7,7 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,6 +24,9 @@ from tactometry.rigs.safely import ended_by_signal
 FONT = "Noto Sans"
 N_MEASURED_FRAMES = 20
 PIXELS_PER_LINE = 300
+N_WAITING_PRESSES = 50_000
+"""More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
+without Python's lock (found at PsychoPy's own 5 000)."""
 VIEWING_DISTANCE_CM = 60.0
 UNSTATED_WIDTH_CM = 50.0
 Facts = dict[str, str | int | float | bool | None]
@@ -91,9 +95,11 @@ class Window:
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None) -> None:
         self._psychopy = load_psychopy()
         self._window = _open_window(self._psychopy, fullscreen=fullscreen, size=size)
-        self._closed = False
+        self._opened = ExitStack()
+        self._opened.callback(self._window.close)
         try:
             self._keyboard = _open_keyboard(self._psychopy)
+            self._opened.callback(self._keyboard.stop)
             self._prepare_drawing()
         except BaseException:
             self.close()
@@ -189,9 +195,7 @@ class Window:
         return time.perf_counter() - float(self._psychopy.clock.getTime())
 
     def close(self) -> None:
-        if not self._closed:
-            self._closed = True
-            self._window.close()
+        self._opened.close()
 
     def picture(self, page: Page) -> Any:
         """The page as a PIL image, drawn and read back but not shown."""
@@ -274,7 +278,9 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
 
 def _open_keyboard(psychopy: SimpleNamespace) -> Any:
     try:
-        keyboard = psychopy.keyboard.Keyboard(backend="ptb")
+        keyboard = psychopy.keyboard.Keyboard(backend="ptb", bufferSize=2 * N_WAITING_PRESSES)
+        keyboard.start()
+        keyboard.clearEvents()
     except (Exception, SystemExit) as error:
         if ended_by_signal(error):
             raise
