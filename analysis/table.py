@@ -60,7 +60,7 @@ class Trials:
 def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap | None = None) -> Trials:
     """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
 
-    Factors are the columns between ``trial`` and ``procedure``, or those named by `within`.
+    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`.
 
     Raises
     ------
@@ -79,9 +79,10 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
                 "the same; analyse different studies apart"
             )
     rows = pd.concat(tables, ignore_index=True)
-    factors = _factors(headers[0], within, path)
-    for name in factors:
+    named = _factors(headers[0], within, path)
+    for name in named:
         rows[name] = _factor_values(rows, name)
+    factors = named if within else tuple(name for name in named if _is_filled(rows[name]))
     return Trials(rows, factors, path, len(files))
 
 
@@ -322,6 +323,11 @@ def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[
                 "keeps that name for itself; rename the column, or name the factors with --within"
             )
     return factors
+
+
+def _is_filled(column: "pd.Series[Any]") -> bool:
+    """Whether any cell holds a value; of a factor whose levels a trial compares none does."""
+    return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
 
 
 def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":

@@ -185,6 +185,10 @@ class SharedTrack:
         return self.view.high
 
     @property
+    def n_trials(self) -> int:
+        return self.view.n_trials
+
+    @property
     def finished(self) -> bool:
         return self.view.finished
 

@@ -1,12 +1,56 @@
 """The transformed up-down staircase."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Final, Protocol, Self
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.require import finite, numbers, whole
+
+COUNTS: Final = ("n_down", "n_reversals", "n_trials", "n_at_bound")
+
+
+class Bounded(Protocol):
+    """What every staircase states."""
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def low(self) -> float: ...
+
+    @property
+    def high(self) -> float: ...
+
+
+def check_rule(rule: Bounded, counts: Sequence[str], **schedules: tuple[float, ...]) -> None:
+    """Refuse bounds, a start, counts (by their names) or steps that make no staircase; the sentence opens with the
+    class of `rule`."""
+    owner = type(rule).__name__
+    finite(owner, start=rule.start, low=rule.low, high=rule.high)
+    for name, steps in schedules.items():
+        numbers(f"{owner}.{name}", steps)
+    whole(owner, lowest=1, **{name: getattr(rule, name) for name in counts})
+    if not rule.low < rule.high:
+        raise InvalidParameter(f"{owner}.low: found {rule.low:g}, expected less than high ({rule.high:g})")
+    if not rule.low <= rule.start <= rule.high:
+        raise InvalidParameter(
+            f"{owner}.start: found {rule.start:g}, expected a level between low ({rule.low:g}) and high ({rule.high:g})"
+        )
+    for name, steps in schedules.items():
+        _check_steps(f"{owner}.{name}", steps, rule.high - rule.low)
+
+
+def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
+    if not steps:
+        raise InvalidParameter(f"{where}: found no step, expected at least one")
+    for n, step in enumerate(steps):
+        if not 0 < step <= widest:
+            raise InvalidParameter(
+                f"{where}[{n}]: found {step:g}, expected above 0 and at most the range of levels ({widest:g})"
+            )
 
 
 @dataclass(frozen=True)
@@ -54,25 +98,7 @@ class Staircase:
     def __post_init__(self) -> None:
         if self.levels:
             return
-        finite("Staircase", start=self.start, low=self.low, high=self.high)
-        numbers("Staircase.steps", self.steps)
-        counts = ("n_up", "n_down", "n_reversals", "n_trials", "n_at_bound")
-        whole("Staircase", lowest=1, **{name: getattr(self, name) for name in counts})
-        if not self.low < self.high:
-            raise InvalidParameter(f"Staircase.low: found {self.low:g}, expected less than high ({self.high:g})")
-        if not self.low <= self.start <= self.high:
-            raise InvalidParameter(
-                f"Staircase.start: found {self.start:g}, expected a level between low ({self.low:g}) and high "
-                f"({self.high:g})"
-            )
-        if not self.steps:
-            raise InvalidParameter("Staircase.steps: found no step, expected at least one")
-        for n, step in enumerate(self.steps):
-            if not 0 < step <= self.high - self.low:
-                raise InvalidParameter(
-                    f"Staircase.steps[{n}]: found {step:g}, expected above 0 and at most the range of levels "
-                    f"({self.high - self.low:g})"
-                )
+        check_rule(self, ("n_up", *COUNTS), steps=self.steps)
 
     @property
     def level(self) -> float:

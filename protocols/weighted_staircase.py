@@ -6,8 +6,7 @@ from typing import Self
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
-from tactometry.protocols.staircase import Staircase
-from tactometry.require import numbers
+from tactometry.protocols.staircase import COUNTS, Staircase, check_rule
 
 
 @dataclass(frozen=True)
@@ -49,20 +48,18 @@ class WeightedStaircase:
     def __post_init__(self) -> None:
         if self.state is not None:
             return
-        numbers("WeightedStaircase.steps_up", self.steps_up)
-        numbers("WeightedStaircase.steps_down", self.steps_down)
+        check_rule(self, COUNTS, steps_up=self.steps_up, steps_down=self.steps_down)
         if len(self.steps_up) != len(self.steps_down):
             raise InvalidParameter(
                 f"WeightedStaircase.steps_up: found {len(self.steps_up)} steps and {len(self.steps_down)} steps_down, "
                 "expected pairs"
             )
-        self._rule(self.steps_up)
-        object.__setattr__(self, "state", self._rule(self.steps_down))
+        object.__setattr__(self, "state", self._inside())
 
-    def _rule(self, steps: tuple[float, ...]) -> Staircase:
+    def _inside(self) -> Staircase:
         return Staircase(
             self.start,
-            steps,
+            self.steps_down,
             self.low,
             self.high,
             n_down=self.n_down,

@@ -10,6 +10,7 @@ from scipy.stats import t as student
 from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.same_different import differencing_sensitivity, independent_sensitivity
+from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidParameter
 
 N = 200_000
@@ -143,3 +144,16 @@ def test_both_are_analysed_and_reported(tmp_path) -> None:
     for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
         assert text in page
     assert found.summary()["preference"][0]["item"] == "P0"
+
+
+def test_the_factor_that_is_compared_is_no_condition_of_the_force(tmp_path) -> None:
+    table = compared(np.random.default_rng(), 4, 8, TRUTH).assign(
+        task="preference", level="20", procedure="constant_stimuli", place="", force_mean_n=1.1
+    )
+    table["trial"] = range(1, len(table) + 1)
+    columns = ["participant", "trial", "place", "procedure", "level", "task", "response", "item", "item_b"]
+    table[[*columns, "force_mean_n"]].to_csv(tmp_path / "t.csv", index=False)
+    found = analyse(tmp_path / "t.csv")
+    assert found.trials.factors == ()
+    assert found.tables["force"]["text"].str.startswith("1.10 ± ").all()
+    assert "applied force" in summary_text(found)

@@ -127,6 +127,9 @@ def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
     _, end = follow(rule, [1, 0, 1, 0, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 8.0, 6.0)
     assert end.threshold() == (8.0 + 6.0) / 2
+    _, end = follow(rule, [1, 0, 1, 0, 0, 1, 1, 0])
+    assert end.reversals == (6.0, 8.0, 6.0, 10.0, 6.0)
+    assert end.threshold() == (10.0 + 6.0) / 2
     _, end = follow(replace(rule, n_reversals=6), [1, 0, 1, 0, 0, 1, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 10.0, 6.0, 8.0)
     assert end.threshold() == (6.0 + 10.0 + 6.0 + 8.0) / 4
@@ -192,6 +195,16 @@ def test_a_weighted_staircase_settles_at_its_target():
 def test_steps_that_are_no_pairs_are_refused():
     with pytest.raises(InvalidParameter, match="WeightedStaircase.steps_up: found 2 steps and 1 steps_down"):
         WeightedStaircase(0.0, (3.0, 1.0), (1.0,), low=-12.0, high=12.0)
+
+
+@pytest.mark.parametrize(
+    ("up", "down", "found"),
+    [((0.0,), (1.0,), "steps_up[0]: found 0"), ((3.0, 1.0), (1.0, 99.0), "steps_down[1]: found 99")],
+)
+def test_a_weighted_staircase_names_the_step_that_is_wrong(up, down, found):
+    with pytest.raises(InvalidParameter) as refused:
+        WeightedStaircase(0.0, up, down, low=-12.0, high=12.0)
+    assert str(refused.value) == f"WeightedStaircase.{found}, expected above 0 and at most the range of levels (24)"
 
 
 def test_constant_stimuli_presents_each_level_as_often_as_asked():

@@ -156,6 +156,8 @@ def test_conditions_that_share_a_posterior_run_interleaved():
     made = experiment(
         (f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS), more='\n[plan]\ninterleave = ["frequency_hz"]\n'
     )
+    (planned,) = plan(made, 1)
+    assert (planned.n_tracks, planned.n_trials_at_most) == (2, 2 * 15)
     memory = Memory()
     tracks = run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
     assert {track.ended for track in tracks} <= {"trials", "converged"}
@@ -181,6 +183,18 @@ def test_practice_comes_first_and_is_marked():
     said = [request.message for request, _ in memory.entries if isinstance(request, Show)]
     assert said[2] == "practice"
     assert set(said) & {"right", "wrong"}
+
+
+def test_practice_goes_round_its_levels_and_counts_the_last_answers_only():
+    rule, levels = Practice(levels=(3.0, 2.0, 1.0), n_correct=2, n_of=2, n_trials=9), []
+    for answer in (1, 0, 1, 0, 1, 1):
+        assert rule.ended is None
+        levels.append(rule.level)
+        rule = rule.after(answer)
+    assert levels == [3.0, 2.0, 1.0, 3.0, 2.0, 1.0]
+    assert rule.ended == "converged"
+    with pytest.raises(InvalidParameter, match="Practice.after: the procedure has finished"):
+        rule.after(1)
 
 
 def test_practice_that_never_meets_its_criterion_ends():
