@@ -21,14 +21,14 @@ def message_pages(texts, aspect):
         "practice",
         "rest",
         "end",
-        "key_test",
     ]
     hint = texts.message("hint_continue")
     pages = {name: layout.message_page(texts.message(name, values), hint, aspect) for name in names}
+    key_test = layout.message_page(texts.message("key_test", values), "", aspect)
     resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
     progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
     pause = layout.message_page(texts.message("pause"), "", aspect)
-    return pages | {"resting": resting, "block": progress, "pause": pause}
+    return pages | {"key_test": key_test, "resting": resting, "block": progress, "pause": pause}
 
 
 def question_pages(texts, aspect):

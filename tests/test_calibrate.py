@@ -395,11 +395,13 @@ class Ruler:
 
 
 def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypatch, capsys):
-    """The window of the command opens beside that of the other tests, in front of it and full screen."""
+    """The window of the command opens beside that of the other tests, in front of it and full screen; their keyboard is
+    one, and ends with it."""
     ruler = Ruler(display)
     monkeypatch.setattr("sys.stdin", ruler)
     with pytest.raises(SystemExit) as ended:
         main(["calibrate", "display"])
+    screen._keyboard.start()
     assert ended.value.code == 0
     assert ruler.length_px == pytest.approx(SCREEN_PX[1] / 2, abs=2)
     assert capsys.readouterr().out.startswith(f"[screen]\nheight_m = {2 * ruler.length_px * 2.5e-4!r}")
