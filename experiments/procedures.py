@@ -82,11 +82,17 @@ class Rule:
         return tuple(self._fresh(rng) for _ in names)
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        """The lowest and the highest level that it may ask for."""
+        procedure: Any = self.procedure
+        if isinstance(procedure, ConstantStimuli | QuestPlus | Practice):
+            return float(min(procedure.levels)), float(max(procedure.levels))
+        return float(procedure.low), float(procedure.high)
+
+    @property
     def highest(self) -> float:
         """The highest level that it may ask for."""
-        procedure: Any = self.procedure
-        by_list = isinstance(procedure, ConstantStimuli | QuestPlus | Practice)
-        return float(max(procedure.levels) if by_list else procedure.high)
+        return self.bounds[1]
 
     @property
     def n_trials_at_most(self) -> int:

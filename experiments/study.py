@@ -151,6 +151,7 @@ def _check_plan(study: Study) -> None:
     """Whether plan, nested levels and variants speak of factors and levels that are there."""
     for key, name in study.plan.named:
         _check_name(name, study.factors, f"plan.{key}", "a factor")
+    _check_places(study.plan)
     for outer, by_level in study.nested.items():
         _check_name(outer, study.factors, "nested", "a factor")
         for level, inner in by_level.items():
@@ -164,6 +165,18 @@ def _check_plan(study: Study) -> None:
             _check_name(level, _texts(study.factors[name]), f"variants.{name}", "one of its levels")
             for table in tables:
                 _check_name(table, VARIED, f"variants.{name}.{level}", "a table")
+
+
+def _check_places(plan: PlanTable) -> None:
+    """Whether each factor has one place at most: between participants, between sessions or within a block."""
+    placed: dict[str, str] = {}
+    for key in ("between", "sessions", "interleave"):
+        for name in getattr(plan, key):
+            if name in placed:
+                raise InvalidParameter(
+                    f"plan.{key}: found {name!r}, which stands in plan.{placed[name]} too, expected each factor once"
+                )
+            placed[name] = key
 
 
 VARIED = ("stimulus", "touch", "procedure", "sensation")

@@ -1,6 +1,6 @@
 """From the numbers of a study to stimuli, sessions and simulated participants."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from tactometry.experiments.session_plan import Key, Sitting, all_cells, crossin
 from tactometry.experiments.study import Study
 from tactometry.experiments.tasks import Asking, asking, form_of
 from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols.adjustment import AdjustmentTask
 from tactometry.protocols.block import Condition, Track
 from tactometry.protocols.session import Part, session
 from tactometry.protocols.task import Task
@@ -124,6 +125,8 @@ def wire(study: Study, where: str) -> Experiment:
         for name, inquiry in study.inquiries.items():
             form_of(study, inquiry.form, f"inquiries.{name}.form")
         _check_levels(experiment)
+        if isinstance(experiment.task, AdjustmentTask):
+            _check_starts(experiment.cells.values(), experiment.task)
     except TactometryError as error:
         raise InvalidParameter(f"{where}, {error}") from None
     return experiment
@@ -148,6 +151,16 @@ def _check_levels(experiment: Experiment) -> None:
             if (cell.condition.stimulus, where, level) not in checked:
                 checked.add((cell.condition.stimulus, where, level))
                 _check_level(experiment, cell.stimulus, where, level)
+
+
+def _check_starts(cells: Iterable[Cell], task: AdjustmentTask) -> None:
+    for cell in cells:
+        low, high = cell.rule.bounds
+        if not task.low <= low <= high <= task.high:
+            raise InvalidParameter(
+                f"procedure: found levels from {low:g} to {high:g} where an adjustment starts, expected them within "
+                f"the bounds of the task ({task.low:g} to {task.high:g})"
+            )
 
 
 def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:

@@ -98,6 +98,8 @@ class Questionnaire:
         for index, item in enumerate(self.items):
             _check_item(self, item, f"items[{index}]")
         _check_order(self)
+        if not self.languages:
+            raise InvalidParameter("items: found no language that has words for all of them, expected at least one")
         for name, dimension in self.dimensions.items():
             _check_dimension(self, name, dimension)
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
@@ -196,6 +198,12 @@ class Questionnaire:
 def _check_scale(form: Questionnaire) -> None:
     if not (math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high):
         raise InvalidParameter(f"low: found {form.low:g}, expected a number below high ({form.high:g})")
+    scored = form.score_low, form.score_high
+    if not all(map(math.isfinite, scored)) or form.score_low == form.score_high:
+        raise InvalidParameter(
+            f"score_low: found {form.score_low:g} with score_high {form.score_high:g}, expected two different finite "
+            "numbers"
+        )
     if form.steps is not None and form.steps < 2:
         raise InvalidParameter(f"steps: found {form.steps}, expected at least 2; leave it out for a continuous line")
     if not form.items:

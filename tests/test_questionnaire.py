@@ -136,6 +136,13 @@ def test_the_best_answers_give_the_highest_scores(form):
         ),
         ('["Bad", "Good"]', '["Bad", " "]', "items[0].poles.en: found ['Bad', ' '], expected two words"),
         ('poles = { en = ["Bad", "Good"] }', "poles = {}", "items[0].poles: found none for 'A', expected two poles"),
+        ('{ en = ["Bad", "Good"] }', '{ fr = ["Mal", "Bien"] }', "items: found no language that has words for all"),
+        (
+            "score_low = -3.0",
+            "score_low = nan",
+            "score_low: found nan with score_high 3, expected two different finite",
+        ),
+        ("score_high = 3.0", "score_high = -3.0", "score_low: found -3 with score_high -3, expected two different"),
         ('id = "B"', 'id = "A"', "items[1].id: found 'A' twice, expected each id once"),
         ("order = 1", "order = 2", "items[1].order: found 2 twice, expected each order once"),
         (

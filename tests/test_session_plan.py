@@ -209,6 +209,10 @@ def test_practice_that_never_meets_its_criterion_ends():
     ("more", "sentence"),
     [
         ('[plan]\nsessions = ["force_n"]', "plan.sessions: found 'force_n', expected a factor (frequency_hz)"),
+        (
+            '[plan]\nbetween = ["frequency_hz"]\nsessions = ["frequency_hz"]',
+            "plan.sessions: found 'frequency_hz', which stands in plan.between too, expected each factor once",
+        ),
         ('[plan]\norders = { latin = ["frequency_hz"] }', "plan.orders: found 'latin', expected one of williams"),
         ('[plan]\norders = { random = ["hz"] }', "plan.orders.random: found 'hz', expected a factor (frequency_hz)"),
         ("[nested.frequency_hz.61]\nfrequency_hz = [1]", "nested.frequency_hz: found '61', expected one of its levels"),
@@ -304,6 +308,7 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
         ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor of at least two"),
         ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
         ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
+        ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found levels from 10 to 34 where an adj"),
         ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
         (
             'kind = "yes_no"\nn_intervals = 2',
