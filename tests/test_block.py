@@ -12,7 +12,8 @@ from memory import Memory
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
-from tactometry.protocols.block import run_block, turns
+from tactometry.protocols.block import Asked, Standing, run_block, turns
+from tactometry.protocols.task import Outcome, Reply
 from tactometry.request import Show
 from tactometry.run import run
 
@@ -145,3 +146,35 @@ def test_an_impossible_block_is_refused(how, sentence):
 
 def test_half_of_the_presentations_may_be_catch_trials():
     assert two_tracks(catch_rate=0.5).catch_rate == 0.5
+
+
+def test_the_factors_of_a_block_are_those_that_all_its_tracks_share():
+    conditions = (
+        Condition({"force_n": 1.0, "frequency_hz": hz}, "tone", "dB re 1 V", catalogue.TOUCHES["press"])
+        for hz in (60.0, 60.0, 240.0)
+    )
+    tracks = tuple(Track(condition, ConstantStimuli((10.0,), 1)) for condition in conditions)
+    assert Block(tracks, YesNo()).factors == {"force_n": 1.0}
+
+
+LOST = Outcome((), replies=(Reply(valid=False),))
+KEPT = Outcome((), replies=(Reply(1.0, correct=True),), success=True)
+
+
+def aborted_after(*came):
+    block = two_tracks(n_attempts=2)
+    standing = Standing(block, block.tracks, 1)
+    for asked, outcome in came:
+        standing = standing.after(asked, outcome)
+    return [track.aborted for track in standing.tracks]
+
+
+def test_a_valid_trial_begins_the_count_of_lost_ones_anew():
+    first, second, third = (Asked(0, trial, 10.0) for trial in (1, 2, 3))
+    assert aborted_after((first, LOST), (second, KEPT), (third, LOST)) == [False, False]
+    assert aborted_after((first, LOST), (second, LOST)) == [True, False]
+
+
+def test_one_trial_is_attempted_so_often_at_most_whatever_lies_between():
+    asked = Asked(0, 1, 10.0)
+    assert aborted_after((asked, LOST), (Asked(0, 2, 20.0), KEPT), (replace(asked, attempt=2), LOST)) == [True, False]
