@@ -40,7 +40,7 @@ def question_pages(texts, aspect):
         "felt": page("felt", texts.label("no"), texts.label("yes")),
         "which": page("which_interval", "1", "2"),
         "which_of_four": page("which_interval", "1", "2", "3", "4"),
-        "same": page("which_interval", texts.label("same"), texts.label("different")),
+        "same": page("same_different", texts.label("same"), texts.label("different")),
     }
 
 

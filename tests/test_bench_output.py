@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.devices.output import NullOutput, check_playable, with_ramps
-from tactometry.errors import DeviceFailed, LimitExceeded
+from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.limits import Limits
 from tactometry.signal import Signal
 
@@ -15,7 +15,7 @@ RATE_HZ = 1000.0
 samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), elements=st.floats(-100, 100))
 
 
-@given(samples, st.floats(0, 0.05))
+@given(samples, st.just(0.0) | st.floats(1e-18, 0.05))
 def test_ramps_never_raise_a_sample_and_keep_rest_at_the_ends(values, ramp_s):
     signal = Signal(values, RATE_HZ, "V")
     ramped = with_ramps(signal, ramp_s)
@@ -50,6 +50,18 @@ def test_nothing_above_its_limit_is_playable(values, voltage_peak_v):
         check_playable(signal, output)
 
 
+@pytest.mark.parametrize("values", [[[0, 1, 1, 1]], [[1, 1, 1, 0]], [[0, 1, 1, 0], [1, 1, 1, 1]], [[0, 1, 1, -0.02]]])
+def test_whatever_end_of_whatever_channel_is_not_at_rest_gets_ramps(values):
+    ramped = with_ramps(Signal(np.array(values, float), RATE_HZ, "V"), 0.002)
+    assert not ramped.samples[:, [0, -1]].any()
+
+
+@pytest.mark.parametrize("ramp_s", [-1.0, float("nan"), float("inf")])
+def test_a_ramp_has_a_finite_duration(ramp_s):
+    with pytest.raises(InvalidParameter, match=r"with_ramps\.ramp_s: found .*expected"):
+        with_ramps(ONE_VOLT, ramp_s)
+
+
 ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
 
 
@@ -60,6 +72,8 @@ ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
         (NullOutput(Limits(0.9)), LimitExceeded, "nothing was played"),
         (NullOutput(Limits(2.0), n_channels=1), DeviceFailed, "with n_channels 2, expected 1; nothing was played"),
         (NullOutput(Limits(2.0), rate_hz=500.0), DeviceFailed, "with rate_hz 1000, expected 500; nothing was"),
+        (NullOutput(Limits(2.0), n_channels=3), DeviceFailed, "with n_channels 2, expected 3; nothing was played"),
+        (NullOutput(Limits(2.0), rate_hz=2000.0), DeviceFailed, "with rate_hz 1000, expected 2000; nothing was"),
     ],
 )
 def test_what_an_output_cannot_or_must_not_emit_is_refused(output, error, message):

@@ -185,12 +185,23 @@ def test_what_a_sensor_cannot_tell_is_lost():
         ({"polynomial": (1.0,)}, "polynomial: found .*expected at least two"),
         ({"table_counts": (0.0, 1.0)}, "found 2 counts and 0 table_forces_n"),
         ({"table_counts": (1.0, 1.0), "table_forces_n": (0.0, 1.0)}, "found counts that do not rise"),
+        ({"table_counts": (0.0, 1.0, 2.0), "table_forces_n": (0.0, 1.0, 0.5)}, "forces that neither rise nor fall"),
+        ({"table_counts": (0.0, 1.0), "table_forces_n": (1.0, 1.0)}, "forces that neither rise nor fall"),
+        ({"polynomial": (1.5, 0.0)}, "one force for several counts from -inf to inf, expected it to rise or fall"),
+        ({"polynomial": (0.0, 1.0, -0.01), "count_high": 60.0}, "one force for several counts from -inf to 60"),
         ({"newtons_per_count": 1.0, "count_low": 2.0, "count_high": 1.0}, "count_low: found 2.0, expected below"),
     ],
 )
 def test_a_calibration_has_one_sound_form(form, message):
     with pytest.raises(InvalidParameter, match=message):
         ForceCalibration(**form)
+
+
+def test_a_polynomial_may_turn_beside_its_range_and_a_table_may_fall():
+    bent = ForceCalibration(polynomial=(0.0, 1.0, -0.01), count_low=0.0, count_high=50.0)
+    assert bent.force_n(np.array([10.0, 50.0])).tolist() == [9.0, 25.0]
+    falling = ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(2.0, 0.0))
+    assert falling.force_n(np.array([2.5])).tolist() == [1.5]
 
 
 # --- speed

@@ -108,6 +108,31 @@ def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, ga
     assert np.all(1e-9 * RATE_HZ * steps_v <= (current_peak_a + emitted.peak / 1e7) * (1 + 1e-9))
 
 
+class Overshooting(SixteenBits):
+    """Its converter emits twice what it was asked for."""
+
+    def final(self, signal):
+        return Signal(2 * signal.samples, signal.rate_hz, "V")
+
+
+def test_the_final_samples_are_held_against_the_limits_of_any_load():
+    driver = Overshooting()
+    guard = Guarded(driver, Limits(50.0, current_peak_a=1.0, duty=1.0, session_s=1e9), FINGER)
+    with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: found a peak of 60 V, the limit is 50 V"):
+        guard.play(volts([[30.0]]))
+    assert driver.emitted == []
+
+
+def test_every_signal_of_the_window_counts():
+    clock = Clock()
+    guard = Guarded(SixteenBits(), LIMITS, FINGER, clock)
+    for clock.now_s in (0.0, 0.5):
+        guard.play(volts(np.zeros((1, 200))))
+    clock.now_s = 0.8
+    with pytest.raises(LimitExceeded, match=r"limits\.duty: found signals in a part of 0\.6 "):
+        guard.play(volts(np.zeros((1, 200))))
+
+
 @given(samples, gains)
 def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
     driver, signal = SixteenBits(gain), volts(values)

@@ -22,9 +22,9 @@ class ForceCalibration:
     newtons_per_count : float, optional
         With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
     polynomial : tuple of float, optional
-        Coefficients of rising power, N, N per count and so on.
+        Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
     table_counts, table_forces_n : tuple of float, optional
-        Rising counts and the force of each; straight lines between them.
+        Rising counts and the force of each, which rises or falls with them; straight lines between them.
     count_low, count_high : float, optional
         Where the sensor saturates.
     measured_on, measured_by, max_age_days
@@ -64,6 +64,8 @@ class ForceCalibration:
             raise InvalidParameter(
                 f"ForceCalibration.polynomial: found {self.polynomial}, expected at least two finite numbers"
             )
+        if self.polynomial is not None:
+            _check_turns(self.polynomial, self.count_low, self.count_high)
         if self.table_counts is not None:
             _check_table(self.table_counts, self.table_forces_n or ())
         if not self.count_low < self.count_high:
@@ -96,3 +98,20 @@ def _check_table(counts: tuple[float, ...], forces_n: tuple[float, ...]) -> None
         )
     if np.any(np.diff(counts) <= 0):
         raise InvalidParameter("ForceCalibration.table_counts: found counts that do not rise, expected rising ones")
+    steps_n = np.diff(forces_n)
+    if not (np.all(steps_n > 0) or np.all(steps_n < 0)):
+        raise InvalidParameter(
+            "ForceCalibration.table_forces_n: found forces that neither rise nor fall with the counts, expected that; "
+            "measure them again"
+        )
+
+
+def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None:
+    slope = np.polynomial.Polynomial(polynomial).deriv().trim()
+    roots = np.asarray(slope.roots(), complex)
+    turns = (roots.imag == 0) & (roots.real > low) & (roots.real < high)
+    if np.any(turns) or not np.any(slope.coef):
+        raise InvalidParameter(
+            f"ForceCalibration.polynomial: found {polynomial}, which gives one force for several counts from "
+            f"{low:g} to {high:g}, expected it to rise or fall there; state the count_low and count_high that were measured"
+        )

@@ -10,6 +10,7 @@ import numpy as np
 from tactometry.devices.gain import Gain
 from tactometry.errors import DeviceFailed, LimitExceeded
 from tactometry.limits import Limits
+from tactometry.require import not_negative
 from tactometry.signal import Signal
 
 AT_REST_PART = 0.01
@@ -123,6 +124,11 @@ def with_ramps(signal: Signal, ramp_s: float) -> Signal:
 
     At rest is below 1 % of the signal's peak. A signal shorter than two ramps has ramps of half its length.
 
+    Raises
+    ------
+    InvalidParameter
+        If `ramp_s` is not a finite number of at least 0.
+
     Examples
     --------
     >>> step = Signal(np.ones((1, 100)), rate_hz=1000.0, unit="V")
@@ -132,6 +138,7 @@ def with_ramps(signal: Signal, ramp_s: float) -> Signal:
     >>> with_ramps(rising, 0.01) is rising
     True
     """
+    not_negative("with_ramps", ramp_s=ramp_s)
     n_samples = signal.samples.shape[1]
     n_ramp = min(round(ramp_s * signal.rate_hz), n_samples // 2)
     ends = np.abs(signal.samples[:, [0, -1]]) if n_samples else np.zeros(1)

@@ -100,10 +100,14 @@ def stop_stream(n_channels: int, rate_hz: float) -> bytes:
 
 def _header(signal: Signal, voltage_v: float, checksum: int) -> bytes:
     n_channels, n_samples = signal.samples.shape
-    if n_channels > MOST_CHANNELS:
-        raise InvalidParameter(f"packed stream: found {n_channels} channels, expected at most {MOST_CHANNELS}")
+    _check_channels(n_channels)
     fields = _FIELDS.pack(MAGIC, VERSION, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
     return fields + _CHECKSUM.pack(zlib.crc32(fields))
+
+
+def _check_channels(n_channels: int) -> None:
+    if not 1 <= n_channels <= MOST_CHANNELS:
+        raise InvalidParameter(f"packed stream: found {n_channels} channels, expected from 1 to {MOST_CHANNELS}")
 
 
 def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
@@ -115,6 +119,9 @@ def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
     _, version, n_header, n_channels, rate_hz, voltage_v, n_samples, checksum = _FIELDS.unpack(fields)
     if zlib.crc32(fields) != _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]:
         raise InvalidParameter("packed stream: found a header whose checksum is wrong, expected it undamaged")
-    if (version, n_header) != (VERSION, HEADER_BYTES) or not 1 <= n_channels <= MOST_CHANNELS:
-        raise InvalidParameter(f"packed stream: found version {version}, expected {VERSION}")
+    if (version, n_header) != (VERSION, HEADER_BYTES):
+        raise InvalidParameter(
+            f"packed stream: found version {version}, a header of {n_header} bytes, expected {VERSION} and {HEADER_BYTES}"
+        )
+    _check_channels(n_channels)
     return n_channels, rate_hz, voltage_v, n_samples, checksum
