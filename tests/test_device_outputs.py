@@ -123,6 +123,24 @@ def test_the_final_samples_are_held_against_the_limits_of_any_load():
     assert driver.emitted == []
 
 
+def test_each_signal_is_checked_by_itself_whatever_was_checked_before():
+    guard = Guarded(SixteenBits(Gain(100.0)), Limits(50.0, current_peak_a=3e-5, duty=1.0, session_s=1e9), FINGER)
+    guard.play(volts([[0.0, 10.0, 20.0, 10.0, 0.0]]))
+    with pytest.raises(LimitExceeded, match=r"limits\.current_peak_a"):
+        guard.play(volts([[0.0, 20.0, -20.0, 20.0, 0.0]]))
+
+
+def test_a_session_begins_when_its_output_is_opened():
+    clock = Clock()
+    guard = Guarded(SixteenBits(), LIMITS, FINGER, clock)
+    clock.now_s = 100.0
+    guard.open()
+    guard.play(volts(np.zeros((1, 100))))
+    clock.now_s = 110.0
+    with pytest.raises(LimitExceeded, match=r"limits\.session_s: found a session of 10\.1 s"):
+        guard.play(volts(np.zeros((1, 100))))
+
+
 def test_every_signal_of_the_window_counts():
     clock = Clock()
     guard = Guarded(SixteenBits(), LIMITS, FINGER, clock)
@@ -246,6 +264,21 @@ def test_a_file_that_is_no_signal_is_named(tmp_path):
 
 
 # --- packed one-bit streams
+
+
+@pytest.mark.parametrize(("values", "unit"), [([[1.0, -1.0]], "N"), ([[0.0, 0.0]], "V"), ([[1.0, -0.5]], "V")])
+def test_only_volts_of_one_size_are_packed(values, unit):
+    with pytest.raises(InvalidParameter, match="packed stream: found samples of more than one size"):
+        encode(Signal(np.array(values), RATE_HZ, unit))
+
+
+@pytest.mark.parametrize("n_channels", [0, 65_536])
+def test_a_stream_has_channels(n_channels):
+    stream = encode(volts([[1.0]]))
+    fields = stream[:12] + n_channels.to_bytes(4, "little") + stream[16 : HEADER_BYTES - 4]
+    header = fields + zlib.crc32(fields).to_bytes(4, "little")
+    with pytest.raises(InvalidParameter, match=f"found {n_channels} channels, expected from 1 to 65535"):
+        decode(header + stream[HEADER_BYTES:])
 
 
 @given(bits, st.floats(1e-3, 1e3), st.floats(1.0, 1e8))

@@ -113,5 +113,5 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
     if np.any(turns) or not np.any(slope.coef):
         raise InvalidParameter(
             f"ForceCalibration.polynomial: found {polynomial}, which gives one force for several counts from "
-            f"{low:g} to {high:g}, expected it to rise or fall there; state the count_low and count_high that were measured"
+            f"{low:g} to {high:g}, expected it to rise or fall there; state count_low and count_high as measured"
         )

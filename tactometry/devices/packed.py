@@ -121,7 +121,7 @@ def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
         raise InvalidParameter("packed stream: found a header whose checksum is wrong, expected it undamaged")
     if (version, n_header) != (VERSION, HEADER_BYTES):
         raise InvalidParameter(
-            f"packed stream: found version {version}, a header of {n_header} bytes, expected {VERSION} and {HEADER_BYTES}"
+            f"packed stream: found version {version}, header of {n_header} bytes, expected {VERSION} and {HEADER_BYTES}"
         )
     _check_channels(n_channels)
     return n_channels, rate_hz, voltage_v, n_samples, checksum
