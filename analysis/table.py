@@ -40,6 +40,8 @@ WHOLE = ("session", "block", "trial", "attempt", "target")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
+FOREIGN_FORMS = ("*.csv", "*.tsv")
+"""Where they stand in a folder of another program, read through a column map."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class Trials:
 def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap | None = None) -> Trials:
     """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
 
+    With a `column_map` a folder may also hold another program's tables, one a participant or session.
+
     Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`.
 
     Raises
@@ -69,7 +73,7 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
     InvalidParameter
         If `within` names a column that is not there.
     """
-    files = trial_files(path)
+    files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
     tables = [_one_file(file, column_map or ColumnMap()) for file in files]
     headers = [list(table.columns) for table in tables]
     for file, header in zip(files, headers, strict=True):
@@ -86,8 +90,8 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
     return Trials(rows, factors, path, len(files))
 
 
-def trial_files(path: Path) -> list[Path]:
-    """The trials files of a data set (ours, or BIDS with behaviour), or the one file that `path` is.
+def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
+    """The trials files of a data set (by default ours, or BIDS with behaviour), or the one file that `path` is.
 
     Raises
     ------
@@ -98,9 +102,12 @@ def trial_files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    found = next((files for form in FORMS if (files := sorted(path.glob(form)))), [])
+    found = next((files for form in forms if (files := sorted(path.glob(form)))), [])
     if not found:
-        raise InvalidFile(f"{path}: found no data/*_data.csv, expected a data set's folder or a CSV file of trials")
+        raise InvalidFile(
+            f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
+            "(--columns) and a folder of another program's tables"
+        )
     return found
 
 

@@ -116,6 +116,16 @@ def test_psychopys_table_is_read(tmp_path) -> None:
     assert used_rows(trials)["latency_s"].tolist() == [0.51, 0.62]
 
 
+def test_a_folder_of_psychopys_tables_is_read_with_a_map_only(tmp_path) -> None:
+    for code in ("7", "8"):
+        written(tmp_path / f"data/{code}.csv", PSYCHOPY.replace(",7,001", f",{code},001"))
+    trials = read_trials(tmp_path / "data", within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
+    assert trials.rows["participant"].tolist() == ["7"] * 3 + ["8"] * 3
+    assert trials.n_files == 2
+    with pytest.raises(InvalidFile, match=r"expected .* a column map \(--columns\) and a folder"):
+        read_trials(tmp_path / "data", within=["cond"])
+
+
 def test_jspsychs_table_is_read(tmp_path) -> None:
     file = written(tmp_path / "j.csv", JSPSYCH)
     trials = read_trials(file, within=["phase"], column_map=mapped(tmp_path, JSPSYCH_MAP))
