@@ -151,6 +151,16 @@ def test_every_signal_of_the_window_counts():
         guard.play(volts(np.zeros((1, 200))))
 
 
+def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
+    assert Gain(10.0).to_units(volts([[10.0 * (1 + 5e-13)]])).max() == 1.0
+    with pytest.raises(DeviceFailed, match="found a peak of 10.005 V, expected at most 10 V"):
+        Gain(10.0).to_units(volts([[10.005]]))
+    board = PackedSettings(str(tmp_path / "board"), n_channels=1, rate_hz=RATE_HZ).driver(Gain(30.0))
+    assert board.final(volts([[30.0 * (1 + 1e-10)]])).peak == 30.0
+    with pytest.raises(DeviceFailed, match="found a signal of 30.1 V, expected the 30 V of the supply"):
+        board.final(volts([[30.1]]))
+
+
 @given(samples, gains)
 def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
     driver, signal = SixteenBits(gain), volts(values)
