@@ -36,6 +36,12 @@ def test_log_linear_rule_of_perfect_answers() -> None:
     assert (found.d_prime, found.criterion) == (pytest.approx(3.9615, abs=5e-5), pytest.approx(0.0, abs=1e-12))
 
 
+def test_a_lenient_observer_has_a_criterion_below_0() -> None:
+    found = yes_no_sensitivity(19, 20, 9, 20)
+    assert found.criterion == pytest.approx(-(ndtri(19.5 / 21) + ndtri(9.5 / 21)) / 2)
+    assert found.criterion < 0
+
+
 @given(rate=st.floats(0.01, 0.999))
 def test_two_alternatives_have_a_closed_form(rate: float) -> None:
     """d' = sqrt(2) z(Pc)."""
@@ -64,6 +70,10 @@ def test_saying_yes_more_often_moves_the_criterion_only_one_way(hits: int, alarm
     [
         (lambda: yes_no_sensitivity(3, 2, 0, 5), "n_hits: found 3, expected a count from 0 to n_signals, 2"),
         (lambda: yes_no_sensitivity(1, 2, 0, 0), "n_noises: found 0, expected at least 1"),
+        (
+            lambda: two_interval_sensitivity(1, 5, -1, 5),
+            "n_correct_second: found -1, expected a count from 0 to n_second, 5",
+        ),
         (lambda: forced_choice_chance(1.0, 1), "n_alternatives: found 1, expected a whole number from 2"),
         (lambda: forced_choice_chance(np.inf, 2), "d_prime: found inf, expected a finite number"),
     ],

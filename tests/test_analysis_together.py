@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from test_analysis_report import DATA, SHARED
 
@@ -12,7 +13,7 @@ from tactometry.analysis.cells import Cell, cells
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.table import read_trials
-from tactometry.analysis.together import together
+from tactometry.analysis.together import _text, together
 
 CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
 
@@ -99,6 +100,20 @@ def test_a_study_without_factors_has_one_condition() -> None:
     fit = together([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
     assert fit.conditions["condition"].tolist() == ["all"]
     assert fit.effects == {}
+
+
+def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
+    rates = [
+        together([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), 2, "").fit.guess_rate
+        for n in (0, 16)
+    ]
+    assert rates[1] > rates[0] + 0.1
+
+
+def test_a_threshold_above_the_levels_is_told_as_its_lower_end_and_one_below_as_its_upper() -> None:
+    ends = [{"interval_low": 2.0, "interval_high": None}, {"interval_low": None, "interval_high": 2.0}]
+    told = [_text(pd.Series({"threshold": None} | end)) for end in ends]
+    assert told == ["> 2.0", "< 2.0"]
 
 
 def test_a_factor_between_participants_is_not_tested() -> None:
