@@ -4,9 +4,8 @@ import os
 from dataclasses import replace
 
 import pytest
-from test_scene_time_reversal import error_of
+from test_scene_time_reversal import error_of, refusal
 
-from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene
 
@@ -22,14 +21,6 @@ CASES = [
 ]
 CASES += [("hybrid-screen", ("t_s", "focus_displacement_m", "contact_force_n"))] if SOAK else []
 BESIDE = frozenset(("t_s", "x_m", "y_m"))
-
-
-def refusal(scene):
-    try:
-        scene.resolve()
-    except InvalidParameter as refused:
-        return str(refused)
-    return ""
 
 
 def reference(scene, run):

@@ -80,6 +80,17 @@ class FingerLoad:
         """The contacts that rest."""
         return [touch for touch in scene.contacts if not touch.slides]
 
+    def places_m(self, scene: Surroundings) -> list[tuple[float, float]]:
+        """Where they rest."""
+        surface: Any = scene.surface
+        return [
+            (
+                surface.focus_x_m if touch.x_m is None else touch.x_m,
+                surface.focus_y_m if touch.y_m is None else touch.y_m,
+            )
+            for touch in self.at_rest(scene)
+        ]
+
     def impedance_ratio(self, scene: Surroundings) -> float:
         """Of all fingers at the top of the band, over that of the infinite plate."""
         surface: Any = scene.surface
@@ -89,25 +100,27 @@ class FingerLoad:
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
 
     def weakening(self, scene: Surroundings) -> float:
-        """The plate moves less, and less still far from the focus; a force has more of the top of the band."""
+        """The plate moves less."""
+        return 1 + self.impedance_ratio(scene)
+
+    def reading(self, scene: Surroundings) -> float:
+        """It moves less still far from the focus; a force has more of the top of the band."""
         surface: Any = scene.surface
         away = any(touch.x_m is not None for touch in self.at_rest(scene))
         read = any(name.startswith("contact_") for name in scene.outputs)
         far = (surface.plate.modal_density_s * surface.band_max_hz) ** 0.5 if away and read else 1.0
-        fast = 2.0 if "contact_force_n" in scene.outputs else 1.0
-        return float((1 + self.impedance_ratio(scene)) * far * fast)
+        return float(far * (2.0 if "contact_force_n" in scene.outputs else 1.0))
 
     def _n_operations(self, scene: Surroundings, budget: Budget) -> float:
         found = cut(scene, budget.error)
         return 60.0 * len(self.at_rest(scene)) * n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
 
     def _settings(self, scene: Surroundings) -> dict[str, Setting]:
-        surface: Any = scene.surface
-        rests = self.at_rest(scene)
+        x_m, y_m = zip(*self.places_m(scene), strict=True)
         return {
-            "x_m": tuple(surface.focus_x_m if touch.x_m is None else touch.x_m for touch in rests),
-            "y_m": tuple(surface.focus_y_m if touch.y_m is None else touch.y_m for touch in rests),
-            "force_n": tuple(touch.force_n for touch in rests),
+            "x_m": x_m,
+            "y_m": y_m,
+            "force_n": tuple(touch.force_n for touch in self.at_rest(scene)),
             **vars(self),
         }
 
