@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import call
 
 from tactometry.devices.audio import AudioSettings
 from tactometry.devices.calibration import ForceCalibration
@@ -209,3 +210,18 @@ def test_reading_a_bench_file_loads_no_device_library(tmp_path):
     )
     result = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert result.stdout.split("\n")[:2] == ["set()", "[]"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "wanted"),
+    [
+        ("rate_hz = 44100\nchannels = [0]", "rate_hz 20000, expected 44100"),
+        ("rate_hz = 20000\nchannels = [0, 1]", "n_channels 1, expected 2"),
+    ],
+)
+def test_a_study_that_an_output_cannot_play_opens_no_window(tmp_path, capsys, settings, wanted):
+    calibrated = WHOLE[WHOLE.index("[output.gain]") : WHOLE.index("[sensors.hand]")]
+    bench = tmp_path / "bench.toml"
+    bench.write_text(f'[output]\nkind = "audio"\n{settings}\n{calibrated}')
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
+    assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said

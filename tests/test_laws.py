@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import get_args
 
 import catalogue
 import numpy as np
@@ -12,6 +13,7 @@ from memory import Memory
 
 from tactometry.errors import Diverged, InvalidParameter
 from tactometry.journal import decode_entry, encode_entry
+from tactometry.protocols.procedure import Ending
 from tactometry.request import Record
 from tactometry.rigs.replay import Replay
 from tactometry.run import replay, run
@@ -95,7 +97,7 @@ def test_a_procedure_ends_and_says_how(procedure, answers):
             break
         procedure = procedure.after(answer)
     assert procedure.finished
-    assert procedure.ended in ("converged", "trials", "censored_above", "censored_below")
+    assert procedure.ended in get_args(Ending)
 
 
 @per_procedure

@@ -66,6 +66,7 @@ def command(
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
     from datetime import date
 
+    from tactometry.devices.output import check_format
     from tactometry.experiments.bench_file import device_facts
     from tactometry.experiments.learnt_bank import bank_of, learnt_facts
     from tactometry.experiments.recording import RigKind
@@ -78,8 +79,11 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
         devices, learnt = bench.devices(study.limits, date.today()), learnt_facts(bench.time_reversal)
+        bank = bank_of(experiment, bench.time_reversal)
+        for name, stimulus in bank.items():
+            check_format(stimulus.at(experiment.highest_level(name)), devices.output)
         return open_bench(
-            bank_of(experiment, bench.time_reversal),
+            bank,
             bench.limits_with(study.limits),
             study.texts,
             language=screen.language,

@@ -109,6 +109,17 @@ def check_playable(signal: Signal, output: Output) -> None:
             "the bench or study file; nothing was played"
         )
     output.limits.check(signal)
+    check_format(signal, output)
+
+
+def check_format(signal: Signal, output: Output) -> None:
+    """Refuse a signal that is not of the channels or the rate that `output` has.
+
+    Raises
+    ------
+    DeviceFailed
+        If it is not.
+    """
     found = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
     for name, value in found.items():
         expected = getattr(output, name)
