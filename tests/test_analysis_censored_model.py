@@ -1,5 +1,7 @@
 """Mixed models of censored values: restricted likelihood if none is, integrals in extended precision, recovery."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pandas as pd
@@ -8,7 +10,10 @@ from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
 from tactometry.analysis.censored_model import _Censored, _interval, _value, censored_model
+from tactometry.analysis.laplace import MixedModel as Clusters
+from tactometry.analysis.laplace import inner_mode
 from tactometry.analysis.mixed_model import ModelStatus, mixed_model
+from tactometry.analysis.quadrature import log_marginal_by_quadrature
 from tactometry.errors import InvalidParameter
 
 GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "who"}
@@ -82,6 +87,23 @@ def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precis
     hard_case("likelihood of censored values", found.log_likelihood, float(total), 1e-8, against="25 digits")
 
 
+def test_the_gradient_of_the_quadrature_is_that_of_its_sum() -> None:
+    """With nodes that stay where they are: mean, residual, and scale of the participants."""
+    ends = np.array([[0.3, 0.3], [-0.2, np.inf], [-np.inf, 0.4], [-0.6, 0.1], [-1.1, -1.1]])
+    data = _Censored.of(ends, np.ones((5, 1)), np.array([0, 0, 1, 1, 2]))
+    random = np.where(data.used, 1.0, 0.0)[:, :, None, None]
+    model = Clusters(data.log_likelihood, data.x[:, :, None, :], random, np.ones((1, 1, 1)), n_shared=1)
+    here = np.array([0.1, -0.3, 0.7])
+    inner = inner_mode(model, here)
+
+    def value(parameters):
+        loads = random @ model.scale(parameters[2:])
+        return log_marginal_by_quadrature(model, parameters, replace(inner, loads=loads), n_nodes=9)
+
+    slope = approx_fprime(here, lambda x: value(x)[0])
+    np.testing.assert_allclose(value(here)[1], slope, rtol=1e-5, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     "ends", [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0), (30.0, 31.0)]
 )
@@ -114,6 +136,13 @@ def test_a_narrow_interval_is_its_value() -> None:
     estimates = narrow.coefficients["estimate"], whole.coefficients["estimate"]
     hard_case("values censored to 1e-9 of themselves", *estimates, 1e-6, against="the values")
     assert narrow.n_censored == 0
+
+
+def test_an_interval_of_a_tenth_of_the_spread_is_not_its_middle() -> None:
+    """One is a value from a millionth of the spread down."""
+    for width, n in ((0.05, 1), (1.1e-6, 1), (0.9e-6, 0)):
+        laid = _Censored.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
+        assert laid.n_censored == n
 
 
 def test_what_lies_above_mirrors_what_lies_below_and_units_scale() -> None:

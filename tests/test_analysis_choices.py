@@ -1,15 +1,18 @@
 """Same-different and paired preferences: published values, known observers, what has no answer."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.special import expit
+from scipy.special import expit, logit
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry
+from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry, preference_table
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.same_different import differencing_sensitivity, independent_sensitivity
+from tactometry.analysis.table import Trials
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidParameter
 
@@ -101,6 +104,37 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
     assert same == (n_participants < 5)
 
 
+@pytest.mark.parametrize(("n", "reach"), [(4, norm.ppf(0.975)), (5, student.ppf(0.975, 4))])
+def test_from_five_participants_on_intervals_count_them(n, reach) -> None:
+    first, second, preferred = league()
+    people = [f"P{place % n}" for place in range(len(first))]
+    found = bradley_terry(first, second, preferred, people).worths
+    np.testing.assert_allclose((found["high"] - found["worth"]) / found["standard_error"], reach, rtol=1e-9)
+
+
+def test_two_items_have_the_worths_and_the_order_of_their_two_proportions() -> None:
+    """Of a before b and b before a: logits w_a - w_b + o and w_b - w_a + o, variances 1 / k + 1 / (n - k)."""
+    (k, n), (j, m) = (30, 40), (12, 36)
+    found = bradley_terry(
+        ["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)
+    )
+    one, other, variance = logit(k / n), logit(j / m), 1 / k + 1 / (n - k) + 1 / j + 1 / (m - j)
+    half = (one - other) / 4
+    np.testing.assert_allclose(found.worths["worth"], [half, -half], rtol=1e-9)
+    np.testing.assert_allclose(found.worths["standard_error"], np.sqrt(variance) / 4, rtol=1e-7)
+    np.testing.assert_allclose(found.order["worth"], (one + other) / 2, rtol=1e-9)
+    np.testing.assert_allclose(found.order["standard_error"], np.sqrt(variance) / 2, rtol=1e-7)
+
+
+def test_a_factor_of_one_level_among_the_pairs_is_no_condition_of_the_worths() -> None:
+    first, second, preferred = league()
+    rows = pd.DataFrame({"item": first, "item_b": second, "response": list(map(str, preferred))})
+    rows = rows.assign(task="preference", participant="P1", hz=60.0, force_n=np.where(rows.index % 2, 0.5, 1.0))
+    found = preference_table(Trials(rows, ("hz", "force_n"), Path("t.csv"), 1))
+    assert "hz" not in found.columns
+    assert found["force_n"].value_counts().to_dict() == {0.5: 8, 1.0: 8}
+
+
 def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None:
     found = bradley_terry(["a", "a", "b", "b"], ["b", "c", "c", "a"], [1, 1, 1, 1])
     assert (found.status, found.note) == (WorthStatus.DISCONNECTED, "c never preferred to a, b: no finite worths")
@@ -114,6 +148,7 @@ def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None
     ("first", "second", "preferred", "message"),
     [
         (["a"], ["b"], [3], "preferred, row 0: found 3, expected 1"),
+        (["a"], ["b"], [0], "preferred, row 0: found 0, expected 1"),
         (["a"], ["a"], [1], "row 0: found a against itself"),
         (["a"], ["b", "c"], [1], "found 1, 2 values, expected one a trial each"),
         ([], [], [], "found 0 values"),

@@ -1,6 +1,7 @@
 """The exact contrasts under the analysis of variance: peers side by side, sphericity, permutations, hard cases."""
 
 import os
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -8,10 +9,11 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import f as fisher
 from scipy.stats import ncf
 
-from tactometry.analysis.anova import permutation_test, repeated_measures
-from tactometry.analysis.contrasts import Effect, effects, permutation_p
+from tactometry.analysis.anova import effect_row, permutation_test, repeated_measures, singular_note
+from tactometry.analysis.contrasts import Effect, Sphericity, effects, permutation_p
 from tactometry.analysis.design import Design, DesignStatus, UndefinedStatistic
 from tactometry.analysis.effect_size import eta_squared, noncentrality
 from tactometry.errors import InvalidParameter
@@ -110,6 +112,27 @@ def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
     found = analysed(published_values)
     assert found["eps_HF"].to_numpy() == pytest.approx([1, 0.931837, 1], abs=1e-6)
     assert found["np2"].to_numpy() == pytest.approx([0.844862, 0.988932, 0.220564], abs=1e-6)
+    corrected = fisher.sf(found["F"], found["eps_HF"] * found["ddof1"], found["eps_HF"] * found["ddof2"])
+    assert found["p_HF_corr"].to_numpy() == pytest.approx(corrected, rel=1e-9)
+    assert found["p_HF_corr"][1] > 2 * found["p_unc"][1]
+
+
+@pytest.mark.parametrize(("p", "holds"), [(0.049, False), (0.051, True)])
+def test_sphericity_is_rejected_at_5_percent(p, holds) -> None:
+    shape = Sphericity(0.5, p, 0.8, 0.9, singular=False)
+    (effect,) = effects(design_of(drawn((7, 3), np.random.default_rng())))
+    assert effect_row(replace(effect.tested, sphericity=shape))["sphericity"] is holds
+
+
+def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_are_told_from_that() -> None:
+    """The error matrix of n participants has a rank of n - 1 at most."""
+    rng = np.random.default_rng()
+    (few,) = effects(design_of(drawn((4, 5), rng)))
+    assert "(4 contrasts need more than 4 participants)" in singular_note(few.tested, 4)
+    values = drawn((8, 3), rng)
+    values[:, 2] = 2 * values[:, 0] - values[:, 1]
+    (told,) = analysed(values).attrs["notes"]
+    assert "(its 2 contrasts are exactly dependent in these 8 participants)" in told
 
 
 @pytest.fixture
@@ -134,6 +157,19 @@ def test_the_interval_leaves_zero_out_exactly_where_the_test_is_significant() ->
     found = [eta_squared(ss, 18.0, 40.0, (1, 18)) for ss in (4.413, 4.415)]
     assert [size.partial_low > 0 for size in found] == [False, True]
     assert all(size.generalised_low <= size.generalised <= size.generalised_high for size in found)
+
+
+def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(published_values) -> None:
+    """At l / (l + n) = eta squared, with n = epsilon (df1 + df2) + 1; the generalised one has other errors besides."""
+    whole = analysed(published_values)
+    found = whole[whole["p_GG_corr"] < 0.05]
+    assert whole["np2_low"].to_numpy()[2] == 0
+    df1, df2 = found["eps"] * found["ddof1"], found["eps"] * found["ddof2"]
+    for end, chance in (("low", 0.95), ("high", 0.05)):
+        odds = found[f"np2_{end}"] / (1 - found[f"np2_{end}"])
+        assert ncf.cdf(found["F"], df1, df2, odds * (df1 + df2 + 1)) == pytest.approx([chance] * 2, abs=1e-5)
+        share = found["ng2"] / (1 - found["ng2"]) * (1 - found["np2"]) / found["np2"]
+        assert found[f"ng2_{end}"].to_numpy() == pytest.approx((odds * share / (1 + odds * share)).to_numpy(), rel=1e-9)
 
 
 def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_effect() -> None:
@@ -166,6 +202,15 @@ def test_many_participants_draw_signs_and_agree_with_f() -> None:
     effect = Effect(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
     found = permutation_p(effect, rng=rng, n_resamples=4000)
     assert found == pytest.approx(effect.p(), abs=0.03)
+
+
+@pytest.mark.parametrize(("n", "n_permutations"), [(6, 32), (14, 8192), (15, 99)])
+def test_the_number_of_permutations_is_told(n, n_permutations) -> None:
+    """One of two mirrored patterns of signs each is tried."""
+    rng = np.random.default_rng()
+    names = {"dependent": "y", "within": "force", "subject": "subject"}
+    found = permutation_test(long_table(drawn((n, 3), rng)), **names, rng=rng, n_resamples=99)
+    assert found["n_permutations"].tolist() == [n_permutations]
 
 
 def test_many_participants_ask_for_a_generator() -> None:

@@ -149,3 +149,11 @@ def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
 def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
     assert together([cell(who) for who in "ABC"], [], 2, "").note.startswith("no hierarchical fit: 3 cells, at most 2")
+    assert together([cell(who) for who in "AB"], [], 2, "").fit is not None
+
+
+def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
+    answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
+    told = together([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "").sentences("")
+    assert any("standard deviations between" in sentence for sentence in told)
+    assert not any("rate" in sentence for sentence in told)
