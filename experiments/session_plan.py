@@ -1,7 +1,6 @@
 """The parts of a session: a pure function of the study, the participant's number, the session and the seed."""
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -58,17 +57,20 @@ def session_cells(
     """
     if number < 1:
         raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
+    sessions = all_sessions(study, over, number, seed)
+    if n_session > len(sessions) and study.plan.sessions:
+        raise InvalidParameter(f"--session: found {n_session}, expected from 1 to {len(sessions)}, as the plan has")
+    return sessions[n_session - 1 if study.plan.sessions else 0]
+
+
+def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
+    """The cells of every session that the plan has for this participant; one session if all are the same."""
     plan = study.plan
     groups = crossed({name: study.factors[name] for name in plan.between})
     row, group = divmod(number - 1, len(groups))
     factors = {**study.factors, **{name: (level,) for name, level in groups[group].items()}}
     cells = crossing_of(study, over, factors).cells(row, stream(seed, "order", number))
-    if not plan.sessions:
-        return cells
-    sessions = [list(part) for _, part in itertools.groupby(cells, lambda cell: [cell[n] for n in plan.sessions])]
-    if n_session > len(sessions):
-        raise InvalidParameter(f"--session: found {n_session}, expected from 1 to {len(sessions)}, as the plan has")
-    return sessions[n_session - 1]
+    return [list(part) for _, part in itertools.groupby(cells, lambda cell: [cell[n] for n in plan.sessions])]
 
 
 @dataclass(frozen=True)
@@ -161,8 +163,3 @@ def all_cells(study: Study) -> list[dict[str, float | str]]:
         {name: cell[name] for name in study.factors}
         for cell in Crossing[float | str](study.factors, {}, nested_levels(study)).cells(0, np.random.default_rng(0))
     ]
-
-
-def n_sessions(study: Study) -> int:
-    """How many sessions the plan has; 1 if every session is the same."""
-    return math.prod(len(study.factors[name]) for name in study.plan.sessions)

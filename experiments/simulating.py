@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.experiments.recording import Recorded, Who, record, simulated
+from tactometry.experiments.session_plan import all_sessions
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import wire
 
@@ -27,9 +28,15 @@ class Simulation:
         if self.seed < 0:
             raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at least 0")
 
-    def participants(self) -> list[Who]:
+    def sessions(self) -> list[Who]:
+        """Every session of every participant, as the plan has them."""
         width = max(2, len(str(self.n_participants)))
-        return [Who(f"P{n:0{width}d}", seed=self.seed) for n in range(1, self.n_participants + 1)]
+        study = parse(self.study_toml, self.where)
+        return [
+            Who(f"P{n:0{width}d}", session, seed=self.seed)
+            for n in range(1, self.n_participants + 1)
+            for session in range(1, len(all_sessions(study, None, n, self.seed)) + 1)
+        ]
 
 
 def simulate_one(simulation: Simulation, who: Who) -> Recorded:
@@ -54,7 +61,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     if scheduler is not None:
         yield from _on_cluster(simulation, scheduler)
     elif n_jobs == 1:
-        yield from (simulate_one(simulation, who) for who in simulation.participants())
+        yield from (simulate_one(simulation, who) for who in simulation.sessions())
     else:
         yield from _parallel(simulation, n_jobs)
 
@@ -62,7 +69,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
 def _parallel(simulation: Simulation, n_jobs: int) -> Iterator[Recorded]:
     import joblib
 
-    calls = (joblib.delayed(simulate_one)(simulation, who) for who in simulation.participants())
+    calls = (joblib.delayed(simulate_one)(simulation, who) for who in simulation.sessions())
     yield from joblib.Parallel(n_jobs=n_jobs, return_as="generator")(calls)
 
 

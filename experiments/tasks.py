@@ -20,7 +20,7 @@ from tactometry.protocols import (
 )
 from tactometry.protocols.block import Interleaving, check_presenting
 from tactometry.protocols.task import Task
-from tactometry.questionnaire import Questionnaire, built, load
+from tactometry.questionnaire import Questionnaire, built, load, shipped
 from tactometry.strict import build
 
 
@@ -86,10 +86,10 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     """
     if name in study.forms:
         return built({"name": name, **study.forms[name]}, f"forms.{name}.")
-    try:
-        return load(name)
-    except InvalidParameter as error:
-        raise InvalidParameter(f"{path}: {str(error).removeprefix('questionnaire: ')}") from None
+    known = (*study.forms, *shipped())
+    if name not in known:
+        raise InvalidParameter(f"{path}: found {name!r}, expected one of {', '.join(known)}{nearest(name, known)}")
+    return load(name)
 
 
 @dataclass(frozen=True)

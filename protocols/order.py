@@ -75,6 +75,16 @@ ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
 }
 """The order of n levels for a row: balanced for carry-over, every order in turn, drawn, as in the file."""
 
+
+def n_orders(rule: str, n: int) -> int:
+    """After how many rows a rule's order of n levels comes again; 1 if no row changes it.
+
+    >>> n_orders("williams", 3), n_orders("complete", 3), n_orders("fixed", 3)
+    (6, 6, 1)
+    """
+    return {"williams": 2 * n if n % 2 and n > 1 else n, "complete": math.factorial(n)}.get(rule, 1)
+
+
 Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
 
 
@@ -123,7 +133,8 @@ class Crossing(Generic[T]):
         """All combinations in the order of a row (from 0).
 
         Each faster factor takes its next row whenever it starts anew, so that carry-over is balanced within a
-        participant too.
+        participant too; and one more after each round of the slower factor's orders, so that every order of the one
+        meets every order of the other equally often.
         """
         ordered = self._inner(list(self.factors), {}, row, rng)
         return [{name: cell[name] for name in self.factors} for cell in ordered]
@@ -136,9 +147,11 @@ class Crossing(Generic[T]):
             return
         name, *faster = names
         levels = self._levels(name, outer)
-        order = ORDERS[self.rules.get(name, "fixed")](len(levels), row, rng)
+        rule = self.rules.get(name, "fixed")
+        order = ORDERS[rule](len(levels), row, rng)
+        n_round, own = divmod(row, n_orders(rule, len(levels)))
         for position, index in enumerate(order):
-            yield from self._inner(faster, {**outer, name: levels[index]}, row * len(order) + position, rng)
+            yield from self._inner(faster, {**outer, name: levels[index]}, n_round + own * len(order) + position, rng)
 
     def _levels(self, name: str, outer: Mapping[str, T]) -> Sequence[T]:
         given = (

@@ -49,6 +49,14 @@ def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
     assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
 
 
+def test_a_lost_trial_brings_no_rest():
+    protocol = run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1))
+    memory = Memory()
+    run(protocol, Losing({1, 12}), memory)
+    assert [trial.valid for trial in memory.trials].count(False) == 2
+    assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
+
+
 def test_a_rest_is_counted_down_before_it_can_be_ended():
     _, memory = lived(run_block(two_tracks(rest_after=10, rest_s=30.0), 1, 1, np.random.default_rng(1)))
     shown = [(request.message, request.duration_s) for request, _ in memory.entries if isinstance(request, Show)]

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import counterbalanced, williams_square
+from tactometry.protocols.order import Crossing, n_orders
 
 
 @given(n=st.integers(2, 14))
@@ -55,6 +56,34 @@ def test_over_a_full_square_each_outer_order_comes_equally_often():
         for number in range(1, 13)
     )
     assert set(orders.values()) == {2}
+
+
+@given(
+    rules=st.tuples(*[st.sampled_from(["williams", "complete", "fixed"])] * 2),
+    sizes=st.tuples(st.integers(1, 4), st.integers(2, 3)),
+)
+def test_every_order_of_one_factor_meets_every_order_of_the_other_equally_often(rules, sizes):
+    names = ("slow", "fast")
+    factors = {name: list(range(size)) for name, size in zip(names, sizes, strict=True)}
+    crossing = Crossing(factors, dict(zip(names, rules, strict=True)))
+    n_rows = n_orders(rules[0], sizes[0]) * n_orders(rules[1], sizes[1])
+    met = Counter()
+    for row in range(n_rows):
+        cells = crossing.cells(row, None)
+        for place, block in enumerate(_chunks(cells, sizes[1])):
+            met[place, block[0]["slow"], tuple(cell["fast"] for cell in block)] += 1
+    assert len({order for *_, order in met}) == n_orders(rules[1], sizes[1])
+    assert len(met) == len({key[:2] for key in met}) * n_orders(rules[1], sizes[1])
+    assert len(set(met.values())) == 1
+
+
+def _chunks(values, size):
+    return [values[n : n + size] for n in range(0, len(values), size)]
+
+
+@given(n=st.integers(1, 8))
+def test_a_williams_square_has_as_many_rows_as_it_says(n):
+    assert len(williams_square(n)) == n_orders("williams", n)
 
 
 def test_without_counterbalancing_the_order_is_that_of_the_file():

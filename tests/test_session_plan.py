@@ -2,7 +2,7 @@
 
 import itertools
 from collections import Counter
-from math import factorial
+from math import factorial, prod
 
 import numpy as np
 import pytest
@@ -15,10 +15,11 @@ from tactometry.experiments.planning import duration_s, plan
 from tactometry.experiments.recording import Who, record, simulated
 from tactometry.experiments.replaying import replay_data_set
 from tactometry.experiments.session_plan import session_cells
+from tactometry.experiments.simulating import Simulation, simulate
 from tactometry.experiments.study import builtin, load, parse
 from tactometry.experiments.validation import validate
 from tactometry.experiments.wiring import wire
-from tactometry.protocols.order import ORDERS, Crossing, nth_permutation
+from tactometry.protocols.order import ORDERS, Crossing, n_orders, nth_permutation
 from tactometry.protocols.practice import Practice
 from tactometry.request import Show
 from tactometry.run import run
@@ -54,17 +55,17 @@ def test_every_rule_gives_each_level_once(n, row, rule):
     assert sorted(ORDERS[rule](n, row, np.random.default_rng(row))) == list(range(n))
 
 
-sizes = st.lists(st.integers(2, 5), min_size=1, max_size=3)
+sizes = st.lists(st.integers(2, 4), min_size=1, max_size=3)
 
 
 @given(sizes=sizes)
 @settings(max_examples=25)
-def test_over_a_full_square_each_level_precedes_each_other_equally_often(sizes):
+def test_over_all_squares_each_level_precedes_each_other_equally_often(sizes):
     """Within every run of the fastest factor, whatever the slower ones are."""
     factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}
     crossing = Crossing(factors, dict.fromkeys(factors, "williams"))
     name, levels = list(factors.items())[-1]
-    n_rows = 2 * len(levels) * int(np.prod(sizes[:-1]))
+    n_rows = prod(n_orders("williams", size) for size in sizes)
     pairs = Counter()
     for row in range(n_rows):
         cells = crossing.cells(row, np.random.default_rng(0))
@@ -123,6 +124,26 @@ def test_sessions_hold_one_level_each_and_together_all_cells():
     assert [cell["frequency_hz"] for cell in (*first, *second)] == [240, 60]
     with pytest.raises(InvalidParameter, match="--session: found 3, expected from 1 to 2"):
         session_cells(split, None, 2, 3, 0)
+
+
+def test_a_simulation_runs_every_session_of_the_plan(tmp_path):
+    content = f'{TUTORIAL}\n[plan]\nsessions = ["frequency_hz"]\n'.encode()
+    recorded = list(simulate(Simulation(content, "s.toml", tmp_path / "d", 2, 1)))
+    assert [each.trials.name[:25] for each in recorded] == [
+        f"participant-{code}_session-{n}" for code in ("P01", "P02") for n in (1, 2)
+    ]
+    assert validate(tmp_path / "d").defects == ()
+
+
+def test_between_sessions_in_the_order_of_the_file_orders_change_with_the_participant():
+    split = study(
+        ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
+        ("force_n = 1.0\n", ""),
+        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
+        more='\n[plan]\nsessions = ["force_n"]\n',
+    )
+    first = [[cell["frequency_hz"] for cell in session_cells(split, None, number, 1, 0)] for number in (1, 2)]
+    assert first == [[60, 240], [240, 60]]
 
 
 def test_interleaved_factors_share_a_block_and_are_told_apart_by_their_track():
@@ -230,8 +251,7 @@ def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
     assert "\n" not in str(refused.value)
 
 
-def test_a_form_of_the_studys_own_is_used():
-    form = """
+OWN_FORM = """
 [inquiries.end]
 form = "mine"
 
@@ -247,10 +267,21 @@ items = [{ id = "A", dimension = "D", order = 1, poles = { en = ["Bad", "Good"] 
 [forms.mine.dimensions.D]
 min_answered = 1
 """
+
+
+def test_a_form_of_the_studys_own_is_used():
     memory = Memory()
-    made = experiment(more=form)
+    made = experiment(more=OWN_FORM)
     run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
     assert [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-1:]] == [("mine", "A", "rating")]
+
+
+def test_an_unknown_form_is_told_the_studys_own_and_the_shipped_ones():
+    with pytest.raises(InvalidParameter) as refused:
+        experiment(more=OWN_FORM.replace('form = "mine"', 'form = "mime"'))
+    message = str(refused.value)
+    assert "inquiries.end.form: found 'mime', expected one of mine, attrakdiff, " in message
+    assert message.endswith("; did you mean 'mine'?")
 
 
 # --- blocks of several tracks

@@ -141,7 +141,7 @@ def test_participants_and_seeds_have_traits_of_their_own():
     ("n_participants", "first", "last"), [(3, "P01", "P03"), (99, "P01", "P99"), (100, "P001", "P100")]
 )
 def test_codes_of_simulated_participants_sort_as_their_numbers(n_participants, first, last):
-    codes = [who.participant for who in Simulation(TOML, "tutorial", Path(), n_participants, 1).participants()]
+    codes = [who.participant for who in Simulation(TOML, "tutorial", Path(), n_participants, 1).sessions()]
     assert (codes[0], codes[-1]) == (first, last)
     assert codes == sorted(codes)
 

@@ -42,7 +42,7 @@ def command(
     _, content = load(study)
     simulation = Simulation(content, study, out, n_participants, seed, resume)
     sessions = simulate(simulation, n_jobs=n_jobs, scheduler=scheduler)
-    recorded = list(progress(sessions, n_participants, "simulating"))
+    recorded = list(progress(sessions, len(simulation.sessions()), "simulating"))
     for session in recorded:
         if session.repaired:
             click.echo(session.repaired, err=True)
