@@ -105,13 +105,15 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
 
 
 def _regions(axes: "Axes") -> None:
+    """Named above the rectangles and below the means."""
+    halo = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.8}
     for edge in (-1, 1):
         axes.axhline(edge, color="#bbbbbb", linewidth=0.8)
         axes.axvline(edge, color="#bbbbbb", linewidth=0.8)
     for along, x in enumerate(CENTRES):
         for up, y in enumerate(CENTRES):
             name = REGIONS[along][up].replace(" ", "\n").replace("-", "-\n")
-            axes.text(x, y, name, color="#767676", fontsize=6.5, ha="center", va="center", zorder=0)
+            axes.text(x, y, name, color="#595959", fontsize=6.5, ha="center", va="center", zorder=1.9, bbox=halo)
 
 
 def crossed_figure(

@@ -62,7 +62,7 @@ def _draw_individuals(
     for n, (_, part) in enumerate(series(individuals, axis.series)):
         told = part[part[dependent].notna()]
         x = [where[v] for v in (told[axis.along] if axis.along else ["all"] * len(told))]
-        axes.plot(x, told[dependent].astype(float), ".", color=look(n)["color"], alpha=0.28, markersize=3, zorder=1)
+        axes.plot(x, told[dependent].astype(float), ".", color=look(n)["color"], alpha=0.6, markersize=4, zorder=1)
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
