@@ -44,7 +44,7 @@ def scores(
     -------
     DataFrame
         `participant`, the conditions, a column per dimension (AttrakDiff: PQ, HQI, HQS, ATT, HQ; from -3 to +3, + is
-        good; missing if too few of its items are answered) and `n_answered`. `attrs["questionnaire"]` is its name,
+        good; missing if too few of its items are answered) and `n_answered`. `attrs["questionnaire"]` is it,
         `attrs["within"]` the conditions.
 
     Raises
@@ -61,7 +61,7 @@ def scores(
     keys = ["participant", *factors]
     rows = [dict(zip(keys, key, strict=True)) | _scored(part, form) for key, part in _rounds(answers, keys)]
     found = pd.DataFrame(rows)
-    found.attrs |= {"questionnaire": form.name, "within": factors}
+    found.attrs |= {"questionnaire": form, "within": factors}
     return found
 
 
@@ -76,7 +76,7 @@ def item_scores(
     found = given[["participant", *factors, "item"]].assign(score=scored, dimension=dimensions)
     keys = ["participant", *factors, "dimension", "item"]
     found = found.groupby(keys, observed=True)["score"].mean().reset_index()
-    found.attrs |= {"questionnaire": form.name, "within": factors}
+    found.attrs |= {"questionnaire": form, "within": factors}
     return found
 
 
@@ -159,7 +159,7 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     `scored` is what `scores` gives.
     """
     factors = list(scored.attrs["within"])
-    long = scored.melt(["participant", *factors], _dimensions(scored), "dimension", "score")
+    long = scored.melt(["participant", *factors], dimensions_of(scored), "dimension", "score")
     rows = [
         dict(zip([*factors, "dimension"], key, strict=True)) | _mean(part["score"], interval)
         for key, part in long.groupby([*factors, "dimension"], sort=True, observed=True)
@@ -167,8 +167,9 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _dimensions(scored: pd.DataFrame) -> list[str]:
-    return list(load(scored.attrs["questionnaire"]).dimensions)
+def dimensions_of(scored: pd.DataFrame) -> list[str]:
+    """The dimensions of the questionnaire whose scores these are."""
+    return list(scored.attrs["questionnaire"].dimensions)
 
 
 def _mean(values: "pd.Series[float]", interval: float) -> dict[str, object]:
@@ -182,7 +183,7 @@ def _mean(values: "pd.Series[float]", interval: float) -> dict[str, object]:
 def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float = 0.95) -> pd.DataFrame:
     """The profile: per condition and item its mean over participants with t-interval, between its negative and its
     positive word, in the order of the dimensions. `scored_items` is what `item_scores` gives."""
-    form, factors = load(scored_items.attrs["questionnaire"]), list(scored_items.attrs["within"])
+    form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     simple = [name for name, dimension in form.dimensions.items() if not dimension.parts]
     order = {item: place for place, item in enumerate(i for name in simple for i in form.items_of(name))}
     rows = []
@@ -204,8 +205,8 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     InvalidParameter
         If the questionnaire has no dimensions PQ and HQ.
     """
-    if not {"PQ", "HQ"} <= set(_dimensions(scored)):
-        raise InvalidParameter(f"portfolio: found {scored.attrs['questionnaire']}, expected dimensions PQ and HQ")
+    if not {"PQ", "HQ"} <= set(dimensions_of(scored)):
+        raise InvalidParameter(f"portfolio: found {scored.attrs['questionnaire'].name}, expected dimensions PQ and HQ")
     factors = list(scored.attrs["within"])
     grouped = [((), scored)] if not factors else scored.groupby(factors, sort=True, observed=True)
     rows = []
@@ -236,7 +237,7 @@ def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFr
     alpha = k / (k - 1) (1 - sum of the items' variances / variance of their sum). Missing (`alpha` empty, with a
     `note`) with fewer than three such participants or without variance between them.
     """
-    form, factors = load(scored_items.attrs["questionnaire"]), list(scored_items.attrs["within"])
+    form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     grouped = [((), scored_items)] if not factors else scored_items.groupby(factors, sort=True, observed=True)
     rows = []
     for key, part in grouped:

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 
 from tactometry.analysis.anova import repeated_measures
+from tactometry.analysis.attrakdiff import dimensions_of
 from tactometry.analysis.design import UndefinedStatistic
 from tactometry.analysis.post_hoc import pairs
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.questionnaire import load
 
 THESIS: Mapping[str, tuple[str, str]] = {
     "P1": ("low", "rectangular"),
@@ -61,7 +61,7 @@ def frequency_by_envelope(
     kept = scored[scored[pattern].isin(design)]
     for place, name in enumerate(("frequency", "envelope")):
         kept = kept.assign(**{name: kept[pattern].map({code: parts[place] for code, parts in design.items()})})
-    parts = [_crossed(kept, dimension, pattern) for dimension in _dimensions(scored)]
+    parts = [_crossed(kept, dimension, pattern) for dimension in dimensions_of(scored)]
     return pd.concat(parts, ignore_index=True)
 
 
@@ -95,7 +95,7 @@ def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: s
         If the reference is not in the table.
     """
     _expect(scored, pattern, [reference])
-    parts = [_against(scored, dimension, reference, pattern) for dimension in _dimensions(scored)]
+    parts = [_against(scored, dimension, reference, pattern) for dimension in dimensions_of(scored)]
     return pd.concat(parts, ignore_index=True)
 
 
@@ -118,7 +118,3 @@ def _expect(scored: pd.DataFrame, pattern: str, wanted: Iterable[str]) -> None:
     for name in wanted:
         if name not in there:
             raise InvalidParameter(f"{pattern}: found no {name} among {', '.join(map(str, there))}, expected it")
-
-
-def _dimensions(scored: pd.DataFrame) -> list[str]:
-    return list(load(scored.attrs["questionnaire"]).dimensions)

@@ -1,6 +1,5 @@
 """A plan of analysis, stated before the data are seen: what is left out, and which differences count as none."""
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tactometry.analysis.compliance import Exclusion
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.analysis.stated import stated
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.quantity import as_si
 from tactometry.strict import build, read_toml
 
@@ -67,15 +67,4 @@ def plan_of(path: Path) -> Plan:
     InvalidFile
         If the study cannot be read, or its table holds anything else.
     """
-    file = path / "study.toml"
-    if not file.is_file():
-        return Plan()
-    try:
-        table = as_si(tomllib.loads(file.read_text(encoding="utf-8")).get("analysis", {}), "analysis")
-        return build(Plan, table, "analysis")
-    except OSError as failure:
-        raise InvalidFile(f"{file}: cannot be read ({failure.strerror}), expected the study that ran") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{file}: found no valid TOML ({damage}), expected the study that ran") from None
-    except InvalidParameter as wrong:
-        raise InvalidFile(f"{file}, {wrong}") from None
+    return stated(path, "analysis", lambda table: build(Plan, as_si(dict(table), "analysis"), "analysis"))

@@ -10,8 +10,9 @@ from tactometry.analysis import apa
 from tactometry.analysis.attrakdiff import consistency, item_scores, portfolio, scores, summary, word_pairs
 from tactometry.analysis.labels import value_of
 from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
+from tactometry.analysis.stated import forms_of
 from tactometry.analysis.table import Trials, used_rows
-from tactometry.questionnaire import Questionnaire, load, shipped
+from tactometry.questionnaire import Questionnaire
 
 PATTERN, REFERENCE = "pattern", "P0"
 
@@ -92,12 +93,12 @@ def ratings(trials: Trials) -> tuple[Ratings, ...]:
     rows = used_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return ()
-    rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(shipped())]
-    return tuple(_ratings(part, trials.factors, str(name)) for name, part in rows.groupby("procedure", sort=True))
+    forms = forms_of(trials.path)
+    rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(forms)]
+    return tuple(_ratings(part, trials.factors, forms[str(name)]) for name, part in rows.groupby("procedure"))
 
 
-def _ratings(rows: pd.DataFrame, factors: Sequence[str], name: str) -> Ratings:
-    form = load(name)
+def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) -> Ratings:
     varied = [factor for factor in factors if rows[factor].nunique() > 1]
     scored = scores(rows, questionnaire=form, within=varied)
     items = item_scores(rows, questionnaire=form, within=varied)

@@ -11,9 +11,9 @@ from tactometry.analysis.cells import FITTED_TASKS
 from tactometry.analysis.labels import condition_name
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings
+from tactometry.analysis.stated import forms_of
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
-from tactometry.questionnaire import shipped
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 MANY_FALSE_ALARMS = 0.25
@@ -124,7 +124,7 @@ def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
     known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK, *CHOICES))
     if "procedure" in rows.columns:
-        known |= (rows["task"] == "rating") & rows["procedure"].isin(shipped())
+        known |= (rows["task"] == "rating") & rows["procedure"].isin(forms_of(trials.path))
     other = rows[~known]
     if not len(other):
         return []

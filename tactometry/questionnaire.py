@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, Self
 
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
 from tactometry.strict import build
@@ -103,6 +103,10 @@ class Questionnaire:
         for name, dimension in self.dimensions.items():
             _check_dimension(self, name, dimension)
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Self:
+        """Itself: a table that names it copies it with each operation."""
+        return self
 
     @property
     def languages(self) -> tuple[str, ...]:

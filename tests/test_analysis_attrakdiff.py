@@ -1,10 +1,12 @@
 """AttrakDiff: published scores, consistency, word pairs, portfolio, comparisons of patterns, refusals."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from command_line import call
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,7 +21,11 @@ from tactometry.analysis.attrakdiff import (
     word_pairs,
 )
 from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope
-from tactometry.errors import InvalidParameter
+from tactometry.analysis.ratings import ratings
+from tactometry.analysis.stated import forms_of
+from tactometry.analysis.table import read_trials
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.study import load as load_study
 from tactometry.questionnaire import load
 
 FORM = load("attrakdiff")
@@ -73,7 +79,7 @@ def test_the_same_answer_everywhere_has_the_published_scores(raw, expected) -> N
 def test_the_best_answers_score_three() -> None:
     best = scores(one_person([raw_of(item, 3) for item in ITEMS]))
     assert best[DIMENSIONS].iloc[0].tolist() == [3.0] * 5
-    assert best.attrs == {"questionnaire": "attrakdiff", "within": []}
+    assert best.attrs == {"questionnaire": load("attrakdiff"), "within": []}
 
 
 @given(st.lists(st.integers(1, 7), min_size=28, max_size=28), st.randoms(use_true_random=False))
@@ -252,3 +258,43 @@ def test_refuses_patterns_that_are_not_there(scored) -> None:
         against_reference(part)
     with pytest.raises(InvalidParameter, match="pattern: found no column 'patern'; did you mean 'pattern'"):
         frequency_by_envelope(scored, pattern="patern")
+
+
+OWN_FORM = """
+[inquiries.end]
+form = "mine"
+
+[forms.mine]
+title = "Mine"
+reference = "none"
+low = 0.0
+high = 1.0
+score_low = -1.0
+score_high = 1.0
+items = [
+  { id = "A", dimension = "D", order = 1, poles = { en = ["Bad", "Good"] } },
+  { id = "B", dimension = "D", order = 2, reversed = true, poles = { en = ["Dull", "Bright"] } },
+]
+
+[forms.mine.dimensions.D]
+min_answered = 1
+"""
+
+
+def test_a_form_of_the_studys_own_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study, data = tmp_path / "study.toml", tmp_path / "d"
+    study.write_text(load_study("tutorial")[1].decode() + OWN_FORM)
+    assert call(capsys, "simulate", study, "--participants", 2, "--seed", 1, "--out", data)[0] == 0
+    trials = read_trials(data)
+    answers = trials.rows[trials.rows["procedure"] == "mine"].pivot(
+        index="participant", columns="item", values="response"
+    )
+    answers = answers.astype(float)
+    expected = ((2 * answers["A"] - 1) - (2 * answers["B"] - 1)) / 2
+    assert ratings(trials)[0].scores["D"].tolist() == pytest.approx(expected.tolist(), abs=1e-12)
+
+
+def test_a_damaged_form_of_the_study_is_refused_with_its_place(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(OWN_FORM.replace('"Bad", "Good"', '"Bad"'))
+    with pytest.raises(InvalidFile, match=r"study.toml, forms.mine: items\[0\].poles.en: found "):
+        forms_of(tmp_path)
