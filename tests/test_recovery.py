@@ -80,7 +80,7 @@ def test_the_intervals_hold_the_truth(recovered):
 
 def test_a_finger_at_rest_is_at_chance(tmp_path):
     study = parse(ONE_CELL, "study")
-    experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-300}), "study")
+    experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-20}), "study")
     sensation, condition = experiment.sensation(), experiment.conditions[0]
     signal = experiment.bank[condition.stimulus].at(46.0)
     observer = experiment.study.observer
