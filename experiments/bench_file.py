@@ -1,6 +1,5 @@
 """Bench files: the screen, the output, the sensors and the limits of one bench, strictly read."""
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
@@ -15,11 +14,12 @@ from tactometry.devices.measured import Measured
 from tactometry.devices.output import NullSettings
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import StreamedSensor, streamed_force, streamed_position
-from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.quantity import as_si
 from tactometry.strict import build
+from tactometry.toml import located, read_table
 
 RAMP_S = 0.005
 """Of a signal that does not begin and end at rest by itself (unverified default)."""
@@ -197,14 +197,9 @@ def load_bench(path: Path | None) -> BenchFile:
     """
     if path is None:
         return BenchFile()
-    try:
-        return parse_bench(tomllib.loads(path.read_text("utf-8")))
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot read the bench file ({error.strerror}), expected a readable file") from None
-    except TactometryError as error:
-        raise InvalidFile(f"{path}, {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise InvalidFile(f"{path}: found no valid TOML ({error}), expected a bench file") from None
+    tables = read_table(path, "a bench file")
+    with located(path):
+        return parse_bench(tables)
 
 
 def parse_bench(tables: Mapping[str, Any]) -> BenchFile:

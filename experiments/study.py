@@ -1,7 +1,6 @@
 """Study files: the numbers of one experiment, strictly read."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,12 +8,13 @@ from typing import Any
 
 from tactometry.columns import RESERVED
 from tactometry.dataset import cell
-from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.quantity import as_si
 from tactometry.strict import build
+from tactometry.toml import located, table_of
 
 FOLDER = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -201,18 +201,9 @@ def parse(content: bytes, where: str) -> Study:
         If the bytes are no TOML in UTF-8, or the study holds anything unknown, missing or impossible: one sentence
         with the place, what was found, what was expected and the nearest valid name.
     """
-    try:
-        table = tomllib.loads(content.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise InvalidFile(
-            f"{where}, byte {error.start}: found a byte that is not UTF-8, expected a TOML file in UTF-8"
-        ) from None
-    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
-        raise InvalidFile(f"{where}: found no valid TOML ({error}), expected a study file") from None
-    try:
+    table = table_of(content, where, "a study file")
+    with located(where):
         return build(Study, as_si(table, ""), "")
-    except TactometryError as error:
-        raise InvalidFile(f"{where}, {str(error).removeprefix(': ')}") from None
 
 
 def builtin() -> dict[str, Path]:

@@ -20,7 +20,7 @@ from tactometry.protocols import (
 )
 from tactometry.protocols.block import Interleaving, check_presenting
 from tactometry.protocols.task import Task
-from tactometry.questionnaire import Questionnaire, built, load, shipped
+from tactometry.questionnaire import Questionnaire, load, own, shipped
 from tactometry.strict import build
 
 
@@ -85,7 +85,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
         If there is none of that name.
     """
     if name in study.forms:
-        return built({"name": name, **study.forms[name]}, f"forms.{name}.")
+        return own({name: study.forms[name]})[name]
     known = (*study.forms, *shipped())
     if name not in known:
         raise InvalidParameter(f"{path}: found {name!r}, expected one of {', '.join(known)}{nearest(name, known)}")

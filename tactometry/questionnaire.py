@@ -6,15 +6,15 @@ the left, so that a high raw answer is a low score.
 """
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import Any, Self
 
-from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.strict import build
+from tactometry.toml import located, table_of
 
 SUFFIX = ".toml"
 
@@ -279,12 +279,20 @@ def parse(content: bytes, where: str) -> Questionnaire:
     InvalidFile
         If the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
     """
-    try:
-        return built(tomllib.loads(content.decode("utf-8")), "")
-    except TactometryError as error:
-        raise InvalidFile(f"{where}, {str(error).removeprefix(': ')}") from None
-    except (ValueError, RecursionError) as error:
-        raise InvalidFile(f"{where}: found no valid TOML in UTF-8 ({error}), expected a questionnaire") from None
+    table = table_of(content, where, "a questionnaire")
+    with located(where):
+        return built(table, "")
+
+
+def own(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
+    """The questionnaires of a study's own, by name, from its `[forms.NAME]`.
+
+    Raises
+    ------
+    InvalidParameter
+        As `built`.
+    """
+    return {name: built({"name": name, **table}, f"forms.{name}.") for name, table in tables.items()}
 
 
 @cache

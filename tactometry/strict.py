@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-import tomllib
 import types
 import typing
 from collections.abc import Collection, Mapping
@@ -11,7 +10,8 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.toml import located, read_table
 
 T = TypeVar("T")
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
@@ -54,14 +54,9 @@ def read_toml(kind: type[T], path: Path, what: str) -> T:
     InvalidFile
         If it cannot be read, is no TOML, or `build` refuses it.
     """
-    try:
-        return build(kind, tomllib.loads(path.read_text(encoding="utf-8")), "")
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as damage:
-        raise InvalidFile(f"{path}: found no valid TOML ({damage}), expected {what}") from None
-    except InvalidParameter as wrong:
-        raise InvalidFile(f"{path}, {str(wrong).removeprefix(': ')}") from None
+    table = read_table(path, what)
+    with located(path):
+        return build(kind, table, "")
 
 
 def convert(kind: Any, value: object, path: str) -> Any:

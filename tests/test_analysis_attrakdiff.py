@@ -9,6 +9,7 @@ import pytest
 from command_line import call
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from own_form import OWN_FORM
 
 from tactometry.analysis.attrakdiff import (
     consistency,
@@ -258,27 +259,6 @@ def test_refuses_patterns_that_are_not_there(scored) -> None:
         against_reference(part)
     with pytest.raises(InvalidParameter, match="pattern: found no column 'patern'; did you mean 'pattern'"):
         frequency_by_envelope(scored, pattern="patern")
-
-
-OWN_FORM = """
-[inquiries.end]
-form = "mine"
-
-[forms.mine]
-title = "Mine"
-reference = "none"
-low = 0.0
-high = 1.0
-score_low = -1.0
-score_high = 1.0
-items = [
-  { id = "A", dimension = "D", order = 1, poles = { en = ["Bad", "Good"] } },
-  { id = "B", dimension = "D", order = 2, reversed = true, poles = { en = ["Dull", "Bright"] } },
-]
-
-[forms.mine.dimensions.D]
-min_answered = 1
-"""
 
 
 def test_a_form_of_the_studys_own_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

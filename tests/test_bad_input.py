@@ -282,7 +282,7 @@ COMMAND_LINES = {
     "no bench file": (
         ["run", "tutorial", "--participant", "P01", "--bench", "none.toml", "--out", "d"],
         2,
-        "none.toml: cannot read the bench file .*, expected a readable file",
+        "none.toml: cannot be read .*, expected a bench file",
     ),
     "nothing to replay": (["replay", "."], 2, ".: found no journal, expected a data set with journals/.*"),
     "nothing to validate": (

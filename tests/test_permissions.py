@@ -137,7 +137,7 @@ def test_a_data_set(folder):
 
 def test_a_bench_file_and_a_study(folder):
     path = closed(folder, "bench.toml")
-    with unprivileged(), pytest.raises(InvalidFile, match="bench.toml: cannot read the bench file .Permission denied."):
+    with unprivileged(), pytest.raises(InvalidFile, match="bench.toml: cannot be read .Permission denied."):
         load_bench(path)
     with unprivileged(), pytest.raises(InvalidFile, match="bench.toml.*Permission denied"):
         load(str(path))

@@ -85,9 +85,9 @@ def test_an_unknown_output_names_the_known_ones():
 def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("outputs = [", encoding="utf-8")
-    with pytest.raises(InvalidFile, match=r"found no TOML"):
+    with pytest.raises(InvalidFile, match=r"found no valid TOML"):
         load_scene(bad)
-    with pytest.raises(InvalidFile, match=r"cannot read"):
+    with pytest.raises(InvalidFile, match=r"cannot be read"):
         load_scene(tmp_path / "absent.toml")
     assert call("scene", "electrovibration-panell") == 2
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from memory import Memory
+from own_form import OWN_FORM
 
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.experiments.planning import duration_s, plan
@@ -251,29 +252,12 @@ def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
     assert "\n" not in str(refused.value)
 
 
-OWN_FORM = """
-[inquiries.end]
-form = "mine"
-
-[forms.mine]
-title = "Mine"
-reference = "none"
-low = 0.0
-high = 1.0
-score_low = 0.0
-score_high = 1.0
-items = [{ id = "A", dimension = "D", order = 1, poles = { en = ["Bad", "Good"] } }]
-
-[forms.mine.dimensions.D]
-min_answered = 1
-"""
-
-
 def test_a_form_of_the_studys_own_is_used():
     memory = Memory()
     made = experiment(more=OWN_FORM)
     run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
-    assert [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-1:]] == [("mine", "A", "rating")]
+    asked = [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-2:]]
+    assert asked == [("mine", "A", "rating"), ("mine", "B", "rating")]
 
 
 def test_an_unknown_form_is_told_the_studys_own_and_the_shipped_ones():

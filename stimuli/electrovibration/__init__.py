@@ -1,7 +1,8 @@
 """Electrovibration: a voltage on a screen, the attraction and the friction that it causes under a finger."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from tactometry.lazy import exports
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
@@ -151,17 +152,4 @@ _NAMES = {
     "triangle": "Triangle",
     "velvet": "Velvet",
 }
-_MODULE_OF = {name: module for module, names in _NAMES.items() for name in names.split()}
-
-
-def __getattr__(name: str) -> Any:
-    """A public name, from the module that holds it, which is imported when it is first asked for."""
-    if name not in _MODULE_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
-    globals()[name] = found
-    return found
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = exports(__name__, _NAMES)

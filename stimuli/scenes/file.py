@@ -1,12 +1,11 @@
 """Scene files: TOML, read strictly; an error opens with the key path."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.quantity import as_si
 from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
@@ -15,6 +14,7 @@ from tactometry.stimuli.scenes.stage import Setting
 from tactometry.stimuli.scenes.surfaces import SURFACES
 from tactometry.strict import build, convert
 from tactometry.target import resolve
+from tactometry.toml import read_table
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,7 @@ def load_scene(path: Path) -> SceneFile:
     InvalidParameter
         If a key is unknown, missing or of another type, or the scene cannot be; the sentence opens with the key path.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot read ({error.strerror}), expected a scene file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InvalidFile(f"{path}: found no TOML ({error}), expected a scene file") from None
-    return scene_of(table)
+    return scene_of(read_table(path, "a scene file"))
 
 
 def scene_of(table: Mapping[str, object]) -> SceneFile:

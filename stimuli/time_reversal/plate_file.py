@@ -1,15 +1,15 @@
 """A plate from a TOML file: the fields of `Plate`, or a glass by name and its sizes."""
 
-import tomllib
 from pathlib import Path
 from typing import Final
 
 from tactometry.checked import checked
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.quantity import as_si
 from tactometry.stimuli.time_reversal.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate import Plate
 from tactometry.strict import build
+from tactometry.toml import located, read_table
 
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
@@ -29,11 +29,9 @@ def read_plate(path: Path) -> Plate:
     InvalidFile
         If the file cannot be read, a key is unknown or missing, or a value is out of range.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    table = read_table(path, "a plate")
+    with located(path):
         return build(Plate, as_si({**_glass(table.pop("glass", None)), **table}, ""), "plate")
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, InvalidParameter) as error:
-        raise InvalidFile(f"{path}: {error}") from error
 
 
 def _glass(name: object) -> dict[str, object]:
