@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.analysis.counts import Array, Counts
-from tactometry.analysis.responses import ByPoint, bend, by_point, expected_information, weighted
+from tactometry.analysis.responses import ByPoint, bend, by_point, expected_information, linear, weighted
 from tactometry.psychometric import Shape, log_mixture
 
 N_PARAMETERS = 4
@@ -25,7 +25,13 @@ def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
     """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
     z = _z(shape, u, theta[:, :1])
-    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., GUESS, None], theta[..., LAPSE, None])
+    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    if guess.min() == 0 or lapse.min() == 0:
+        return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
+    yes, no = ((1 - guess - lapse) * part for part in linear(shape, z)[:2])
+    yes += guess
+    no += lapse
+    return np.log(yes, out=yes), np.log(no, out=no)
 
 
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:

@@ -17,7 +17,7 @@ from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS
 from tactometry.analysis.mode import Mode
 from tactometry.analysis.overdispersion import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
 from tactometry.analysis.prior import Prior, log_prior_axes
-from tactometry.analysis.responses import weighted
+from tactometry.analysis.responses import linear, weighted
 from tactometry.psychometric import Shape, log_mixture
 
 NEGLIGIBLE = 14.0
@@ -32,6 +32,9 @@ FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
 ETA_NODES = 10
 ETA_SEARCH = (0.0, 0.15, 0.35, 0.6)
 SINGLE_TRIALS = 3000
+FEW = 3
+"""Answers of a kind at a level of many: their chances are multiplied before the logarithm is taken."""
+FACTORS = 16
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
 
@@ -199,15 +202,16 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
     m, v, lapse, guess = axes
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
-    log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
-    if eta >= BINOMIAL_BELOW:
-        total = _overdispersed(np.exp(log_cdf), np.exp(log_sf), guess, lapse[:, None], (k, n, eta))
-    elif guess.min() == 0 or lapse.min() == 0:
+    if eta < BINOMIAL_BELOW and (guess.min() == 0 or lapse.min() == 0):
+        log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))
-        total = (weighted(k, yes) + weighted(rest, no)).sum(axis=0)
+        return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0) + _log_prior_grid(prior, axes))
+    cdf, sf, _ = (part[..., None, None] for part in linear(shape, z))
+    if eta < BINOMIAL_BELOW:
+        total = _linear_log_likelihood(cdf, sf, guess, lapse[:, None], k, n)
     else:
-        total = _linear_log_likelihood(np.exp(log_cdf), np.exp(log_sf), guess, lapse[:, None], k, n)
+        total = _overdispersed(cdf, sf, guess, lapse[:, None], (k, n, eta))
     return np.asarray(total + _log_prior_grid(prior, axes))
 
 
@@ -220,26 +224,42 @@ def _overdispersed(cdf: Array, sf: Array, guess: Array, lapse: Array, answers: t
 
 
 def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k: Array, n: Array) -> Array:
-    """With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale.
+    """With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale."""
+    span = 1 - guess - lapse
+    return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
+
+
+def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
+    """Sum over the levels of count * log(floor + span * parts).
 
     Up to `SINGLE_TRIALS` answers single precision errs by less than 1e-3 in the sum.
     """
-    precision = np.float32 if n.sum() <= SINGLE_TRIALS else np.float64
-    cdf, sf, guess, lapse = (
-        cdf.astype(precision),
-        sf.astype(precision),
-        guess.astype(precision),
-        lapse.astype(precision),
-    )
-    k, rest = k.astype(precision), (n - k).astype(precision)
-    span = 1 - guess - lapse
-    total = np.zeros((*cdf.shape[1:3], lapse.shape[0], guess.shape[0]), dtype=precision)
-    for i in range(len(k)):
-        if k[i] > 0:
-            total += k[i] * np.log(guess + span * cdf[i])
-        if rest[i] > 0:
-            total += rest[i] * np.log(lapse + span * sf[i])
-    return total.astype(np.float64)
+    few = (count <= FEW) & (len(count) > FACTORS)
+    total = _log_products(np.repeat(parts[few], count[few].astype(int), axis=0), floor, span)
+    precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
+    many = ~few & (count > 0)
+    low, size = floor.astype(precision), span.astype(precision)
+    each = np.zeros(total.shape, dtype=precision)
+    for n, part in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
+        each += n * np.log(low + size * part)
+    return np.asarray(total + each)
+
+
+def _log_products(parts: Array, floor: Array, span: Array) -> Array:
+    """Sum over the first axis of log(floor + span * parts): a product of `FACTORS` chances is a polynomial in floor and
+    span, whose coefficients are the elementary symmetric polynomials of the parts. One product of matrices evaluates
+    it at every rate."""
+    floors, spans = (rate.ravel() for rate in np.broadcast_arrays(floor, span))
+    total = np.zeros((parts.shape[1] * parts.shape[2], spans.size))
+    for start in range(0, len(parts), FACTORS):
+        factors = parts[start : start + FACTORS].reshape(-1, len(total))
+        symmetric = np.zeros((len(factors) + 1, len(total)))
+        symmetric[0] = 1
+        for factor in factors:
+            symmetric[1:] += factor * symmetric[:-1]
+        power = np.arange(len(factors) + 1)[:, None]
+        total += np.log(symmetric.T @ (floors ** power[::-1] * spans**power))
+    return total.reshape(*parts.shape[1:3], *span.shape)
 
 
 def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:

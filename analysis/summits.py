@@ -56,7 +56,8 @@ def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Sta
     catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
     for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
         sizes, nodes = _nodes(prior, counts[members[:1]])
-        chances = log_chances_by_curve(shape, counts.u[members[0]], nodes.reshape(-1, sizes[2], N_PARAMETERS))
+        by_curve = log_chances_by_curve(shape, counts.u[members[0]], nodes.reshape(-1, sizes[2], N_PARAMETERS))
+        chances = [np.maximum(part, FLOOR).reshape(len(nodes), -1) for part in by_curve]
         size = max(1, CHUNK // len(nodes))
         for part in (members[start : start + size] for start in range(0, len(members), size)):
             density = _density(chances, counts[part]) + log_prior(prior[part[:1]], nodes[None])
@@ -103,12 +104,10 @@ def _places(levels: Array) -> Array:
     return np.unique(np.concatenate([inside, both[(both < inside.min()) | (both > inside.max())]]))
 
 
-def _density(chances: tuple[Array, Array], counts: Counts) -> Array:
-    """Log-likelihoods (n_sets, n_nodes) of sets on the same levels, of log chances (n_curves, n_rates, n_levels)."""
-    used = counts.n_trials[0] > 0
-    k, n = counts.n_yes[:, used], counts.n_trials[:, used]
-    finite = [np.maximum(v.reshape(-1, v.shape[-1])[:, used], FLOOR) for v in chances]
-    return np.asarray(np.hstack([k, n - k]) @ np.hstack(finite).T)
+def _density(chances: list[Array], counts: Counts) -> Array:
+    """Log-likelihoods (n_sets, n_nodes) on the same levels, of log chances of yes and of no (n_nodes, n_levels)."""
+    answers = (counts.n_yes, counts.n_trials - counts.n_yes)
+    return np.asarray(sum(n @ part.T for n, part in zip(answers, chances, strict=True)))
 
 
 def _tops(sets: NDArray[np.int64], density: Array, nodes: Array) -> tuple[Starts, Starts]:

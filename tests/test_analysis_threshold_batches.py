@@ -58,6 +58,17 @@ def test_ends_and_means_of_yes_no_answers_are_those_of_the_converged_posterior(m
             assert np.abs(ends(found) - ends(true))[:2].max() < 0.004 * (true.interval_high - true.interval_low)
 
 
+def test_chances_of_many_levels_may_be_multiplied_before_their_logarithm_is_taken(monkeypatch) -> None:
+    rng = np.random.default_rng()
+    x, n = rng.uniform(-4, 4, 60), rng.integers(1, 5, 60)
+    k = rng.binomial(n, 1 / (1 + np.exp(-x)))
+    multiplied = fit(x, k, n, shape="logistic", guess_rate=None)
+    monkeypatch.setattr(posterior, "FEW", 0)
+    monkeypatch.setattr(posterior, "SINGLE_TRIALS", 0)
+    summed = fit(x, k, n, shape="logistic", guess_rate=None)
+    assert ends(multiplied) == pytest.approx(ends(summed), abs=1e-5)
+
+
 def test_a_data_set_too_narrow_for_the_shared_grid_gets_its_own() -> None:
     rng = np.random.default_rng()
     few, many = answers(20, 0.5, rng), np.round(1e6 * np.array([0.5, 0.5, 0.51, 0.7, 0.93, 0.98, 0.98]))
