@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.reader import Reader
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
+from tactometry.rigs.layout import bar_page
+from tactometry.rigs.page import Event, Screen
+from tactometry.rigs.stage import Stage, escaped
+from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
@@ -18,6 +22,13 @@ FloatArray = NDArray[np.float64]
 STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
 BAR_PART: Final = 0.5
 """The bar that is measured on a display, as a part of its height."""
+BAR_WORDS: Final = """Measure the white bar
+
+Hold a ruler against the screen and read
+the length of the bar, from end to end.
+
+Remember it: you type it into the terminal,
+in metres, once this page is closed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +123,24 @@ def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
     if not (np.all(unit > 0) and np.all(volt > 0) and np.isfinite(unit).all() and np.isfinite(volt).all()):
         raise InvalidParameter("fit_gain: found a value that is not a finite number above 0, expected peak voltages")
     return GainFit(unit, volt, float(unit @ volt / (unit @ unit)))
+
+
+def show_bar(screen: Screen) -> None:
+    """Show the bar that is to be measured until a key is pressed or the screen is touched.
+
+    Raises
+    ------
+    Stopped
+        If Escape was pressed.
+    """
+    page = bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), screen.aspect, BAR_PART)
+    Stage(screen, _give_up_at_escape).converse(None, lambda state: page, lambda state, answer: (state, True))
+
+
+def _give_up_at_escape(events: tuple[Event, ...]) -> bool:
+    if escaped(events):
+        raise Stopped("Escape was pressed; nothing was measured")
+    return False
 
 
 def display_height_m(bar_m: float) -> float:

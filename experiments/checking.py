@@ -116,7 +116,8 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
         experiment = wire(load(study)[0], study)
     except TactometryError as error:
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
-    words = f"{len(experiment.bank)} stimuli; the strongest are within the study's limits"
+    n = len(experiment.bank)
+    words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
     return [Finding("study", study, words, fine=True)], experiment
 
 

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from tactometry.experiments.calibrating import BAR_PART, BAR_WORDS
 from tactometry.protocols.rating import pages
 from tactometry.questionnaire import load
 from tactometry.rigs import entry, form, layout
@@ -87,7 +88,7 @@ def form_page(name, language, aspect):
         tuple(texts.question(question) for question in page.questions),
         layout.N_POSITIONS_CONTINUOUS if page.steps is None else page.steps,
         page.steps is not None,
-        texts.message("hint_fill"),
+        texts.message(form.hint_for(page.steps)),
         texts.message("hint_gaps"),
     )
     marks = form.Marks((2, *(None,) * (len(page.questions) - 1)), row=1, warned=name == "sus")
@@ -100,10 +101,11 @@ def entry_page(aspect):
 
 
 def every_page(aspect):
-    """Those of both languages, the questionnaires and the typed number, by name."""
+    """Those of both languages, the questionnaires, the typed number and the bar, by name."""
     found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
     found |= {f"form_{name}_{lang}": form_page(name, lang, aspect) for name, lang in FORMS}
-    return found | {"entry": entry_page(aspect)}
+    bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)
+    return found | {"entry": entry_page(aspect), "bar": bar}
 
 
 def main(width, height, folder):

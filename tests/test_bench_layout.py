@@ -21,6 +21,7 @@ def pages(aspect):
         layout.scale_page(SEVEN, 6, aspect),
         layout.scale_page(LINE, 100, aspect),
         layout.adjust_page("set", "hint", aspect),
+        layout.bar_page("Heading\n\nbody", "hint", aspect, 0.5),
         layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 1 / 3),
     ]
 

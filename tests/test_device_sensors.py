@@ -240,6 +240,30 @@ def test_what_is_not_there_is_named(settings, message):
         Reader(settings.source()).open()
 
 
+SEARCH = """
+from tactometry.devices import lsl
+from tactometry.errors import DeviceFailed
+lsl.LONGEST_SEARCH_S = 0.1
+try:
+    lsl.LslSettings("none", 1000.0).source().open()
+except DeviceFailed as error:
+    print(error)
+"""
+
+
+@pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
+@pytest.mark.parametrize("settings", ["", "[log]\nlevel = 0\n"], ids=["without settings", "with the user's own"])
+def test_the_library_of_a_stream_says_nothing_unless_the_user_wants_it(tmp_path, settings):
+    if settings:
+        (tmp_path / "lsl_api.cfg").write_text(settings, encoding="utf-8")
+    env = {**os.environ, "HOME": str(tmp_path)}
+    command = [sys.executable, "-c", SEARCH]
+    said = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    assert said.stdout == "lsl none: found no such stream in 0.1 s, expected its outlet to run\n"
+    assert ("INFO" in said.stderr) is bool(settings)
+    assert settings or said.stderr == ""
+
+
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monkeypatch):
     monkeypatch.setattr("tactometry.devices.lsl.LONGEST_SEARCH_S", 2.0)

@@ -167,10 +167,13 @@ def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[flo
 
 
 @command.command(epilog="Example: tactometry calibrate display --bar-m 0.149")
-@click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown and asked for.")
+@click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown, then asked for.")
 @json_option
 def display(bar_m: float | None, *, as_json: bool) -> None:
-    """Display size: measure the white bar, which is half as high as the picture."""
+    """Display size: the screen shows a white bar until a key is pressed; measure it and type in its length.
+
+    It is half as high as the picture. With --bar-m no window is opened.
+    """
     from tactometry.experiments.calibrating import display_height_m, display_toml
 
     height_m = display_height_m(_shown_bar_m() if bar_m is None else bar_m)
@@ -178,16 +181,16 @@ def display(bar_m: float | None, *, as_json: bool) -> None:
 
 
 def _shown_bar_m() -> float:
-    from tactometry.experiments.calibrating import BAR_PART
-    from tactometry.rigs.page import INK, Box, Page
+    """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
+    from tactometry.experiments.calibrating import show_bar
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=True)
     try:
-        window.present(Page((Box(0, 0, 0.02, BAR_PART, fill=INK),), ()))
-        return float(click.prompt("Length of the bar (m)", type=float, err=True))
+        show_bar(window)
     finally:
         window.close()
+    return float(click.prompt("Length of the bar (m)", type=float, err=True))
 
 
 @command.command(epilog="Example: tactometry calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...")

@@ -1,7 +1,10 @@
 """A stream of Lab Streaming Layer (extra: lsl)."""
 
 import contextlib
+import functools
+import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,9 @@ from tactometry.errors import DeviceFailed
 
 LONGEST_SEARCH_S = 5.0
 MOST_SAMPLES = 4096
+WARNINGS_ONLY = "[log]\nlevel = -1\n"
+"""liblsl else tells the terminal which settings it took; it is asked before its first use."""
+SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
 
 
 @dataclass(frozen=True)
@@ -104,9 +110,18 @@ def _offset_s(pylsl: Any) -> float:
     return float(min(readings)[1])
 
 
+@functools.cache
 def _library() -> Any:
     try:
         import pylsl
     except (ImportError, RuntimeError) as error:
         raise DeviceFailed(f"lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'") from None
+    if not _has_settings_of_its_own():
+        with contextlib.suppress(NotImplementedError):
+            pylsl.set_config_content(WARNINGS_ONLY)
     return pylsl
+
+
+def _has_settings_of_its_own() -> bool:
+    """Whether liblsl finds a file of the user's, which what is set here would replace."""
+    return "LSLAPICFG" in os.environ or any(Path(place).expanduser().is_file() for place in SETTINGS_FILES)

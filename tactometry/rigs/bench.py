@@ -243,7 +243,7 @@ class Bench:
             rows=tuple(self._texts.question(question) for question in request.questions),
             n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
             rings=request.steps is not None,
-            hint=self._texts.message("hint_fill"),
+            hint=self._texts.message(form.hint_for(request.steps)),
             gaps=self._texts.message("hint_gaps"),
         )
 

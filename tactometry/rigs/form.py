@@ -9,6 +9,8 @@ from tactometry.rigs.page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, 
 WORDS = 0.03
 TOP, BOTTOM = 0.42, -0.24
 SCALE_LENGTH = 0.52
+MOST_DIGITS = 9
+"""Of a row with more rings no ring has a digit of its own."""
 NEXT, BEFORE = "next row", "row before"
 
 
@@ -42,6 +44,15 @@ class Marks:
         """With another mark in a row, which the keys then go to."""
         places = (*self.places[:row], place, *self.places[row + 1 :])
         return replace(self, places=places, row=row, warned=False)
+
+
+def hint_for(steps: int | None) -> str:
+    """The message that tells how a row of so many rings is answered, of a line without.
+
+    >>> hint_for(7), hint_for(21), hint_for(None)
+    ('hint_fill', 'hint_fill_arrows', 'hint_fill_arrows')
+    """
+    return "hint_fill" if steps is not None and steps <= MOST_DIGITS else "hint_fill_arrows"
 
 
 def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
@@ -139,7 +150,7 @@ def _foot(said: str, marks: Marks, aspect: float) -> list[Item]:
 
 
 def _keys(form: Form) -> tuple[Button, ...]:
-    digits = range(form.n_positions) if form.rings and form.n_positions <= 9 else ()
+    digits = range(form.n_positions) if form.rings and form.n_positions <= MOST_DIGITS else ()
     return (
         *(Button(k, (str(k + 1), f"num_{k + 1}")) for k in digits),
         Button(layout.LEFT, ("left",)),

@@ -53,6 +53,19 @@ def _progress_bar(progress: float) -> list[Item]:
     ]
 
 
+def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
+    """A bar of `length` beside a text, which is left as a message is."""
+    left = message_page("", hint, aspect)
+    heading, _, body = words.partition("\n\n")
+    items = (
+        Text(heading, 0, 0.36, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        Box(-0.5, 0, 0.02, length, fill=INK),
+        Text(body, -0.4, 0, BODY, wrap_width=0.95, align="left"),
+        left.items[-1],
+    )
+    return Page(items, left.buttons)
+
+
 def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
     """A question with a box for each option, which shows its label and its key."""
     width, gap = min(0.42, MARGIN * aspect / len(options) - 0.04), 0.04
