@@ -76,8 +76,7 @@ class Emulator:
 
     def close(self):
         self.reader.close()
-        if self.process.poll() is None:
-            self.unplug()
+        self.unplug()
 
 
 def free_port():

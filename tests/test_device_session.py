@@ -1,4 +1,5 @@
-"""A force-controlled session by the command line: force from a real LSL outlet, sound to a real PortAudio stream."""
+"""Force-controlled sessions by the command line: force from a real LSL outlet and sound to a real PortAudio stream;
+force by UDP from a sender that dies."""
 
 import csv
 import importlib.util
@@ -26,7 +27,6 @@ STUDY = {
     'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
     "catch_rate = 0.2": "catch_rate = 0.0",
     "levels = [10, 18, 26, 34]": "levels = [34]",
-    "repeats = 4": f"repeats = {N_TRIALS}",
 }
 BENCH = """
 [screen]
@@ -68,10 +68,10 @@ def needed():
             pytest.skip(f"no {name}: extras audio, lsl")
 
 
-def study_in(folder):
+def study_in(folder, n_trials=N_TRIALS):
     _, content = load("tutorial")
     text = content.decode()
-    for old, new in STUDY.items():
+    for old, new in {**STUDY, "repeats = 4": f"repeats = {n_trials}"}.items():
         assert old in text
         text = text.replace(old, new)
     path = folder / "short.toml"
@@ -136,10 +136,77 @@ def follow(terminal, seen):
             os.write(terminal, orders.pop(0)[1].encode())
 
 
+NETWORK = """
+[screen]
+fullscreen = false
+[output]
+kind = "file"
+folder = "{folder}"
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[output.gain]
+volts_per_unit = 100.0
+[limits]
+voltage_peak_v = 80.0
+current_peak_a = "1 mA"
+duty = 0.8
+session_s = "1 h"
+[sensors.hand]
+kind = "udp"
+address = "127.0.0.1"
+port = {port}
+rate_hz = 1000
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+"""
+
+
+def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_back(display, tmp_path, in_background):
+    """The trial in which it died is not valid, and is asked again."""
+    study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
+    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
+    played, data = tmp_path / "played", tmp_path / "data"
+    (tmp_path / "bench.toml").write_text(NETWORK.format(folder=played, port=device.udp_port), encoding="utf-8")
+    process = tactometry(
+        "run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data, env=os.environ
+    )
+
+    def go_on_when(what):
+        wait_for(lambda: what() or process.poll() is not None, 60)
+
+    def die_and_come_back():
+        go_on_when(lambda: any(played.glob("*.npz")))
+        device.unplug()
+        go_on_when(lambda: any("silent" in path.read_text() for path in data.glob("journals/*_events.tsv")))
+        device.plug()
+
+    in_background(die_and_come_back)
+    try:
+        status, _, errors = sit(process, display, any_keys(4))
+    finally:
+        device.close()
+    assert (status, errors) == (0, "")
+    [trials] = (data / "data").glob("*_data.csv")
+    rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    assert [(row["valid"], row["attempt"], row["force_mean_n"]) for row in rows] == [("0", "1", "1"), ("1", "2", "1")]
+    events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
+    assert events == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
+    assert len(list(played.glob("*.npz"))) == 2
+    assert validate(data).defects == ()
+
+
+def events_of(data):
+    [path] = (data / "journals").glob("*_events.tsv")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(lines, delimiter="\t", quoting=csv.QUOTE_NONE))
+
+
 def check_events(data, rows):
     """What the experimenter did, the timing of each trial and the clocks of the block are in a sound data set."""
-    [path] = (data / "journals").glob("*_events.tsv")
-    events = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines(), delimiter="\t", quoting=csv.QUOTE_NONE))
+    events = events_of(data)
     kinds = [event["trial_type"] for event in events]
     assert [(kind, kinds.count(kind)) for kind in ("remark", "repeat", "pause", "resume")] == [
         ("remark", 1),
