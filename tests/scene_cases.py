@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
+from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.effect import Effect, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
@@ -186,3 +187,16 @@ def hybrids(draw: st.DrawFn) -> Scene:
         outputs=("t_s", *borne, "sliding_t_s", *slid),
         contacts=tuple(draw(st.permutations((*rested.contacts, slides)))),
     )
+
+
+def finest_of(scene: Scene, *accuracies: float) -> Scene:
+    return next(finest for finest in (replace(scene, accuracy=value) for value in accuracies) if not refusal(finest))
+
+
+def refusal(scene: Scene) -> str:
+    """Why an accuracy is refused."""
+    try:
+        scene.resolve()
+    except InvalidParameter as refused:
+        return str(refused)
+    return ""

@@ -4,7 +4,8 @@ import os
 from dataclasses import replace
 
 import pytest
-from test_scene_time_reversal import error_of, refusal
+from scene_cases import refusal
+from test_scene_time_reversal import error_of
 
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene

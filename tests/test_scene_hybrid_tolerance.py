@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 from conftest import SOAK
 from hypothesis import HealthCheck, given, settings
-from scene_cases import FOCUSED, LEVEL, RUBBED, VOLT, between_events, effect, hybrids, small_screen
-from test_scene_time_reversal import error_of, finest_of
+from scene_cases import (
+    FOCUSED,
+    LEVEL,
+    RUBBED,
+    VOLT,
+    between_events,
+    effect,
+    finest_of,
+    hybrids,
+    small_screen,
+)
+from test_scene_time_reversal import error_of
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
@@ -122,7 +132,7 @@ def test_the_accuracy_is_kept_on_both_sides_and_costs_less_when_loosened():
 @given(hybrids())
 @settings(max_examples=200 if SOAK else 6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_hybrid_scenes_keep_their_accuracy_on_both_sides(scene):
-    finest, costs = finest_of(scene, 1e-4, 3e-4), []
+    finest, costs = finest_of(scene, 1e-4, 3e-4, 9e-4), []
     reference = run(finest)
     for accuracy in ACCURACIES[:3]:
         plan = replace(scene, accuracy=accuracy).resolve()

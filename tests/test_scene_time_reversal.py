@@ -7,7 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, screen, screens, small_screen, tuned
+from scene_cases import (
+    RESTING,
+    TIME_REVERSAL,
+    VOLT,
+    effect,
+    finest_of,
+    refusal,
+    screen,
+    screens,
+    small_screen,
+    tuned,
+)
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -196,19 +207,6 @@ def finer(scene: Scene) -> Scene:
     override |= {"static_to_hz": max(override["modes_to_hz"], motion["static_to_hz"])} if override else {}
     settings = {"motion": override, "grid_x": {"n": 157}, "grid_y": {"n": 113}}
     return replace(fine, settings={name: settings[name] for name in settings if name in chosen})
-
-
-def finest_of(scene: Scene, *accuracies: float) -> Scene:
-    return next(finest for finest in (replace(scene, accuracy=value) for value in accuracies) if not refusal(finest))
-
-
-def refusal(scene: Scene) -> str:
-    """Why an accuracy is refused."""
-    try:
-        scene.resolve()
-    except InvalidParameter as refused:
-        return str(refused)
-    return ""
 
 
 @pytest.mark.parametrize("output", sorted(OUTPUTS))

@@ -6,12 +6,17 @@ step h is off by at most ``h^2 max |f''|/8``: relative to the peak the error is 
 Envelopes have kinks where the voltage is zero. The force goes with the square and hides them, but for a lossy skin,
 whose voltage is not zero there: that brings an error in proportion to the step (an estimate, checked by tests).
 
+Where a raised-cosine ramp ends the second derivative of the voltage steps by ``J = (pi/ramp)^2/2`` of its peak. What a
+lossy skin with a rate ``1/tau = q w`` at a tone w hands on of that tone is ``1/sqrt(1 + q^2)``, turned by a phase, but
+the step passes whole: it adds at most ``J (sqrt(1 + q^2) + 1)`` to the curvature of the force over its peak, and
+``2 J sqrt(1 + q^2)`` times a constant beside the tone.
+
 Dry friction jumps where a finger begins to slip or to stick: no line over a jump is right, so that its error is that
 between the events, which are exact.
 """
 
 from collections.abc import Callable
-from math import ceil, pi, sqrt
+from math import ceil, hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
 from tactometry.stimuli.scenes.effect import Surroundings
@@ -19,7 +24,13 @@ from tactometry.stimuli.scenes.effect import Surroundings
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.pieces import Pieces, Real
 
-FEWEST = 16
+FEWEST, MOST = 16, 4_000_000
+"""Samples of a record; the most take about 2 GB."""
+THROUGH_SKIN = frozenset(
+    ("electrostatic_force_n", "peak_force_n", "friction_force_n", "skin_displacement_m", "slip_events_s", "channels_db",
+     "sensation_db", "sliding_sensation_db")
+)  # fmt: skip
+"""Outputs of which a skin changes the course."""
 VACUUM_F_PER_M = 8.8541878128e-12
 
 
@@ -49,11 +60,11 @@ def force_rad_per_s(scene: Surroundings) -> float:
 
 
 def n_samples(scene: Surroundings, error: float) -> int:
-    """Samples of a record for an error of straight lines between them."""
+    """Samples of a record for an error of straight lines between them, or as many as are to be had."""
     duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
     square, linear = _terms(scene)
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
-    return max(FEWEST, ceil(duration_s / step_s) + 1)
+    return min(max(FEWEST, ceil(duration_s / step_s) + 1), MOST)
 
 
 def chord_error(scene: Surroundings, n: int) -> float:
@@ -71,7 +82,19 @@ def _terms(scene: Surroundings) -> tuple[float, float]:
     if kinks:
         bandwidth = max(bandwidth, 2 * leak)
     in_body = 1.0 if scene.find("body") is not None else 0.0
-    return bandwidth**2 / 8, 2 * kinks * (leak / _carried_rad_per_s(scene) + in_body)
+    square = (bandwidth**2 + _ramp_end_per_s2(scene)) / 8
+    return square, 2 * kinks * (leak / _carried_rad_per_s(scene) + in_body)
+
+
+def _ramp_end_per_s2(scene: Surroundings) -> float:
+    """Curvature of the force over its peak behind a ramp, 0 without ramps or losses."""
+    ramp_s: float = scene.surface.ramp_s  # type: ignore[attr-defined]
+    leak = _leak_per_s(scene)
+    if not (ramp_s and leak):
+        return 0.0
+    offset = scene.find("offset")
+    constant = 0.0 if offset is None else abs(offset.ratio)  # type: ignore[attr-defined]
+    return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak / _carried_rad_per_s(scene)) * (1 + 2 * constant) + 1)
 
 
 def _carried_rad_per_s(scene: Surroundings) -> float:
@@ -99,9 +122,9 @@ def _swing_rad_per_s(scene: Surroundings) -> float:
 
 
 def _leak_per_s(scene: Surroundings) -> float:
-    """``1/tau`` of a leaky corneum, 0 of one without losses."""
+    """``1/tau`` of a leaky corneum, 0 of one without losses, or that no output is behind."""
     leakage, gap, skin = scene.find("leakage"), scene.find("gap"), scene.surface
-    if leakage is None:
+    if leakage is None or THROUGH_SKIN.isdisjoint(scene.outputs):
         return 0.0
     insulator_m: float = skin.insulator_thickness_m / skin.insulator_permittivity  # type: ignore[attr-defined]
     if gap is not None:

@@ -11,6 +11,8 @@ from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Touch
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.stage import Setting, Stage
 
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -69,11 +71,13 @@ class Scene:
         Raises
         ------
         InvalidParameter
-            If an output is not to be had, or the settings name no stage of the plan.
+            If an output is not to be had, or not so accurately, or the settings name no stage of the plan.
         """
         rough = self._plan(Budget(self.accuracy))
-        n_approximate = sum(stage.error > 0 for stage in rough)
-        stages = self._plan(Budget(self.accuracy / n_approximate)) if n_approximate > 1 else rough
+        share = self.accuracy / max(1, sum(stage.error > 0 for stage in rough))
+        stages = rough if share == self.accuracy else self._plan(Budget(share))
+        for stage in stages:
+            _check_kept(stage, share)
         given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
         return Plan(tuple(self._overridden(stages)), given, self.outputs)
 
@@ -98,6 +102,15 @@ class Scene:
                 _check_known(where, key, list(chosen), f"setting of {name}")
                 _check_like(where, settings[key], chosen[key])
         return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
+
+
+def _check_kept(stage: Stage, error: float) -> None:
+    if stage.error > error * (1 + ROUNDING):
+        finest = ", ".join(f"{key} = {value}" for key, value in stage.settings.items())
+        raise InvalidParameter(
+            f"scene.accuracy: found an error of {error:.2g} left for {stage.name!r}, expected at least "
+            f"{stage.error:.2g}, which its finest setting gives ({finest}); loosen the accuracy"
+        )
 
 
 def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None:
