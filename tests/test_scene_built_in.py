@@ -1,54 +1,76 @@
-"""The built-in scenes of time reversal keep the accuracy that is asked for, output by output."""
+"""The four built-in scenes keep the accuracy that is asked for, output by output, and are not needlessly dear."""
 
-import os
 from dataclasses import replace
 
 import pytest
-from scene_cases import refusal
+from conftest import SOAK
+from scene_cases import RUBBED, refusal
 from test_scene_time_reversal import error_of
 
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
-ACCURACIES, FINEST = ((1e-1, 1e-2, 1e-3, 1e-4), 4e-5) if SOAK else ((1e-1, 1e-2), 1e-3)
+ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2)
+FINEST = (4e-5, 6e-5, 1e-4, 5e-4) if SOAK else (1e-3,)
+FOCUS = ("t_s", "focus_displacement_m", "contact_force_n", "peak_m", "sensation_db")
+MAP, LEVELS = ("x_m", "y_m", "field_m"), ("sound_level_dba", "energy_j")
 CASES = [
-    ("a4-screen", ("t_s", "focus_displacement_m", "contact_force_n", "sensation_db", "peak_m")),
-    ("a4-screen", ("sound_level_dba", "energy_j")),
-    ("a4-screen", ("x_m", "y_m", "field_m")),
+    ("a4-screen", FOCUS),
+    ("a4-screen", LEVELS),
+    ("a4-screen", MAP),
     ("thin-screen", ("t_s", "focus_displacement_m", "peak_m")),
-    ("thin-screen", ("sound_level_dba",)),
-    ("thin-screen", ("x_m", "y_m", "field_m")),
+    ("thin-screen", LEVELS),
+    ("thin-screen", MAP),
+    ("electrovibration-panel", ("t_s", "voltage_v", *RUBBED)),
+    ("electrovibration-panel", ("sensation_db",)),
+    ("hybrid-screen", FOCUS),
+    ("hybrid-screen", ("sliding_t_s", *RUBBED, "sliding_sensation_db")),
 ]
-CASES += [("hybrid-screen", ("t_s", "focus_displacement_m", "contact_force_n"))] if SOAK else []
-BESIDE = frozenset(("t_s", "x_m", "y_m"))
+CLOCKS = frozenset(("t_s", "sliding_t_s", "x_m", "y_m"))
+READ_OFF = frozenset(("focus_displacement_m", "field_m", "electrostatic_force_n"))
+"""Courses and maps, whose error is that of straight lines; levels, peaks and energies are far better than predicted."""
 
 
-def reference(scene, run):
-    """The finest run that is not refused, on a coarse map."""
-    accuracy = next(value for value in (FINEST, 1e-4, 5e-4) if not refusal(replace(scene, accuracy=value)))
-    given = {stage.name for stage in scene.resolve().stages}
-    grids = {name: {"n": n} for name, n in (("grid_x", 157), ("grid_y", 113)) if name in given}
-    return run(replace(scene, accuracy=accuracy, settings=grids)), accuracy
+@pytest.fixture
+def ran():
+    def run(found, scene):
+        plan = scene.resolve()
+        return plan.run({key: found.given[key] for key in plan.given}), plan.error
+
+    return run
+
+
+def reference(scene):
+    """The finest scene that is not refused, on a coarse map."""
+    fine = next(finer for finer in (replace(scene, accuracy=value) for value in FINEST) if not refusal(finer))
+    stages = {stage.name for stage in fine.resolve().stages}
+    return replace(fine, settings={name: {"n": n} for name, n in (("grid_x", 157), ("grid_y", 113)) if name in stages})
+
+
+def error(got, true, output):
+    """On the clock of the output."""
+    clock = "sliding_t_s" if output in RUBBED and "sliding_t_s" in got else "t_s"
+    return error_of({**got, "t_s": got.get(clock)}, {**true, "t_s": true.get(clock)}, output)
 
 
 @pytest.mark.parametrize(("name", "outputs"), CASES)
-def test_a_built_in_scene_keeps_the_accuracy_of_every_output_or_refuses_it_with_the_reason(name, outputs):
+def test_a_built_in_scene_keeps_the_accuracy_of_every_output_or_refuses_it_with_the_reason(ran, name, outputs):
+    """That no error above the request is predicted makes it at most ten times the larger of a tenth of the request and
+    the true error; of courses and maps it is at most ten times the true error itself."""
     found = load_scene(path_of(name))
-    scene = replace(found.scene, outputs=outputs)
-
-    def run(one):
-        plan = one.resolve()
-        return plan.run({key: found.given[key] for key in plan.given})
-
-    true, finest = reference(scene, run)
-    for accuracy in (value for value in ACCURACIES if value > finest):
-        reason = refusal(replace(scene, accuracy=accuracy))
+    finest = reference(replace(found.scene, outputs=outputs))
+    true, _ = ran(found, finest)
+    for accuracy in (value for value in ACCURACIES if value > finest.accuracy):
+        asked = replace(found.scene, outputs=outputs, accuracy=accuracy)
+        reason = refusal(asked)
         if reason:
             assert accuracy < 1e-3, reason
             assert "loosen the accuracy" in reason
             continue
-        plan = replace(scene, accuracy=accuracy).resolve()
-        got = plan.run({key: found.given[key] for key in plan.given})
-        for output in set(outputs) - BESIDE:
-            assert error_of(got, true, output) <= plan.error + finest <= accuracy + finest
+        got, predicted = ran(found, asked)
+        errors = {output: error(got, true, output) for output in outputs if output not in CLOCKS}
+        print(f"{name} {accuracy:g}: predicted {predicted:.1e}, true {errors}")
+        assert max(errors.values()) <= predicted + finest.accuracy
+        assert predicted <= accuracy
+        if READ_OFF & set(errors):
+            assert predicted <= 10 * (max(errors.values()) + finest.accuracy)

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from math import log, pi, sin
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.effect import Budget, Surroundings
 from tactometry.stimuli.scenes.sampling import n_samples
 from tactometry.stimuli.scenes.stage import Stage
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 """Coefficients of the four-term Blackman-Harris window."""
 PADDINGS = (1, 2, 4, 8, 16, 32, 64)
+MOST_LINES = 3e7
 FAINT = 1e-9
 STEEPEST_DB_PER_HZ = 0.69
 """Of `tactometry.stimuli.perception.sensitivity_db`, at 0 Hz: an upper bound."""
@@ -39,22 +39,14 @@ def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEE
     return max(abs(height - 1) + per_line * abs(away) / padding for height, away in found)
 
 
-def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> int:
-    """The smallest padding whose error is at most `error`.
+def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ, n: int = 1) -> int:
+    """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
 
-    Raises
-    ------
-    InvalidParameter
-        If no padding reaches it.
+    >>> padding_for(1e-4, duration_s=1.0) <= 8, padding_for(1e-9, duration_s=1.0)
+    (True, 64)
     """
-    for padding in PADDINGS:
-        if peak_error(padding, duration_s, steepest_db_per_hz) <= error:
-            return padding
-    raise InvalidParameter(
-        f"sensation_db: found an accuracy that leaves {error:.3g} for the spectrum, expected at least "
-        f"{peak_error(PADDINGS[-1], duration_s, steepest_db_per_hz):.3g} for a record of {duration_s} s; loosen the "
-        "accuracy"
-    )
+    fits = [padding for padding in PADDINGS if padding * n <= MOST_LINES] or PADDINGS[:1]
+    return next((padding for padding in fits if peak_error(padding, duration_s, steepest_db_per_hz) <= error), fits[-1])
 
 
 def spectrum_stage(
@@ -62,7 +54,8 @@ def spectrum_stage(
 ) -> Stage:
     """The components of friction, as finely as a threshold of that slope asks for."""
     duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
-    padding = padding_for(budget.error, duration_s, steepest_db_per_hz)
+    n = n_samples(scene, budget.error)
+    padding = padding_for(budget.error, duration_s, steepest_db_per_hz, n)
     return Stage(
         "spectrum",
         ("t_s", "friction_force_n"),
@@ -70,7 +63,7 @@ def spectrum_stage(
         f"{__name__}:components_of",
         {"padding": padding},
         error=peak_error(padding, duration_s, steepest_db_per_hz),
-        n_operations=300.0 * padding * n_samples(scene, budget.error),
+        n_operations=300.0 * padding * n,
         effect=effect,
     )
 
