@@ -199,7 +199,7 @@ def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
     by_a, by_b = -ratio_a, ratio_b
     aa, ab, bb = a * ratio_a - ratio_a**2, ratio_a * ratio_b, -b * ratio_b - ratio_b**2
     gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
-    curved = (aa + 2 * ab + bb) * inverse**2
+    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
     mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
     own = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
     return Expansion(log_chance, gradient, _square(curved, mixed, own))

@@ -255,7 +255,9 @@ def maximise(model: MixedModel, start: Array, marginal: Marginal = log_marginal)
     with np.errstate(all="ignore"):
         parameters, hessian = start, _hessian(objective, start)
         for _ in range(MAX_RESTARTS):
-            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": symmetric_inverse(hessian)[0]}
+            first = symmetric_inverse(hessian)[0]
+            is_definite = np.linalg.eigvalsh(first).min() > 0
+            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if is_definite else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
             parameters, hessian = _polished(objective, parameters)
             value, gradient = objective(parameters)

@@ -9,10 +9,17 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
-from tactometry.analysis.censored_model import _Censored, _interval, _value, censored_model
+from tactometry.analysis.censored_model import (
+    LARGEST_STEP,
+    _Censored,
+    _interval,
+    _refuse_endless,
+    _value,
+    censored_model,
+)
 from tactometry.analysis.laplace import MixedModel as Clusters
 from tactometry.analysis.laplace import inner_mode
-from tactometry.analysis.mixed_model import ModelStatus, mixed_model
+from tactometry.analysis.mixed_model import ModelStatus, design_matrix, mixed_model
 from tactometry.analysis.quadrature import log_marginal_by_quadrature
 from tactometry.errors import InvalidParameter
 
@@ -116,6 +123,32 @@ def test_derivatives_of_a_censored_value_are_exact(ends) -> None:
     for i in range(2):
         slope = approx_fprime(x, lambda x, i=i: at(x).gradient[i])
         np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5 * np.abs(here.hessian).max())
+
+
+def test_a_chance_far_in_either_tail_is_that_of_50_digits() -> None:
+    with mpmath.workdps(50):
+        exact = float(mpmath.log(mpmath.ncdf(-60) - mpmath.ncdf(-61)))
+    for low, high in ((60.0, 61.0), (-61.0, -60.0)):
+        found = _interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).value
+        hard_case("log chance 60 standard deviations away", found, exact, 1e-12, against="50 digits")
+
+
+@pytest.mark.parametrize("end", [1e5, 1e7, 1e9])
+def test_a_bound_that_is_broken_by_far_still_bends_downwards(end) -> None:
+    """Where rounding takes all digits of the curvature: else a system that has no solution."""
+    for low, high in ((end, np.inf), (-np.inf, -end)):
+        assert _interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).hessian[0, 0] <= 0
+
+
+def test_a_fit_that_still_rises_is_refused() -> None:
+    table = study(np.random.default_rng())
+    matrix = design_matrix(table, ["force_n"], [], interactions=False, base={})
+    ends = np.repeat((table[["y"]] - table["y"].mean()).to_numpy() / table["y"].std(), 2, axis=1)
+    found = _Censored.of(ends, matrix.x, pd.factorize(table["who"])[0]).fitted()
+    _refuse_endless(found, matrix)
+    error = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)]).max()
+    with pytest.raises(InvalidParameter, match="the likelihood still rises"):
+        _refuse_endless(replace(found, gradient=1.01 * LARGEST_STEP / error), matrix)
 
 
 def test_derivatives_of_a_known_value_are_exact() -> None:
