@@ -17,6 +17,7 @@ from tactometry.devices.streamed import StreamedSensor, streamed_force, streamed
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.load import Load
+from tactometry.rigs.texts import languages
 from tactometry.quantity import as_si
 from tactometry.strict import build
 from tactometry.toml import located, read_table
@@ -39,6 +40,11 @@ class Screen:
         for name in ("width_px", "height_px"):
             if getattr(self, name) < 320:
                 raise InvalidParameter(f"Screen.{name}: found {getattr(self, name)}, expected at least 320 pixels")
+        if self.language not in languages():
+            raise InvalidParameter(
+                f"Screen.language: found {self.language!r}, expected one of {', '.join(languages())}"
+                f"{nearest(self.language, languages())}"
+            )
         if self.height_m is not None and not 0 < self.height_m < 10:
             raise InvalidParameter(f"Screen.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
 

@@ -162,6 +162,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
         (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: found 'soon'"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
+        (("[screen]", '[screen]\nlanguage = "de"'), "screen.language: found 'de', expected one of en, fr"),
         (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
         (
             ("zero_counts = [100, 0]", "zero_counts = [1]"),
@@ -225,3 +226,11 @@ def test_a_study_that_an_output_cannot_play_opens_no_window(tmp_path, capsys, se
     bench.write_text(f'[output]\nkind = "audio"\n{settings}\n{calibrated}')
     status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
     assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said
+
+
+def test_responses_that_are_not_there_end_a_session_before_its_window(tmp_path, capsys):
+    bench = tmp_path / "bench.toml"
+    bench.write_text('[time_reversal]\nresponses = "nothing.npz"\n')
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
+    assert (status, said.count("\n")) == (2, 0)
+    assert "nothing.npz: " in said

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.counted import STEP_S, CountedSamples
+from tactometry.devices.counted import SLEW, STEP_S, CountedSamples
 from tactometry.devices.framing import Frame, Framing, encode_frame, frame_bytes
 from tactometry.devices.position_sensor import mean_speed_m_per_s
 from tactometry.devices.udp import RECORD, records
@@ -58,6 +58,15 @@ def test_garbage_as_of_a_wrong_baud_rate_is_no_frame(garbage):
     assert found == []
     assert framing.n_skipped + len(framing.rest) == len(garbage)
     assert len(framing.rest) < frame_bytes(2)
+
+
+def test_opening_bytes_alone_keep_no_frame_waiting():
+    sent = Frame(1, 2, (3, 4))
+    assert parsed([b"\xa5\x5a\x07" + encode_frame(sent)])[1] == [sent]
+
+
+def test_counter_and_time_of_an_encoder_wrap():
+    assert encode_frame(Frame(2**32 + 1, 2**32 + 2, (3,))) == encode_frame(Frame(1, 2, (3,)))
 
 
 def test_frames_of_another_number_of_channels_are_not_taken():
@@ -150,9 +159,33 @@ def test_three_seconds_of_late_samples_move_no_clock():
     assert clocks.offset_s == 0.0
 
 
+def test_the_least_delayed_sample_counts_in_whatever_order_and_not_what_lies_ahead():
+    assert ClockMap().after(0.0, 10.25).after(0.25, 10.75).offset_s == 10.25
+    assert ClockMap().after(10.0, 20.0).after(0.0, 15.0).offset_s == 15.0
+
+
+def test_what_waited_together_settles_no_clock():
+    """A second of samples that come at once, 0.5 s less late than the first: when they were taken tells nothing."""
+    samples = CountedSamples(1e-3)
+    samples.block([(0, 0, (0,))], 100.0)
+    assert samples.block([(n, n, (0,)) for n in range(1, 1001)], 100.5).times_s.size == 0
+
+
+def test_stamps_of_a_way_that_became_longer_are_hardly_stretched():
+    """10 ms more from the first second on, known when the better samples are forgotten."""
+    samples, times_s = CountedSamples(1e-3), []
+    for n in range(8000):
+        times_s += samples.block([(n, n, (0,))], 1e-3 * n + (0.0 if n < 1000 else 0.01)).times_s.tolist()
+    steps_s = np.diff(times_s)
+    assert np.all(steps_s <= 1e-3 * (1 + SLEW) + 1e-9)
+    assert np.any(steps_s > 1e-3 * (1 + 0.9 * SLEW))
+
+
 def test_times_that_are_no_numbers_are_refused():
     with pytest.raises(InvalidParameter, match="found times nan and 1.0, expected finite"):
         ClockMap().after(math.nan, 1.0)
+    with pytest.raises(InvalidParameter, match="found times 1.0 and inf, expected finite"):
+        ClockMap().after(1.0, math.inf)
     with pytest.raises(InvalidParameter, match="found no sample yet"):
         ClockMap().ours_s(1.0)
 
@@ -182,6 +215,11 @@ def test_what_a_sensor_cannot_tell_is_lost():
         ({}, "found none or more than one of newtons_per_count, polynomial and table_counts"),
         ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none or more than one"),
         ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite number but 0"),
+        ({"newtons_per_count": math.inf}, "newtons_per_count: found inf, expected a finite number but 0"),
+        ({"polynomial": (0.0, math.nan)}, "polynomial: found .*expected at least two finite numbers"),
+        ({"table_counts": (1.0,), "table_forces_n": (1.0,)}, "found 1 counts and 1 table_forces_n"),
+        ({"table_counts": (0.0, 1.0), "table_forces_n": (0.0, math.inf)}, "at least two, all finite"),
+        ({"newtons_per_count": 1.0, "count_low": 2.0, "count_high": 2.0}, "count_low: found 2.0, expected below"),
         ({"polynomial": (1.0,)}, "polynomial: found .*expected at least two"),
         ({"table_counts": (0.0, 1.0)}, "found 2 counts and 0 table_forces_n"),
         ({"table_counts": (1.0, 1.0), "table_forces_n": (0.0, 1.0)}, "found counts that do not rise"),
@@ -202,6 +240,10 @@ def test_a_polynomial_may_turn_beside_its_range_and_a_table_may_fall():
     assert bent.force_n(np.array([10.0, 50.0])).tolist() == [9.0, 25.0]
     falling = ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(2.0, 0.0))
     assert falling.force_n(np.array([2.5])).tolist() == [1.5]
+    risen = ForceCalibration(polynomial=(0.0, 1.0, 0.01), count_low=-50.0)
+    assert risen.force_n(np.array([-50.0, 0.0])).tolist() == [-25.0, 0.0]
+    assert ForceCalibration(polynomial=(0.0, 1.0, 0.0, 1.0)).force_n(np.array([2.0])).tolist() == [10.0]
+    assert ForceCalibration(newtons_per_count=-0.5).force_n(np.array([-4.0])).tolist() == [2.0]
 
 
 # --- speed

@@ -1,11 +1,8 @@
-"""Outputs without a card: the guard before every driver, files, packed one-bit streams, and NI's task settings."""
+"""Outputs without a card: the guard before every driver, files, and NI's task settings."""
 
 import importlib.util
 import inspect
-import os
-import threading
-import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import date
 from typing import ClassVar
 from unittest.mock import create_autospec
@@ -22,7 +19,6 @@ from tactometry.devices.gain import Gain
 from tactometry.devices.guarded import Guarded
 from tactometry.devices.measured import Measured
 from tactometry.devices.ni import NiSettings, started, task_of
-from tactometry.devices.packed import HEADER_BYTES, decode, encode, stop_stream, word_bytes
 from tactometry.devices.packed_output import PackedSettings
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.limits import Limits
@@ -143,12 +139,29 @@ def test_a_session_begins_when_its_output_is_opened():
 
 def test_every_signal_of_the_window_counts():
     clock = Clock()
-    guard = Guarded(SixteenBits(), LIMITS, FINGER, clock)
-    for clock.now_s in (0.0, 0.5):
-        guard.play(volts(np.zeros((1, 200))))
-    clock.now_s = 0.8
+    guard = Guarded(SixteenBits(), replace(LIMITS, duty_window_s=3.0), FINGER, clock)
+    for clock.now_s in (0.0, 1.5):
+        guard.play(volts(np.zeros((1, 600))))
+    clock.now_s = 2.2
     with pytest.raises(LimitExceeded, match=r"limits\.duty: found signals in a part of 0\.6 "):
-        guard.play(volts(np.zeros((1, 200))))
+        guard.play(volts(np.zeros((1, 600))))
+
+
+@pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, RATE_HZ), (1, 2 * RATE_HZ)])
+def test_channels_and_rate_are_those_of_the_driver(n_channels, rate_hz):
+    driver = SixteenBits()
+    driver.n_channels, driver.rate_hz = 1, RATE_HZ
+    with pytest.raises(DeviceFailed, match=r"found a signal with .*, expected 1.*; nothing was played"):
+        Guarded(driver, LIMITS, FINGER).play(Signal(np.zeros((n_channels, 10)), rate_hz, "V"))
+    assert driver.emitted == []
+
+
+def test_a_stop_and_a_close_are_those_of_the_driver():
+    driver = SixteenBits()
+    guard = Guarded(driver, LIMITS, FINGER)
+    guard.stop()
+    guard.close()
+    assert driver.emitted == ["stop", "close"]
 
 
 def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
@@ -157,8 +170,8 @@ def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
         Gain(10.0).to_units(volts([[10.005]]))
     board = PackedSettings(str(tmp_path / "board"), n_channels=1, rate_hz=RATE_HZ).driver(Gain(30.0))
     assert board.final(volts([[30.0 * (1 + 1e-10)]])).peak == 30.0
-    with pytest.raises(DeviceFailed, match="found a signal of 30.1 V, expected the 30 V of the supply"):
-        board.final(volts([[30.1]]))
+    with pytest.raises(DeviceFailed, match="found a signal of 30.0003 V, expected the 30 V of the supply"):
+        board.final(volts([[30.0003]]))
 
 
 @given(samples, gains)
@@ -267,102 +280,26 @@ def test_a_wav_file_needs_a_whole_rate(tmp_path):
         output.final(Signal(np.zeros((1, 2)), 0.5, "V"))
 
 
+def test_files_are_numbered_and_never_written_over(tmp_path):
+    folder = tmp_path / "new" / "played"
+    output = FileSettings(str(folder)).driver(Gain())
+    output.open()
+    for voltage_v in (1.0, 2.0):
+        output.play(Signal(np.array([[voltage_v]]), 44_100.5, "V"))
+    assert [read_signal(path).peak for path in sorted(folder.iterdir())] == [1.0, 2.0]
+    assert output.facts() == {"n_files": 2}
+    (folder / "0003.npz").write_bytes(b"another's")
+    with pytest.raises(DeviceFailed, match=r"0003\.npz: cannot write \(File exists\), expected a new file"):
+        output.play(volts([[3.0]]))
+    assert (folder / "0003.npz").read_bytes() == b"another's"
+
+
 def test_a_file_that_is_no_signal_is_named(tmp_path):
     (tmp_path / "x.npz").write_bytes(b"no archive")
-    with pytest.raises(InvalidParameter, match="x.npz: cannot be read as a signal"):
-        read_signal(tmp_path / "x.npz")
-
-
-# --- packed one-bit streams
-
-
-@pytest.mark.parametrize(("values", "unit"), [([[1.0, -1.0]], "N"), ([[0.0, 0.0]], "V"), ([[1.0, -0.5]], "V")])
-def test_only_volts_of_one_size_are_packed(values, unit):
-    with pytest.raises(InvalidParameter, match="packed stream: found samples of more than one size"):
-        encode(Signal(np.array(values), RATE_HZ, unit))
-
-
-@pytest.mark.parametrize("n_channels", [0, 65_536])
-def test_a_stream_has_channels(n_channels):
-    stream = encode(volts([[1.0]]))
-    fields = stream[:12] + n_channels.to_bytes(4, "little") + stream[16 : HEADER_BYTES - 4]
-    header = fields + zlib.crc32(fields).to_bytes(4, "little")
-    with pytest.raises(InvalidParameter, match=f"found {n_channels} channels, expected from 1 to 65535"):
-        decode(header + stream[HEADER_BYTES:])
-
-
-@given(bits, st.floats(1e-3, 1e3), st.floats(1.0, 1e8))
-def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
-    signal = Signal(values * voltage_v, rate_hz, "V")
-    stream = encode(signal)
-    assert len(stream) == HEADER_BYTES + word_bytes(values.shape[0]) * values.shape[1]
-    assert decode(stream).digest() == signal.digest()
-    exact_case("a packed one-bit stream", against="every bit")
-
-
-@given(bits, st.data())
-def test_no_damage_goes_unseen(values, data):
-    stream = bytearray(encode(Signal(30.0 * values, 1e6, "V")))
-    where = data.draw(st.integers(0, 8 * len(stream) - 1))
-    stream[where // 8] ^= 1 << (where % 8)
-    with pytest.raises(InvalidParameter, match="packed stream: found"):
-        decode(bytes(stream))
-    with pytest.raises(InvalidParameter, match="packed stream: found"):
-        decode(encode(Signal(30.0 * values, 1e6, "V"))[: data.draw(st.integers(0, len(stream) - 1))])
-    exact_case("any bit of a packed stream turned", against="refusal")
-
-
-def test_the_bytes_are_those_of_the_documented_form():
-    values = np.where(np.arange(33)[:, None] == [0, 9, 32], 1.0, -1.0)
-    stream = encode(Signal(30.0 * values, 1e6, "V"))
-    assert stream[:12] == b"TACT1BIT" + bytes([1, 0, 48, 0])
-    assert int.from_bytes(stream[12:16], "little") == 33
-    assert np.frombuffer(stream, "<f8", 2, 16).tolist() == [1e6, 30.0]
-    assert int.from_bytes(stream[32:40], "little") == 3
-    assert stream[48:] == bytes([1, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1])
-    assert int.from_bytes(stream[40:44], "little") == zlib.crc32(stream[48:])
-    assert int.from_bytes(stream[44:48], "little") == zlib.crc32(stream[:44])
-
-
-@pytest.mark.parametrize("values", [[[1.0, 0.5]], [[1.0, 0.0]], [[0.0]]])
-def test_one_bit_is_plus_or_minus_one_voltage(values):
-    with pytest.raises(InvalidParameter, match=r"expected \+V and -V alone"):
-        encode(volts(values))
-
-
-def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
-    """Through a real named pipe to a reader, as to a device node."""
-    pipe, got = tmp_path / "board", []
-    os.mkfifo(pipe)
-    board = threading.Thread(target=lambda: got.append(pipe.read_bytes()))
-    board.start()
-    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0))
-    output.open()
-    signal = Signal(np.where(np.random.default_rng(0).random((32, 7000)) < 0.5, 30.0, -30.0), 1e6, "V")
-    output.play(signal)
-    output.stop()
-    output.close()
-    output.close()
-    board.join(10)
-    silence = stop_stream(32, 1e6)
-    assert got[0].startswith(silence)
-    assert got[0].endswith(silence + silence)
-    assert decode(got[0][len(silence) : -2 * len(silence)]).digest() == signal.digest()
-
-
-def test_a_supply_cannot_be_scaled_by_one_bit():
-    output = PackedSettings("nowhere", 1, RATE_HZ).driver(Gain(30.0))
-    assert output.final(volts([[30.0, -30.0]])).samples.tolist() == [[30.0, -30.0]]
-    with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
-        output.final(volts([[20.0, -20.0]]))
-    with pytest.raises(DeviceFailed, match="expected \\+V and -V alone .*nothing was played"):
-        output.final(volts([[30.0, 0.0]]))
-
-
-def test_a_board_that_is_not_there_is_named(tmp_path):
-    output = PackedSettings(str(tmp_path / "no" / "board"), 1, RATE_HZ).driver(Gain())
-    with pytest.raises(DeviceFailed, match="board: cannot open the board .*nothing was played"):
-        output.open()
+    np.savez(tmp_path / "y.npz", rate_hz=1.0)
+    for name in ("x.npz", "y.npz"):
+        with pytest.raises(InvalidParameter, match=f"{name}: cannot be read as a signal"):
+            read_signal(tmp_path / name)
 
 
 # --- NI: the settings as data, and the calls against the signatures of the library; nothing here ran on a device

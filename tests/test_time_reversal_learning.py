@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.learning import (
     as_displacement,
@@ -133,6 +133,13 @@ def test_learnt_responses_are_kept_with_where_they_come_from(tmp_path, plate):
     write_learnt(plate, path, {"measured_by": "ZG", "excitation": "sweep", "voltage_v": 10.0})
     assert np.array_equal(read([path]).samples, plate.samples)
     assert read_provenance(path) == {"measured_by": "ZG", "excitation": "sweep", "voltage_v": 10.0}
+
+
+def test_a_file_that_says_nothing_of_where_it_comes_from_is_named(tmp_path):
+    (tmp_path / "torn.npz").write_bytes(b"PK\x03\x04")
+    for name in ("none.npz", "torn.npz"):
+        with pytest.raises(InvalidFile, match=f"{name}: cannot be read as learnt responses"):
+            read_provenance(tmp_path / name)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ energy.
 """
 
 import json
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.checked import checked
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.require import positive, within
 from tactometry.rule import Vector
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
@@ -234,6 +235,15 @@ def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str 
 
 @checked
 def read_provenance(path: Path) -> dict[str, str | float | int]:
-    """Where learnt responses come from; empty for a file that does not say."""
-    with np.load(path, allow_pickle=False) as file:
-        return dict(json.loads(str(file["provenance"]))) if "provenance" in file else {}
+    """Where learnt responses come from; empty for a file that does not say.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is no NPZ of responses.
+    """
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            return dict(json.loads(str(file["provenance"]))) if "provenance" in file else {}
+    except (OSError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        raise InvalidFile(f"{path}: cannot be read as learnt responses ({error}), expected an NPZ file") from None

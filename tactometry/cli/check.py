@@ -11,6 +11,8 @@ from tactometry.cli.output import json_option, say
 if TYPE_CHECKING:
     from tactometry.experiments.checking import Finding
 
+LONGEST_CELL = 50
+"""A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
 MARKS = {True: "ok", False: "NOT FINE", None: ""}
 
 
@@ -42,10 +44,15 @@ def _table(findings: "list[Finding]") -> str:
     from rich.table import Column, Table
 
     table = Table(*(Column(name, overflow="fold") for name in ("part", "what", "found", "expected", "")))
+    told = [each for each in findings if len(each.found) > LONGEST_CELL]
     for each in findings:
-        table.add_row(each.part, each.what, each.found, each.expected, MARKS[each.fine])
+        found = "see below" if each in told else each.found
+        table.add_row(each.part, each.what, found, each.expected, MARKS[each.fine])
     console = Console()
     with console.capture() as capture:
         console.print(table, markup=False, highlight=False)
     n_bad = sum(each.fine is False for each in findings)
-    return f"{capture.get().rstrip()}\n{'everything is fine' if n_bad == 0 else f'{n_bad} not fine'}"
+    sentences = [f"{each.part}: {each.found}" for each in told]
+    return "\n".join(
+        [capture.get().rstrip(), *sentences, "everything is fine" if n_bad == 0 else f"{n_bad} not fine"]
+    )

@@ -78,8 +78,8 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
-        devices, learnt = bench.devices(study.limits, date.today()), learnt_facts(bench.time_reversal)
-        bank = bank_of(experiment, bench.time_reversal)
+        devices = bench.devices(study.limits, date.today())
+        bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
         for name, stimulus in bank.items():
             check_format(stimulus.at(experiment.highest_level(name)), devices.output)
         return open_bench(

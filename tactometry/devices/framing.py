@@ -84,7 +84,7 @@ class Framing:
         >>> Framing(n_channels=1).n_missing, Framing(n_channels=1, rest=SYNC).n_missing
         (20, 18)
         """
-        return max(1, frame_bytes(self.n_channels) - len(self.rest))
+        return frame_bytes(self.n_channels) - len(self.rest)
 
     def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
         """Take in bytes: the new state, and the frames that are whole by now."""
