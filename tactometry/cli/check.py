@@ -53,6 +53,4 @@ def _table(findings: "list[Finding]") -> str:
         console.print(table, markup=False, highlight=False)
     n_bad = sum(each.fine is False for each in findings)
     sentences = [f"{each.part}: {each.found}" for each in told]
-    return "\n".join(
-        [capture.get().rstrip(), *sentences, "everything is fine" if n_bad == 0 else f"{n_bad} not fine"]
-    )
+    return "\n".join([capture.get().rstrip(), *sentences, "everything is fine" if n_bad == 0 else f"{n_bad} not fine"])

@@ -85,7 +85,9 @@ class UdpSource:
             self._heard_s = now_s() - SILENT_S
         except OSError as error:
             self.close()
-            raise DeviceFailed(f"{self.name}: cannot reach the sensor ({error.strerror or error}), expected its address") from None
+            raise DeviceFailed(
+                f"{self.name}: cannot reach the sensor ({error.strerror or error}), expected its address"
+            ) from None
 
     def receive(self) -> Block | None:
         if self._socket is None:
