@@ -17,8 +17,8 @@ from tactometry.devices.streamed import StreamedSensor, streamed_force, streamed
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.load import Load
-from tactometry.rigs.texts import languages
 from tactometry.quantity import as_si
+from tactometry.rigs.texts import languages
 from tactometry.strict import build
 from tactometry.toml import located, read_table
 

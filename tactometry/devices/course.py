@@ -46,6 +46,10 @@ class Course:
         >>> course.stop()
         >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
         ([8.0, 6.0, 4.0, 2.0], [])
+        >>> short = Course(np.full((6, 1), 8.0), n_fade=4)
+        >>> short.stop()
+        >>> short.take(2).ravel().tolist()
+        [8.0, 4.0]
         """
         stopping = self._stopping
         n_taken = min(n_frames, self._n_fade) if stopping else n_frames
