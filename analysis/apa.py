@@ -10,6 +10,8 @@ from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.post_hoc import evidence
 
 INTERVAL_OF_ETA = "90 %"
+MOST_EVIDENCE = 10_000
+"""A larger Bayes factor is told as larger."""
 
 
 def p_text(p: float) -> str:
@@ -29,6 +31,29 @@ def share_text(x: float) -> str:
     ('.845', '-.043', '1.000')
     """
     return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
+
+
+def number_text(x: float) -> str:
+    """Two decimal places, or three digits where that would hide the number.
+
+    >>> number_text(-4.8125), number_text(2.5e-6), number_text(0.0)
+    ('-4.81', '2.5e-06', '0.00')
+    """
+    return f"{x:.2f}" if x == 0 or abs(x) >= 0.005 else f"{x:.3g}"
+
+
+def _ends(low: float, high: float) -> str:
+    return f"[{number_text(low)}, {number_text(high)}]"
+
+
+def bayes_text(bf10: float) -> str:
+    """
+    >>> bayes_text(0.2312), bayes_text(143.4), bayes_text(4.3e5)
+    ('BF10 = 0.23', 'BF10 = 143', 'BF10 > 10 000')
+    """
+    if bf10 > MOST_EVIDENCE:
+        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")
+    return f"BF10 = {bf10:.2g}" if bf10 < 10 else f"BF10 = {bf10:.0f}"
 
 
 def anova_sentences(anova: pd.DataFrame) -> list[str]:
@@ -79,18 +104,18 @@ def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Ho
     >>> row |= {"t": -28.527, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
     >>> print(*pair_sentences(pd.DataFrame([row]), "dB"))
     120 less 60: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001 (Holm),
-    dz = -10.09, BF10 = 4.3e+05, extreme evidence for a difference
+    dz = -10.09, BF10 > 10 000, extreme evidence for a difference
     """
     return [_pair_sentence(row, unit, correction) for _, row in compared.iterrows()]
 
 
 def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}: {row['difference']:.2f}{' ' + unit if unit else ''}"
+    name = f"{row['b']} less {row['a']}: {number_text(row['difference'])}{' ' + unit if unit else ''}"
     if row["status"] != "ok":
         return f"{name} in every participant: no test, as there is no error"
     return (
-        f"{name}, 95 % CI [{row['difference_low']:.2f}, {row['difference_high']:.2f}], t({row['df']:.0f}) = "
-        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), dz = {row['dz']:.2f}, BF10 = {row['bf10']:.2g}, "
+        f"{name}, 95 % CI {_ends(row['difference_low'], row['difference_high'])}, t({row['df']:.0f}) = "
+        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), dz = {row['dz']:.2f}, {bayes_text(row['bf10'])}, "
         f"{evidence(row['bf10'])}"
     )
 
@@ -108,12 +133,12 @@ def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "H
 
 
 def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}: {row['difference']:.2f}{' ' + unit if unit else ''}"
+    name = f"{row['b']} less {row['a']}: {number_text(row['difference'])}{' ' + unit if unit else ''}"
     if row["status"] != "ok":
         return f"{name}, alike in all participants of a group: no test, as there is no error"
     return (
-        f"{name}, 95 % CI [{row['difference_low']:.2f}, {row['difference_high']:.2f}], Welch's t({row['df']:.1f}) = "
-        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), g = {row['g']:.2f}, BF10 = {row['bf10']:.2g}, "
+        f"{name}, 95 % CI {_ends(row['difference_low'], row['difference_high'])}, Welch's t({row['df']:.1f}) = "
+        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), g = {row['g']:.2f}, {bayes_text(row['bf10'])}, "
         f"{evidence(row['bf10'])}"
     )
 
@@ -133,8 +158,8 @@ def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
     bound = f"+-{tested.attrs['bound']:g}{unit}"
     each = [
         f"{row['b']} and {row['a']} {'are' if row['equivalent'] else 'were not shown to be'} equivalent within "
-        f"{bound}: difference {row['difference']:.2f}{unit}, {level} CI [{row['low']:.2f}, {row['high']:.2f}], TOST "
-        f"{p_text(row['p'])}"
+        f"{bound}: difference {number_text(row['difference'])}{unit}, {level} CI {_ends(row['low'], row['high'])}, "
+        f"TOST {p_text(row['p'])}"
         for _, row in tested.iterrows()
     ]
     verdict = "are" if tested.attrs["p_all"] < tested.attrs["alpha"] else "were not all shown to be"
@@ -172,8 +197,8 @@ def model_sentences(model: MixedModel) -> list[str]:
     sds = np.sqrt([model.participant_variance, model.residual_variance])
     return [
         *terms,
-        f"standard deviation between participants {sds[0]:.2f}, residual {sds[1]:.2f} ({model.n} values of "
-        f"{model.n_participants} participants{_censored(model.n_censored)})",
+        f"standard deviation between participants {number_text(sds[0])}, residual {number_text(sds[1])} "
+        f"({model.n} values of {model.n_participants} participants{_censored(model.n_censored)})",
         *model.notes,
     ]
 

@@ -15,6 +15,7 @@ from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
 
 FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
+LEVELLED_TASKS = (*FITTED_TASKS, "adjustment", "magnitude")
 SHAPE = "normal"
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
@@ -58,7 +59,7 @@ def level_unit(trials: Trials) -> str:
     """
     if UNIT not in trials.rows.columns:
         return ""
-    rows = trials.rows[trials.rows["task"].isin(FITTED_TASKS) & (trials.rows[UNIT] != "")]
+    rows = trials.rows[trials.rows["task"].isin(LEVELLED_TASKS) & (trials.rows[UNIT] != "")]
     units = rows[UNIT].unique()
     if len(units) > 1:
         other = rows[rows[UNIT] == units[1]].iloc[0]
@@ -73,7 +74,7 @@ def cells(trials: Trials) -> list[Cell]:
     """The cells of all psychophysical trials, ordered by participant, condition and task."""
     rows = used_rows(trials)
     rows = rows[rows["task"].isin(FITTED_TASKS)]
-    rows = rows.assign(yes=yes(rows), is_catch=is_catch(rows), x=_delivered(rows))
+    rows = rows.assign(yes=yes(rows), is_catch=is_catch(rows), x=delivered(rows))
     rows = rows[rows["yes"].notna()]
     keys = ["participant", *trials.factors, "task"]
     return [_cell(key, part, len(trials.factors)) for key, part in rows.groupby(keys, sort=True, observed=True)]
@@ -94,7 +95,7 @@ def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
     return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
 
 
-def _delivered(rows: pd.DataFrame) -> "pd.Series[float]":
+def delivered(rows: pd.DataFrame) -> "pd.Series[float]":
     """The level that was delivered where that is known, else the one that was asked for."""
     if "level_delivered" not in rows.columns:
         return rows["level"]

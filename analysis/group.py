@@ -18,6 +18,8 @@ MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""
 MOST_COLUMNS = 8
 """Conditions across a table of text."""
+NARROW = 0.3
+"""An interval narrower than this, of a larger value, is told in more than one decimal place."""
 BOUNDED = ("threshold", "pse")
 """Values that have a bound where the status says so; a difference has none."""
 
@@ -101,15 +103,18 @@ def number_text(value: object) -> str:
 def interval_text(value: object, low: object, high: object) -> str:
     """The value, with its interval if there is one, in as many digits as tell the ends apart.
 
-    >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25, None, None), interval_text(1e6 + 0.5, 1e6 + 0.4, 1e6 + 0.7)
-    ('1.2 [0.9, 1.6]', '1.2', '1000000.50 [1000000.40, 1000000.70]')
+    >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25, None, None), interval_text(0.93, 0.87, 0.99)
+    ('1.2 [0.9, 1.6]', '1.2', '0.93 [0.87, 0.99]')
+    >>> interval_text(1e6 + 0.5, 1e6 + 0.4, 1e6 + 0.7)
+    '1000000.50 [1000000.40, 1000000.70]'
     """
     if low is None or high is None:
         return number_text(value)
     assert isinstance(low, float)
     assert isinstance(high, float)
+    assert isinstance(value, float)
     texts = [number_text(each) for each in (value, low, high)]
-    if texts[1] == texts[2] and low < high:
+    if low < high and (texts[1] == texts[2] or (abs(value) >= NARROW > high - low)):
         decimals = max(0, 1 - math.floor(math.log10(high - low)))
         texts = [f"{each:.{decimals}f}" for each in (value, low, high)]
     return f"{texts[0]} [{texts[1]}, {texts[2]}]"

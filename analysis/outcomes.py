@@ -24,6 +24,7 @@ from tactometry.errors import InvalidParameter
 
 FORCE = "force_n"
 MEASURED = "log2 of the measured force"
+PURE_NUMBERS = ("exponent",)
 PERMUTATION_SEED = 20_170_522
 """Of the changes of signs with many participants, so that the same data give the same report."""
 
@@ -55,8 +56,13 @@ class Outcome:
     model: MixedModel | None = None
     model_title: str = ""
 
-    def all_sentences(self, unit: str) -> dict[str, list[str]]:
-        """Every sentence, by the heading that it stands under."""
+    def unit(self, of_levels: str) -> str:
+        """Of the dependent value; an exponent has none."""
+        return "" if self.dependent in PURE_NUMBERS else of_levels
+
+    def all_sentences(self, of_levels: str) -> dict[str, list[str]]:
+        """Every sentence, by the heading that it stands under; `of_levels` is the unit of the levels."""
+        unit, _, _ = self.unit(of_levels).partition(" re ")  # a difference of decibels has no reference
         found = {
             "Analysis of variance": list(self.sentences),
             "Assumptions": [] if self.checks is None else list(self.checks["text"]),

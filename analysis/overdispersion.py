@@ -65,20 +65,26 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
 def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
     """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
     covariance is at that eta."""
-    places = np.array(COARSE)
-    densities = np.stack([_at(shape, counts, prior, np.full(len(counts), eta)).log_density for eta in places], axis=1)
+    places, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
+
+    def at(eta: Array) -> Mode:
+        return _at(shape, counts, replace(prior, overdispersion=eta), near)
+
+    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in places], axis=1)
     best = densities.argmax(axis=1)
     low, high = places[np.maximum(best - 1, 0)], np.append(places, LARGEST)[best + 1]
     for _ in range(N_GOLDEN):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        to_left = _at(shape, counts, prior, left).log_density >= _at(shape, counts, prior, right).log_density
+        to_left = at(left).log_density >= at(right).log_density
         low, high = np.where(to_left, low, left), np.where(to_left, right, high)
     eta = (low + high) / 2
-    inside, at_none = (_at(shape, counts, prior, at) for at in (eta, np.zeros(len(counts))))
-    eta = np.where(at_none.log_density >= inside.log_density, 0.0, eta)
-    return _at(shape, counts, prior, eta), eta
+    eta = np.where(at(np.zeros(len(counts))).log_density >= at(eta).log_density, 0.0, eta)
+    return at(eta), eta
 
 
-def _at(shape: Shape, counts: Counts, prior: Prior, eta: Array) -> Mode:
-    found = find_mode(shape, counts, replace(prior, overdispersion=eta))
-    return replace(found, log_density=found.log_density + log_prior_of(eta))
+def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
+    """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
+    found, other = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
+    places = np.arange(len(counts)) + np.where(other.log_density > found.log_density, len(counts), 0)
+    highest = found.joined(other)[places]
+    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))

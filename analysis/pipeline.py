@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis import cells, group, words
+from tactometry.analysis import adjustment, cells, group, magnitude, words
 from tactometry.analysis.amplitude_loss import loss_table, losses
 from tactometry.analysis.bradley_terry import preference_table
 from tactometry.analysis.column_map import ColumnMap
@@ -26,6 +26,8 @@ OUTCOMES = {
     "forced_choice": ("threshold",),
     "comparison": ("pse", "jnd"),
 }
+DIRECT = {adjustment.TASK: adjustment.DEPENDENT, magnitude.TASK: magnitude.DEPENDENT}
+"""Tasks whose answers are estimates: what stands in the table of participants for the value."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class Analysis:
             "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
             "same_different": words.plain_rows(self.tables.get("same_different", pd.DataFrame())),
             "preference": words.plain_rows(self.tables.get("preference", pd.DataFrame())),
+            "adjustment": words.plain_rows(self.tables.get("adjustment", pd.DataFrame())),
+            "magnitude": words.plain_rows(self.tables.get("magnitude", pd.DataFrame())),
             "excluded": words.plain_rows(self.tables.get("excluded", pd.DataFrame())),
             "report": None if self.report is None else str(self.report),
             "tables": None if self.tables_folder is None else str(self.tables_folder),
@@ -156,8 +160,8 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     choices = _choice_tables(trials)
     if not found and not forms and not choices and lost.empty:
         raise InvalidFile(
-            f"{trials.path}: found no valid answer of a yes/no, forced-choice, comparison, same-different or "
-            "preference task nor to a known questionnaire, and no measured level, expected some to analyse"
+            f"{trials.path}: found no valid answer of a yes/no, forced-choice, comparison, same-different, preference, "
+            "adjustment or magnitude task nor to a known questionnaire, and no measured level, expected some to analyse"
         )
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
@@ -168,6 +172,10 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         for task, dependents in OUTCOMES.items()
         if len(table) and (table["task"] == task).any()
         for dependent in dependents
+    ) + tuple(
+        outcome(choices[task], trials.factors, task, dependent, forces=forces, bounds=_bounds(plan, task))
+        for task, dependent in DIRECT.items()
+        if task in choices
     )
     by_task = [[cell for cell in found if cell.task == task] for task in OUTCOMES if plan.hierarchical]
     fits = tuple(
@@ -186,12 +194,18 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | _together_tables(fits)
         | choices
         | _other_tables(forms, forces, trials.factors, excluded)
+        | ({magnitude.GROWTH: magnitude.growth_table(trials)} if magnitude.TASK in choices else {})
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
         methods=words.methods(
             table, n_choices, forms, plan, is_hierarchical=any(each.fit for each in fits), choices=tuple(choices)
         ),
     )
+
+
+def _bounds(plan: Plan, task: str) -> Mapping[str, float]:
+    """The differences that count as none, which are in the unit of the levels."""
+    return {} if task == magnitude.TASK else plan.equivalence
 
 
 def _other_tables(
@@ -206,7 +220,12 @@ def _other_tables(
 
 
 def _choice_tables(trials: Trials) -> dict[str, pd.DataFrame]:
-    found = {"same_different": same_different_table(trials), "preference": preference_table(trials)}
+    found = {
+        "same_different": same_different_table(trials),
+        "preference": preference_table(trials),
+        adjustment.TASK: adjustment.adjustment_table(trials),
+        magnitude.TASK: magnitude.magnitude_table(trials),
+    }
     return {name: table for name, table in found.items() if len(table)}
 
 
@@ -221,17 +240,20 @@ def _tables(
     trials: Trials,
     quality: pd.DataFrame,
 ) -> dict[str, pd.DataFrame]:
+    tables = _fit_tables(table, found, trials) | {"quality": quality}
+    several = len({o.task for o in outcomes}) > 1
+    for each in outcomes:
+        tables |= each.tables(f"{each.task}_{each.dependent}" if several else each.dependent)
+    return {name: part for name, part in tables.items() if len(part)}
+
+
+def _fit_tables(table: pd.DataFrame, found: Sequence[cells.Cell], trials: Trials) -> dict[str, pd.DataFrame]:
     if not found:
-        return {"quality": quality}
-    tables = {
+        return {}
+    return {
         "thresholds": table,
         "rates": group.detection_rates(found, trials.factors),
         "mean_rates": group.mean_rates(found, trials.factors),
         "counts": cells.count_table(found, trials.factors),
         "tracks": tracks(trials),
-        "quality": quality,
     }
-    several = len({o.task for o in outcomes}) > 1
-    for each in outcomes:
-        tables |= each.tables(f"{each.task}_{each.dependent}" if several else each.dependent)
-    return {name: part for name, part in tables.items() if len(part)}

@@ -7,8 +7,12 @@ from enum import StrEnum
 import pandas as pd
 
 from tactometry.analysis.cells import Estimate
-from tactometry.analysis.figures import attrakdiff, group, loss, participants
+from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
+from tactometry.analysis.group import BOUNDED
+from tactometry.analysis.magnitude import DEPENDENT as EXPONENT
+from tactometry.analysis.magnitude import GROWTH
+from tactometry.analysis.magnitude import TASK as MAGNITUDE
 from tactometry.analysis.outcomes import FORCE, Outcome
 from tactometry.analysis.patterns import THESIS
 from tactometry.analysis.pipeline import Analysis
@@ -20,6 +24,8 @@ NAMES = {
     "threshold": "Detection threshold",
     "pse": "Point of subjective equality",
     "jnd": "Just noticeable difference",
+    "setting": "Setting by adjustment",
+    "exponent": "Exponent of magnitude estimates",
 }
 MOST_LINES = 7
 """A figure of word pairs shows no more conditions than there are colours."""
@@ -62,11 +68,13 @@ def figures_of(found: Analysis) -> list[Figure]:
     drawn += [_together_figure(found, each) for each in found.together if each.fit is not None]
     for form in found.forms:
         drawn += _form_figures(form)
+    if GROWTH in found.tables:
+        drawn.append(_growth_figure(found))
     if "loss" in found.tables:
         drawn.append(_loss_figure(found))
     if "force" in found.tables:
         drawn.append(_force_figure(found))
-    for task in sorted({outcome.task for outcome in found.outcomes}):
+    for task in sorted({outcome.task for outcome in found.outcomes} & set(RATE_LABEL)):
         drawn += _rate_figures(found, task)
     for code in sorted({estimate.cell.participant for estimate in found.estimates}):
         own = [estimate for estimate in found.estimates if estimate.cell.participant == code]
@@ -75,17 +83,24 @@ def figures_of(found: Analysis) -> list[Figure]:
 
 
 def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figure:
-    name = NAMES[outcome.dependent]
+    name, unit = NAMES[outcome.dependent], outcome.unit(found.unit)
     drawing = group.threshold_figure(
         outcome.group,
         found.trials.factors,
-        label=f"{name} ({found.unit})" if found.unit else name,
+        label=f"{name} ({unit})" if unit else name,
         individuals=outcome.estimates,
         dependent=outcome.dependent,
     )
-    text = f"{name}: means over participants with 95 % t-intervals; faint dots are participants, open triangles bounds."
+    bounds = ", open triangles bounds" if outcome.dependent in BOUNDED else ""
+    text = f"{name}: means over participants with 95 % t-intervals; faint dots are participants{bounds}."
     stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
     return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
+
+
+def _growth_figure(found: Analysis) -> Figure:
+    drawing = growth.growth_figure(found.tables[GROWTH], found.trials.factors, unit=found.unit)
+    text = "Numbers given to each level: geometric means over participants after modulus equalisation."
+    return Figure(GROWTH, drawing, text, GROWTH, Place.OUTCOME, f"{MAGNITUDE} {EXPONENT}")
 
 
 def _loss_figure(found: Analysis) -> Figure:

@@ -14,13 +14,19 @@ if TYPE_CHECKING:
     from tactometry.analysis.outcomes import Outcome
     from tactometry.analysis.pipeline import Analysis
 
-NAMES = {"threshold": "threshold", "pse": "point of subjective equality", "jnd": "just noticeable difference"}
+NAMES = {
+    "threshold": "threshold",
+    "pse": "point of subjective equality",
+    "jnd": "just noticeable difference",
+    "setting": "setting by adjustment",
+    "exponent": "exponent of magnitude estimates",
+}
 
 
 def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
     """For each outcome its group table and what is to be said below it."""
     for outcome in found.outcomes:
-        unit = f", {found.unit}" if found.unit else ""
+        unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
         yield (
             outcome_table(outcome, f"{NAMES[outcome.dependent]}{unit} (mean, 95 % interval, n)"),
             (

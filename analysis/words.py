@@ -163,6 +163,10 @@ CHOICES = {
     "independent-observation rule (Macmillan & Creelman 2005), with the log-linear correction.",
     "preference": "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & "
     "Terry 1952), with 95 % intervals that from five participants on count that a person's answers are alike.",
+    "adjustment": "Settings of the method of adjustment were averaged per participant and condition (Gescheider 1997).",
+    "magnitude": "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number "
+    "over that of the amplitude, every level alike (Stevens 1957); numbers of 0 were left out. Geometric means over "
+    "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",
 }
 HIERARCHICAL = (
     "All participants were also fitted at once by a hierarchical psychometric model (thresholds and logarithms of the "
@@ -172,6 +176,10 @@ HIERARCHICAL = (
 REFERENCES = {
     "same_different": "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide "
     "(2nd ed.). Erlbaum.",
+    "adjustment": "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
+    "magnitude": "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181. Lane, H. L., "
+    "Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and effects of "
+    "sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
     "preference": "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
     "paired comparisons. Biometrika, 39, 324-345.",
     "hierarchical": "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
@@ -204,7 +212,7 @@ def methods(
     parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
     parts += [CHOICES[name] for name in choices]
     parts += _plan_methods(plan or Plan())
-    if len(table) or forms:
+    if len(table) or forms or {"adjustment", "magnitude"} & set(choices):
         parts.append(
             "Means over participants are given with t-intervals; a condition in which a threshold is censored is given "
             "as a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction, partial and "

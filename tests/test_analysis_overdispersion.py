@@ -122,6 +122,19 @@ def test_overdispersed_answers_are_seen_and_widen_the_interval() -> None:
     assert plain.overdispersion is None
 
 
+@pytest.mark.parametrize(
+    "k",
+    [[11, 12, 8, 13, 15, 19, 18], [12, 9, 11, 14, 18, 18, 19], [8, 6, 10, 13, 19, 19, 20], [7, 8, 13, 11, 18, 18, 19]],
+)
+def test_without_overdispersion_the_mode_is_the_higher_of_the_binomials_two(k) -> None:
+    """Poor fits with a shallow summit without lapses, which the coarse grid leads to, below a steep one."""
+    options = {"shape": "normal", "guess_rate": 0.5, "method": "map"}
+    binomial, found = (fit(np.arange(1.0, 8), k, 20, overdispersion=free, **options) for free in (False, True))
+    assert found.overdispersion == 0
+    for name in ("threshold", "width", "lapse_rate"):
+        assert getattr(found, name) == pytest.approx(getattr(binomial, name), rel=1e-6)
+
+
 def test_methods_without_overdispersion_say_so() -> None:
     with pytest.raises(InvalidParameter, match="method: found 'profile' with overdispersion, expected one of ml, map"):
         fit([1, 2, 3], [1, 5, 9], 10, shape="normal", guess_rate=0.0, method="profile", overdispersion=True)

@@ -266,7 +266,7 @@ def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
     path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
     with pytest.raises(
         InvalidFile,
-        match="found no valid answer of a yes/no, forced-choice, comparison, same-different or preference task",
+        match="found no valid answer of a yes/no, forced-choice, comparison, same-different, preference, adjustment or",
     ):
         analyse(path)
 

@@ -1,0 +1,137 @@
+"""Answers that are estimates: settings of adjustments, and numbers for magnitudes."""
+
+import csv
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.analysis.report import render
+from tactometry.analysis.report_figures import figures_of
+from tactometry.cli.analyse import summary_text
+from tactometry.errors import InvalidFile
+
+HEADER = ("participant", "session", "trial", "force_n", "procedure", "level", "level_unit", "task", "response", "valid")
+FORCES = (0.5, 1.0, 2.0)
+LEVELS_DB = (6.0, 12.0, 18.0, 24.0)
+SD = 1.2
+
+
+def written(path: Path, rows) -> Path:
+    """Of (participant, force, level, unit, task, response, valid)."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(HEADER)
+        table.writerows((p, 1, n, force, "constant", *rest) for n, (p, force, *rest) in enumerate(rows, 1))
+    return path
+
+
+def settings(rng, n_repeats=10) -> list[tuple]:
+    cells = product(range(6), FORCES, range(n_repeats))
+    own = rng.normal(20, 2, 6)
+    return [(f"P{p}", f, 10, "dB re 1 V", "adjustment", own[p] - 2 * f + rng.normal(0, SD), 1) for p, f, _ in cells]
+
+
+@pytest.fixture(scope="module")
+def adjusted(tmp_path_factory) -> tuple[list[tuple], Analysis]:
+    rows = settings(np.random.default_rng())
+    lost = [("P0", 0.5, 10, "dB re 1 V", "adjustment", 99.0, 0), ("P0", 0.5, 10, "dB re 1 V", "adjustment", "", 1)]
+    return rows, analyse(written(tmp_path_factory.mktemp("adjusted") / "adjusted.csv", rows + lost))
+
+
+def test_a_setting_is_the_mean_of_the_valid_ones_with_its_t_interval(adjusted) -> None:
+    from scipy.stats import t as student
+
+    rows, found = adjusted
+    own = np.array([row[5] for row in rows if row[:2] == ("P0", 0.5)])
+    row = found.tables["adjustment"].iloc[0]
+    assert (row["participant"], row["force_n"], row["n_settings"]) == ("P0", 0.5, 10)
+    assert row["setting"] == pytest.approx(own.mean())
+    assert row["sd"] == pytest.approx(own.std(ddof=1))
+    ends = student.interval(0.95, 9, own.mean(), own.std(ddof=1) / np.sqrt(10))
+    assert (row["setting_low"], row["setting_high"]) == pytest.approx(ends)
+
+
+def test_settings_are_compared_in_the_unit_of_a_difference(adjusted) -> None:
+    (outcome,) = adjusted[1].outcomes
+    assert (outcome.task, outcome.dependent) == ("adjustment", "setting")
+    assert outcome.anova is not None
+    difference = outcome.pairs["force_n"].iloc[1]["difference"]
+    assert abs(difference + 3) < 4.5 * SD * np.sqrt(2 / 60)
+    assert f"{difference:.2f} dB, 95 % CI" in outcome.all_sentences("dB re 1 V")["Pairs of force_n"][1]
+
+
+def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
+    found = adjusted[1]
+    assert [figure.name for figure in figures_of(found)] == ["setting"]
+    page = render(found)
+    for text in ("Setting by adjustment (dB re 1 V)", "Participants: adjustment (18 rows)", "Gescheider 1997"):
+        assert text in page
+    assert "setting by adjustment, dB re 1 V" in summary_text(found)
+    assert found.summary()["adjustment"][0]["n_settings"] == 10
+    assert not any("not analysed" in warning for warning in found.warnings)
+
+
+def numbers(unit, n_participants=4, noise=0.0, rng=None) -> list[tuple]:
+    """Each participant with an own modulus: k A ** (0.6 + 0.1 force)."""
+    rng = rng or np.random.default_rng()
+    cells = product(range(n_participants), FORCES, LEVELS_DB, range(3))
+    return [
+        (
+            f"P{p}",
+            force,
+            level if unit.startswith("dB") else 10 ** (level / 20),
+            unit,
+            "magnitude",
+            (1 + 5 * p) * 10 ** (level / 20 * (0.6 + 0.1 * force)) * np.exp(noise * rng.normal()),
+            1,
+        )
+        for p, force, level, _ in cells
+    ]
+
+
+@pytest.mark.parametrize("unit", ["dB re 1 V", "V"])
+def test_exponents_are_those_of_the_power_law_whatever_the_modulus(tmp_path, unit) -> None:
+    catch = ("P0", 0.5, "", unit, "magnitude", 3.0, 1)
+    found = analyse(written(tmp_path / "t.csv", [*numbers(unit), catch, ("P1", 1.0, 10, unit, "magnitude", 0, 1)]))
+    table = found.tables["magnitude"]
+    np.testing.assert_allclose(table["exponent"], 0.6 + 0.1 * table["force_n"].astype(float), rtol=1e-9)
+    assert table["n_ratings"].tolist() == [12] * 4 + [13] + [12] * 7
+    assert table["n_zero"].sum() == table["n_zero"][4] == 1
+    growth = found.tables["magnitude_levels"]
+    assert growth["n"].tolist() == [4] * 12
+    slopes = np.log(growth["geometric_mean"]).groupby(growth["force_n"]).agg(lambda y: y.iloc[-1] - y.iloc[0])
+    np.testing.assert_allclose(slopes / (18 / 20 * np.log(10)), [0.65, 0.7, 0.8], rtol=1e-9)
+
+
+def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> None:
+    """95 % of 240 intervals within 4.1 standard errors."""
+    rows = numbers("dB re 1 V", n_participants=80, noise=0.3, rng=np.random.default_rng())
+    table = analyse(written(tmp_path / "t.csv", rows)).tables["magnitude"]
+    truth = 0.6 + 0.1 * table["force_n"].astype(float)
+    covered = (table["exponent_low"] < truth) & (truth < table["exponent_high"])
+    assert covered.sum() > 240 * 0.95 - 4.1 * np.sqrt(240 * 0.95 * 0.05)
+
+
+def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
+    found = analyse(written(tmp_path / "t.csv", numbers("V", noise=0.1)))
+    assert [figure.name for figure in figures_of(found)] == ["exponent", "magnitude_levels"]
+    page = render(found)
+    for text in ("<h2>Exponent of magnitude estimates</h2>", "Level (V)", "Stevens, S. S. (1957)"):
+        assert text in page
+    assert found.outcomes[0].all_sentences("V")["Pairs of force_n"][0].startswith("1.0 less 0.5: 0.0")
+
+
+def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -> None:
+    one = [row for row in numbers("V") if row[2] == 10 ** (6 / 20)]
+    table = analyse(written(tmp_path / "one.csv", one)).tables["magnitude"]
+    assert table["exponent"].isna().all()
+    assert set(table["note"]) == {"fewer than two levels with a number above 0: no exponent"}
+    two = [row for row in numbers("V") if row[2] < 4]
+    table = analyse(written(tmp_path / "two.csv", two)).tables["magnitude"]
+    assert table["exponent"].notna().all()
+    assert table["exponent_low"].isna().all()
+    with pytest.raises(InvalidFile, match=r"row 2, column 'level': found -3, expected an amplitude above 0"):
+        analyse(written(tmp_path / "bad.csv", [("P0", 0.5, -3, "V", "magnitude", 4, 1)]))
