@@ -1,9 +1,13 @@
-"""Each effect of a time-reversal scene keeps the accuracy that is asked for."""
+"""Each effect of a time-reversal scene keeps the accuracy that is asked for; quantised drives in their spectrum too."""
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from scene_cases import screen, tuned
+from conftest import SOAK
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scene_cases import effect, finest_of, refusal, screen, screens, tuned
 from test_scene_time_reversal import LOSSY, error_of, finer, run
 
 OUTPUTS = {
@@ -28,3 +32,47 @@ def test_an_effect_keeps_the_accuracy(kind):
         asked = replace(scene, accuracy=accuracy)
         assert kind in {stage.effect for stage in asked.resolve().stages}
         assert error(run(asked), reference, OUTPUTS[kind][-1]) <= asked.resolve().error <= accuracy
+
+
+COURSE = ("t_s", "focus_displacement_m")
+QUANTISERS = (
+    effect("one_bit"), effect("sigma_delta", order=1), effect("sigma_delta", order=2),
+    effect("pulse_width", carrier_hz=15e3),
+)  # fmt: skip
+
+
+@st.composite
+def quantised(draw):
+    scene = draw(screens(COURSE))
+    others = tuple(each for each in scene.effects if each.slot != "quantiser")
+    return replace(scene, effects=(draw(st.sampled_from(QUANTISERS)), *others))
+
+
+def spectrum(got, band_hz):
+    """Lines in the band of the course at the focus, which lasts as long however finely it is sampled."""
+    course, t_s = got["focus_displacement_m"][:-1], got["t_s"]
+    return np.fft.rfft(course)[: round(band_hz * (t_s[-1] - t_s[0]))] / course.size
+
+
+@given(quantised())
+@settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_the_spectrum_of_a_quantised_drive_keeps_the_accuracy_in_the_band_or_is_refused_with_the_reason(scene):
+    """Relative to its highest line."""
+    finest, band_hz = finest_of(scene, *((3e-5, 1e-4) if SOAK else ()), 3e-4, 9e-4), scene.surface.band_max_hz
+    reference = spectrum(run(finest), band_hz)
+    for accuracy in (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3):
+        asked = replace(scene, accuracy=accuracy)
+        reason = refusal(asked)
+        if reason:
+            assert accuracy < 1e-3, reason
+            assert "loosen the accuracy" in reason
+            continue
+        off = np.abs(spectrum(run(asked), band_hz) - reference).max() / np.abs(reference).max()
+        assert off <= accuracy + finest.accuracy
+
+
+@pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)
+def test_a_quantised_drive_whose_accuracy_cannot_be_met_is_refused_with_the_reason(quantiser):
+    scene = screen(LOSSY, quantiser, outputs=COURSE, accuracy=1e-12)
+    assert "left for the modes" in refusal(scene)
+    assert "loosen the accuracy" in refusal(scene)
