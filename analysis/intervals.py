@@ -15,6 +15,8 @@ from tactometry.psychometric import Shape
 MAX_BISECTIONS = 60
 FARTHEST = 16.0
 """In ranges of the levels: a profile that has not fallen until there has no end."""
+SAME = 1e-9
+"""The same answers drawn again may be fitted that far off."""
 
 
 def profile(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Array:
@@ -91,6 +93,7 @@ def _bootstrap_one(
     resampled = counts[same].with_yes(drawn.astype(np.float64))
     start = np.broadcast_to(theta, (n_resamples, len(theta)))
     refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
-    below = (np.sum(refits < theta[THRESHOLD]) + 0.5 * np.sum(refits == theta[THRESHOLD]) + 0.5) / (n_resamples + 1)
+    away = refits - theta[THRESHOLD]
+    n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
     tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
-    return np.asarray(np.quantile(refits, ndtr(2 * ndtri(below) + tails)))
+    return np.asarray(np.quantile(refits, ndtr(2 * ndtri((n_below + 0.5) / (n_resamples + 1)) + tails)))

@@ -21,6 +21,7 @@ LADDERS: Mapping[str, str] = {
     "friction-events": f"{_HERE}.friction_events:problem",
     "threshold-fit": f"{_HERE}.threshold_fit:problem",
     "threshold-likelihood": f"{_HERE}.threshold_likelihood:problem",
+    "threshold-bootstrap": f"{_HERE}.threshold_bootstrap:problem",
     "hierarchical-fit": f"{_HERE}.hierarchical_fit:problem",
     "quest-plus-grid": f"{_HERE}.quest_plus_grid:problem",
     "procedures": f"{_HERE}.procedures:problem",

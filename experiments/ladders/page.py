@@ -26,9 +26,9 @@ finite is an *unstable* point and is drawn. No error below the reference's own u
 reference agrees with an independent one. Three prices are paid: computing time, time of emission (`reversal-time-*`)
 and the time of participants (`procedures`, `group-threshold`).
 
-Intervals of a threshold aim at different things. Those of the posterior have their ladder in `threshold-fit`, those of
-the likelihood in `threshold-likelihood`. The bootstrap has none: it draws, and its interval is of where the mode falls
-in answers drawn anew from the fitted curve, which is the aim of neither.
+Intervals of a threshold aim at different things: those of the posterior have their ladder in `threshold-fit`, those of
+the likelihood in `threshold-likelihood`, and those of the bootstrap, of where the mode falls in answers drawn anew from
+the fitted curve, in `threshold-bootstrap`.
 
 Hollow points are other programs on the same problem, as `benchmarks/ladder_peers.py` recorded them: nothing here
 imports them. Their times are scaled by the finest own rung, which was measured beside them.

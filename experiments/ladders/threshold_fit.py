@@ -63,7 +63,7 @@ def posterior(n_thresholds: int, n_widths: int, n_lapses: int) -> Real:
         chance = 0.5 + (0.5 - lapses) * share[..., None]
         density += k * np.log(chance) + (N_TRIALS - k) * np.log1p(-chance)
     mass = np.exp(density - density.max()) @ (weight * (1 - lapses) ** 9)
-    along = mass @ _width_prior(widths) * _threshold_prior(thresholds)
+    along = mass @ width_prior(widths, GAP, RANGE) * threshold_prior(thresholds, RANGE)
     return _summary(thresholds, along / along.sum())
 
 
@@ -76,14 +76,14 @@ def _summary(at: Real, mass: Real) -> Real:
     return np.array([mass @ at, low, high])
 
 
-def _threshold_prior(threshold: Real) -> Real:
-    """Flat on the levels, falling as a cosine over half a range beside."""
-    outside = np.clip(np.abs(threshold) / RANGE - 0.5, 0, 0.5)
+def threshold_prior(threshold: Real, level_range: float) -> Real:
+    """Flat on the levels about 0, falling as a cosine over half their range beside."""
+    outside = np.clip(np.abs(threshold) / level_range - 0.5, 0, 0.5)
     return np.asarray((1 + np.cos(2 * np.pi * outside)) / 2)
 
 
-def _width_prior(width: Real) -> Real:
+def width_prior(width: Real, gap: float, level_range: float) -> Real:
     """Flat from two gaps to the range, falling as a cosine to 0 at one gap and three ranges."""
-    narrow = np.clip((2 * GAP - width) / GAP, 0, 1)
-    wide = np.clip((width - RANGE) / (2 * RANGE), 0, 1)
+    narrow = np.clip((2 * gap - width) / gap, 0, 1)
+    wide = np.clip((width - level_range) / (2 * level_range), 0, 1)
     return np.asarray((1 + np.cos(np.pi * np.maximum(narrow, wide))) / 2)
