@@ -31,8 +31,9 @@ from tactometry.stimuli.time_reversal import (
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
 OUTPUTS = ("t_s", "focus_displacement_m")
 FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
-HIGHER = (3.0, 6.0)
-"""Highest modes of the physics in time, over the band; what lies above moves less in proportion to 1 / frequency."""
+HIGHER = (1.5, 2.5, 3.0)
+"""Highest modes of the physics in time, over the band. What lies above a frequency f follows with 1/f, its inertia with
+1/f^3: three numbers of modes tell what all of them do."""
 Real = NDArray[np.float64]
 
 
@@ -77,7 +78,7 @@ def _run(found: SceneFile, at_s: Real, accuracy: float) -> Real:
 
 
 def _in_time(found: SceneFile, loads: Sequence[Load], n: int) -> Real:
-    """The drive is learnt and emitted sample by sample; two numbers of modes tell what all of them do."""
+    """The drive is learnt and emitted sample by sample."""
     surface, (screen, cutoff_hz) = _surface(found), _screen(found)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.band_max_hz}
@@ -89,7 +90,7 @@ def _in_time(found: SceneFile, loads: Sequence[Load], n: int) -> Real:
         heard = loaded_responses(screen, focus, loads, **timing)
         last = FINER * (2 * learnt.n_samples - 1)
         courses.append(emitted(signal, heard)[0, last - n + 1 : last + 1])
-    return np.asarray((HIGHER[1] * courses[1] - HIGHER[0] * courses[0]) / (HIGHER[1] - HIGHER[0]))
+    return np.asarray(np.linalg.solve([[1.0, 1 / f, 1 / f**3] for f in HIGHER], courses)[0])
 
 
 def _screen(found: SceneFile) -> tuple[Screen, float]:
