@@ -82,8 +82,8 @@ def threshold_prior(threshold: Real, level_range: float) -> Real:
     return np.asarray((1 + np.cos(2 * np.pi * outside)) / 2)
 
 
-def width_prior(width: Real, gap: float, level_range: float) -> Real:
-    """Flat from two gaps to the range, falling as a cosine to 0 at one gap and three ranges."""
-    narrow = np.clip((2 * gap - width) / gap, 0, 1)
+def width_prior(width: Real, spacing: float, level_range: float) -> Real:
+    """Flat from twice the levels' spacing to their range, falling as a cosine to 0 at once and at three ranges."""
+    narrow = np.clip((2 * spacing - width) / spacing, 0, 1)
     wide = np.clip((width - level_range) / (2 * level_range), 0, 1)
     return np.asarray((1 + np.cos(np.pi * np.maximum(narrow, wide))) / 2)
