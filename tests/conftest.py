@@ -61,15 +61,22 @@ class Hands:
         self._send(self._X.ButtonRelease, 1)
 
 
+def group_of(item):
+    return "display" if "display" in item.fixturenames else item.path.name
+
+
 def pytest_report_header():
     return f"draws: TACTOMETRY_TEST_SEED={SEED}"
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Of several processes one has the display; each other file stays whole, as its tests share what it sets up."""
+    """Of several processes one has the display; each other file stays whole, as its tests share what it sets up.
+
+    First of these hooks, since that of the processes writes the groups into the names of the tests.
+    """
     for item in items:
-        group = "display" if "display" in item.fixturenames else item.nodeid.partition("::")[0]
-        item.add_marker(pytest.mark.xdist_group(group))
+        item.add_marker(pytest.mark.xdist_group(group_of(item)))
     if config.getoption("--stability"):
         items[:] = only_hard_cases(items)
 
@@ -79,7 +86,7 @@ def pytest_runtest_protocol(item, nextitem):
     """A generator without a seed draws by the test's name, so that a failure can be seen again; another
     `TACTOMETRY_TEST_SEED` gives other draws, and each run at full size takes new ones."""
     del nextitem
-    seeds = np.random.SeedSequence([zlib.crc32(item.nodeid.encode()), SEED])
+    seeds = np.random.SeedSequence([zlib.crc32(item.nodeid.removesuffix(f"@{group_of(item)}").encode()), SEED])
     make = np.random.default_rng
     np.random.default_rng = lambda seed=None: make(seeds.spawn(1)[0] if seed is None else seed)
     try:

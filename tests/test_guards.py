@@ -2,6 +2,7 @@
 
 import ast
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -191,3 +192,8 @@ def test_no_commit_holds(what: str) -> None:
 )
 def test_the_patterns_find(what: str, text: str) -> None:
     assert FORBIDDEN[what].search(text)
+
+
+@pytest.mark.skipif("PYTEST_XDIST_WORKER" not in os.environ, reason="one process has all tests")
+def test_a_file_stays_in_one_process(request: pytest.FixtureRequest) -> None:
+    assert request.node.nodeid.endswith(f"@{Path(__file__).name}")
