@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.reader import Reader
+from tactometry.devices.reader import Block, Listener, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.layout import bar_page
 from tactometry.rigs.page import Event, Screen
@@ -20,6 +20,7 @@ from tactometry.signal import Signal
 FloatArray = NDArray[np.float64]
 
 STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
+FIRST_SAMPLE_WITHIN_S: Final = 5.0
 BAR_PART: Final = 0.5
 """The bar that is measured on a display, as a part of its height."""
 BAR_WORDS: Final = """Measure the white bar
@@ -182,7 +183,7 @@ def _text(words: str) -> str:
 
 
 def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
-    """The mean of a channel of an open reader over a while.
+    """The mean of a channel of an open reader over a while, from its first sample on.
 
     Raises
     ------
@@ -196,12 +197,22 @@ def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
         raise InvalidParameter(
             f"channel: found {channel}, expected from 0 to {source.n_channels - 1}, of {source.name}"
         )
-    listener = reader.listen()
+    first = _first(reader, listener := reader.listen())
     time.sleep(duration_s)
-    counts = listener.read(source.n_channels).values[:, channel]
-    if counts.size == 0:
-        raise DeviceFailed(f"{source.name}: found no sample in {duration_s:g} s, expected a sensor that sends")
-    return float(counts.mean())
+    return float(np.concatenate([first.values, listener.read(source.n_channels).values])[:, channel].mean())
+
+
+def _first(reader: Reader, listener: Listener) -> Block:
+    """The first samples; a board may begin a while after its line was opened."""
+    end_s = time.perf_counter() + FIRST_SAMPLE_WITHIN_S
+    while time.perf_counter() < end_s:
+        block = listener.read(reader.source.n_channels)
+        if block.times_s.size:
+            return block
+        time.sleep(0.01)
+    raise DeviceFailed(
+        f"{reader.source.name}: found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
+    )
 
 
 def gain_tone(part: float, full_scale_v: float, n_channels: int, rate_hz: float, duration_s: float = 3.0) -> Signal:

@@ -1,6 +1,7 @@
 """Calibrations: fits that recover the truth, words that a bench file understands, and responses learnt for real."""
 
 import importlib.util
+import io
 import json
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from datetime import date
 
 import numpy as np
 import pytest
+from command_line import call
 from conftest import SCREEN_PX
 from hypothesis import given
 from hypothesis import strategies as st
@@ -240,11 +242,23 @@ n_channels = 2
 """
 
 
-def calibrate(*arguments, cwd, env=None, answers=""):
+def calibrate_with(env, cwd, *arguments, answers=""):
+    """In a process of its own, whose sound library sees `env`."""
     command = [sys.executable, "-m", "tactometry", "calibrate", *map(str, arguments)]
     return subprocess.run(
         command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=120, check=False
     )
+
+
+@pytest.fixture
+def calibrate(tmp_path, monkeypatch, capsys):
+    def run(*arguments, answers=""):
+        monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+        status, said, out = call(capsys, "calibrate", *arguments)
+        return subprocess.CompletedProcess(arguments, status, out, said)
+
+    monkeypatch.chdir(tmp_path)
+    return run
 
 
 def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa: F811
@@ -253,7 +267,7 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
     arguments += ["--quantity", "displacement", "--voltage-v", 10.0, "--band-hz", 200, 20000, "--sequence-order", 14]
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
-    result = calibrate("responses", "--bench", "bench.toml", *arguments, cwd=tmp_path, env=sink.env)
+    result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert result.returncode == 0, result.stderr
     assert "learnt.npz: 1 responses of 0.01 s at 48000 Hz" in result.stdout
     found = read([tmp_path / "learnt.npz"])
@@ -265,14 +279,14 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa
 
 
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_without_limits_nothing_is_learnt_nor_played(tmp_path):
+def test_without_limits_nothing_is_learnt_nor_played(calibrate, tmp_path):
     (tmp_path / "bench.toml").write_text(LOOPBACK.replace("[limits]", "[limitz]"), encoding="utf-8")
     arguments = ["--sensor", "card", "--units-per-count", 1, "--volts-per-count", 1, "--voltage-v", 1]
-    result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x", "--by", "ZG", cwd=tmp_path)
+    result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x", "--by", "ZG")
     assert (result.returncode, "did you mean 'limits'" in result.stderr) == (2, True)
     text = LOOPBACK[: LOOPBACK.index("[limits]")] + LOOPBACK[LOOPBACK.index("[sensors") :]
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
-    result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x", "--by", "ZG", cwd=tmp_path)
+    result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x", "--by", "ZG")
     assert "expected those of the load; nothing was played" in result.stderr
     assert not (tmp_path / "x").exists()
 
@@ -281,13 +295,13 @@ def test_without_limits_nothing_is_learnt_nor_played(tmp_path):
 
 
 @pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
-def test_a_force_sensor_is_calibrated_by_weights(tmp_path, artefacts):
+def test_a_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts):
     device = Emulator("serial", tmp_path, profile="1:500")
     port = f'[sensors.hand]\nkind = "serial"\nport = "{device.port}"\nrate_hz = 1000\nn_channels = 3\n'
     (tmp_path / "bench.toml").write_text(port, encoding="utf-8")
     base = ["force", "--bench", "bench.toml", "--by", "ZG", "--channel", 2]
     try:
-        read_once = calibrate(*base, "--weights-kg", "0,0.1,0.2", cwd=tmp_path, answers="y\ny\ny\n")
+        read_once = calibrate(*base, "--weights-kg", "0,0.1,0.2", answers="y\ny\ny\n")
     finally:
         device.close()
     assert read_once.returncode == 2
@@ -300,7 +314,7 @@ def test_a_force_sensor_is_calibrated_by_weights(tmp_path, artefacts):
         "--figure",
         artefacts / "force.png",
     ]
-    done = calibrate(*base, *typed, cwd=tmp_path)
+    done = calibrate(*base, *typed)
     assert done.returncode == 0, done.stderr
     bench = parse_bench(tomllib.loads(port + done.stdout))
     assert bench.force.calibration.force_n(np.array([12.0, 995.0])) == pytest.approx([0.0, 4.903], abs=0.02)
@@ -308,38 +322,46 @@ def test_a_force_sensor_is_calibrated_by_weights(tmp_path, artefacts):
     assert (artefacts / "force.png").stat().st_size > 10_000
 
 
-def test_an_output_gain_is_measured_at_the_load(tmp_path):
+def test_a_sensor_that_sends_nothing_is_not_calibrated(calibrate, tmp_path, monkeypatch):
+    monkeypatch.setattr("tactometry.experiments.calibrating.FIRST_SAMPLE_WITHIN_S", 0.1)
+    (tmp_path / "b.toml").write_text('[sensors.hand]\nkind = "udp"\naddress = "127.0.0.1"\nrate_hz = 1000\n')
+    silent = calibrate("force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "0,1,2", answers="y\n")
+    assert silent.returncode == 3
+    assert "found no sample in 0.1 s, expected a sensor that sends" in silent.stderr
+
+
+def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
     text = '[output]\nkind = "file"\nfolder = "played"\nrate_hz = 8000\n[output.gain]\namplifier_gain = 50.0\n'
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     base = ["gain", "--bench", "bench.toml", "--by", "ZG"]
-    done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9", "--json", cwd=tmp_path)
+    done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9", "--json")
     assert json.loads(done.stdout)["volts_per_unit"] == pytest.approx((1.01 + 3.98) / 0.05)
-    done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9", cwd=tmp_path)
+    done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9")
     assert (
         parse_bench(tomllib.loads(text[: text.index("[output.gain]")] + done.stdout)).output.gain.amplifier_gain == 50
     )
-    refused = calibrate(*base, cwd=tmp_path)
+    refused = calibrate(*base)
     assert "limits: found none in the bench file" in refused.stderr
     assert not (tmp_path / "played").exists()
 
 
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_tones_are_played_at_the_load_and_the_voltages_asked_for(alsa, tmp_path):  # noqa: F811
+def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):  # noqa: F811
     bench = LOOPBACK.replace('"pulse"', '"tofile"')
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     arguments = ["--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--tone-s", "0.2"]
-    done = calibrate("gain", *arguments, "--json", cwd=tmp_path, env=alsa, answers="y\n2.1\ny\n4.2\n")
+    done = calibrate_with(alsa, tmp_path, "gain", *arguments, "--json", answers="y\n2.1\ny\n4.2\n")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["volts_per_unit"] == pytest.approx(21.0)
     played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
     assert np.abs(played).max() / 32767 == pytest.approx(0.2, rel=0.02)
     (tmp_path / "bench.toml").write_text(bench.replace("[output.gain]\nvolts_per_unit = 20.0\n", ""), encoding="utf-8")
-    refused = calibrate("gain", *arguments, "--measured-v", "1,x", cwd=tmp_path)
+    refused = calibrate("gain", *arguments, "--measured-v", "1,x")
     assert "--measured-v: found '1,x', expected numbers" in refused.stderr
 
 
-def test_a_display_is_measured_by_its_bar(tmp_path):
-    assert calibrate("display", "--bar-m", "0.149", cwd=tmp_path).stdout == "[screen]\nheight_m = 0.298\n\n"
+def test_a_display_is_measured_by_its_bar(calibrate):
+    assert calibrate("display", "--bar-m", "0.149").stdout == "[screen]\nheight_m = 0.298\n\n"
 
 
 @pytest.mark.parametrize(
@@ -358,14 +380,14 @@ def test_a_display_is_measured_by_its_bar(tmp_path):
         (["gain", "--bench", "s.toml", "--by", " "], "--by: found nothing, expected who measures"),
     ],
 )
-def test_a_bad_calibration_is_one_sentence(tmp_path, arguments, message):
+def test_a_bad_calibration_is_one_sentence(calibrate, tmp_path, arguments, message):
     (tmp_path / "b.toml").write_text("", encoding="utf-8")
     sensor = '[sensors.hand]\nkind = "lsl"\nstream = "force"\nrate_hz = 1000\nn_channels = 3\n'
     (tmp_path / "s.toml").write_text(sensor, encoding="utf-8")
-    result = calibrate(*arguments, cwd=tmp_path)
+    result = calibrate(*arguments)
     assert result.returncode == 2
     assert message in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert "\n" not in result.stderr
 
 
 def test_the_figures_are_drawn(artefacts):

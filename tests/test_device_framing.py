@@ -1,6 +1,7 @@
 """Frames of a serial line through noise; counters; clocks; calibrations; speed."""
 
 import math
+import zlib
 from itertools import pairwise
 
 import numpy as np
@@ -60,9 +61,11 @@ def test_garbage_as_of_a_wrong_baud_rate_is_no_frame(garbage):
     assert len(framing.rest) < frame_bytes(2)
 
 
-def test_opening_bytes_alone_keep_no_frame_waiting():
+def test_a_frame_that_claims_more_channels_than_it_has_is_not_taken_though_its_checksum_is_right():
     sent = Frame(1, 2, (3, 4))
-    assert parsed([b"\xa5\x5a\x07" + encode_frame(sent)])[1] == [sent]
+    body = bytearray(encode_frame(sent)[:-4])
+    body[2] = 7
+    assert parsed([body + zlib.crc32(body).to_bytes(4, "little"), encode_frame(sent)])[1] == [sent]
 
 
 def test_counter_and_time_of_an_encoder_wrap():

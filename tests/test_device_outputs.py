@@ -256,6 +256,10 @@ def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
         measured.check("output.gain", date(2026, 3, 1))
 
 
+def test_a_calibration_holds_on_the_last_day_of_its_age():
+    Measured(date(2026, 1, 1), "A", 59).check("output.gain", date(2026, 3, 1))
+
+
 # --- files
 
 

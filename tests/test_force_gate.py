@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,6 +92,7 @@ def test_a_gap_of_more_than_20_ms_starts_the_hold_again():
     torn = [(t + (t > 0.05) * TICK_S, f) for t, f in joined]
     assert fed(GATE, joined) == [False] * 4 + [True]
     assert fed(GATE, torn) == [False] * 5
+    assert fed(replace(GATE, max_gap_s=20 * TICK_S), joined) == [False] * 4 + [True]
 
 
 def test_an_open_gate_closes_when_the_force_leaves():

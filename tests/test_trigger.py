@@ -262,6 +262,12 @@ def test_threads_take_quick_turns_only_while_a_decision_is_awaited():
     with pytest.raises(KeyError):
         fail()
     assert sys.getswitchinterval() == usual_s > TURN_S
+    try:
+        sys.setswitchinterval(TURN_S / 4)
+        with quick_turns():
+            assert sys.getswitchinterval() == pytest.approx(TURN_S / 4)
+    finally:
+        sys.setswitchinterval(usual_s)
 
 
 # --- what is heard

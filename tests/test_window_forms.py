@@ -1,12 +1,11 @@
 """Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
 
-import subprocess
-import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from command_line import call
 from learnt_file import write_responses
 from screens import entry_page, form_page
 
@@ -161,29 +160,28 @@ SHORT = {
 FAST = (('hold_s = "500 ms"', 'hold_s = "50 ms"'), ('hold_s = "300 ms"', 'hold_s = "50 ms"'))
 
 
-def tactometry(*arguments):
-    command = [sys.executable, "-m", "tactometry", *map(str, arguments)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def sit(process, hands):
-    """Tap keys that lead through every page, over and over, until the process ends."""
+@pytest.fixture
+def in_the_window(display, screen, capsys):
+    """Runs a command line whose window opens in front of that of the other tests; keys that lead through every page are
+    tapped, over and over, until it ends. The keyboard of both windows is one, and ends with the command's."""
     ended = threading.Event()
 
     def tap_all():
         while not ended.wait(0.02):
             for key in ("space", "y", "4"):
-                hands.tap(key, 0.01)
+                display.tap(key, 0.01)
 
-    fingers = threading.Thread(target=tap_all, daemon=True)
-    fingers.start()
-    try:
-        _, errors = process.communicate(timeout=200)
-    finally:
-        process.kill()
-        ended.set()
-        fingers.join(5)
-    return process.returncode, errors
+    def run(*arguments):
+        fingers = threading.Thread(target=tap_all, daemon=True)
+        fingers.start()
+        try:
+            return call(capsys, *arguments)
+        finally:
+            ended.set()
+            fingers.join(5)
+            screen._keyboard.start()
+
+    return run
 
 
 def shortened(name):
@@ -217,11 +215,11 @@ def check_played(folder):
 
 
 @pytest.mark.parametrize("name", SHORT)
-def test_a_shortened_study_is_completed_in_the_window_and_replays(display, tmp_path, name):
+def test_a_shortened_study_is_completed_in_the_window_and_replays(in_the_window, tmp_path, name):
     (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
     (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")
-    status, errors = sit(tactometry(*run, "--out", tmp_path / "d"), display)
+    status, errors, _ = in_the_window(*run, "--out", tmp_path / "d")
     assert (status, errors) == (0, "")
     assert validate(tmp_path / "d").defects == ()
     assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]

@@ -61,5 +61,5 @@ class Course:
 
 
 def _fading(piece: NDArray[Any]) -> NDArray[Any]:
-    falling = piece * (1 - np.arange(len(piece)) / max(len(piece), 1))[:, None]
+    falling = piece * (1 - np.arange(len(piece)) / len(piece))[:, None]
     return np.asarray(np.trunc(falling) if piece.dtype.kind == "i" else falling).astype(piece.dtype)
