@@ -40,7 +40,7 @@ WHOLE = ("session", "block", "trial", "attempt", "target")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
-FOREIGN_FORMS = ("*.csv", "*.tsv")
+FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv")
 """Where they stand in a folder of another program, read through a column map."""
 
 

@@ -27,7 +27,7 @@ def psychopy_files(source: Source) -> dict[str, bytes]:
     names = [column.name for column in source.columns]
     ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]
     header = [RENAMED.get(name, name) for name in ordered]
-    files = {"columns.toml": _column_map(ordered).encode()}
+    files = {"columns.toml": _column_map(ordered, source.factors).encode()}
     for participant, session, rows in source.sessions():
         study = source.text("study") or "study"
         files[f"data/{participant}_{study}_session-{session}.csv"] = separated(header, _body(rows, ordered), ",")
@@ -42,6 +42,7 @@ def _cell(name: str, text: str) -> str:
     return str(int(float(text)) - 1) if name in FROM_ZERO and text else text
 
 
-def _column_map(names: Sequence[str]) -> str:
+def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
+    within = f" --within {','.join(factors)}" if factors else ""
     lines = [f'{name} = "{RENAMED[name]}"' for name in names if name in RENAMED and name not in FROM_ZERO]
-    return "\n".join(["# tactometry analyse FILE.csv --columns columns.toml --within FACTORS", "[columns]", *lines, ""])
+    return "\n".join([f"# tactometry analyse . --columns columns.toml{within}", "[columns]", *lines, ""])
