@@ -198,7 +198,13 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
         methods=words.methods(
-            table, n_choices, forms, plan, is_hierarchical=any(each.fit for each in fits), choices=tuple(choices)
+            table,
+            n_choices,
+            forms,
+            plan,
+            is_hierarchical=any(each.fit for each in fits),
+            choices=tuple(choices),
+            models=[each.model for each in outcomes if each.model is not None],
         ),
     )
 

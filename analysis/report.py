@@ -98,12 +98,7 @@ def render(found: Analysis) -> str:
         thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: _grid(each.participants) for each in found.together},
-        references=words.references(
-            tables.get("thresholds", pd.DataFrame()),
-            found.plan,
-            is_hierarchical=any(t.fit for t in found.together),
-            choices=[name for name in words.CHOICES if name in tables],
-        ),
+        references=words.references(found.methods),
         notes=list(dict.fromkeys(note for outcome in found.outcomes for note in outcome.notes)),
     )
 

@@ -49,7 +49,7 @@ class Together:
 
 
 def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
-    unit = f" {unit}" if unit else ""
+    unit = f" {unit.partition(' re ')[0]}" if unit else ""
     names = {
         "threshold": f"thresholds {{:.2f}}{unit}",
         "threshold_cell": f"their deviations by condition {{:.2f}}{unit}",

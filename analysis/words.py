@@ -9,6 +9,7 @@ import pandas as pd
 from tactometry.analysis.amplitude_loss import TASK as MEASURED_TASK
 from tactometry.analysis.cells import FITTED_TASKS
 from tactometry.analysis.labels import condition_name
+from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.stated import forms_of
@@ -173,30 +174,29 @@ HIERARCHICAL = (
     "width with normal effects of participants, rates the same for all; maximum likelihood by Laplace's approximation; "
     "compare Moscatelli, Mezzetti & Lacquaniti 2012)."
 )
-REFERENCES = {
-    "same_different": "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide "
-    "(2nd ed.). Erlbaum.",
-    "adjustment": "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
-    "magnitude": "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181. Lane, H. L., "
-    "Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and effects of "
+REFERENCES = (
+    "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",
+    "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
+    "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181.",
+    "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and effects of "
     "sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
-    "preference": "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
+    "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
     "paired comparisons. Biometrika, 39, 324-345.",
-    "hierarchical": "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
+    "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
-    "fits": "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
+    "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
     "estimation of psychometric functions for (potentially) overdispersed data. Vision Research, 122, 105-123.",
-    "anova": "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
+    "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
     "Methods, 37, 379-384.",
-    "pingouin": "Vallat, R. (2018). Pingouin: statistics in Python. Journal of Open Source Software, 3(31), 1026.",
-    "eta": "Steiger, J. H. (2004). Beyond the F test: Effect size confidence intervals and tests of close fit in the "
+    "Vallat, R. (2018). Pingouin: statistics in Python. Journal of Open Source Software, 3(31), 1026.",
+    "Steiger, J. H. (2004). Beyond the F test: Effect size confidence intervals and tests of close fit in the "
     "analysis of variance and contrast analysis. Psychological Methods, 9, 164-182.",
-    "bayes": "Rouder, J. N., Speckman, P. L., Sun, D., Morey, R. D., & Iverson, G. (2009). Bayesian t tests for "
+    "Rouder, J. N., Speckman, P. L., Sun, D., Morey, R. D., & Iverson, G. (2009). Bayesian t tests for "
     "accepting and rejecting the null hypothesis. Psychonomic Bulletin & Review, 16, 225-237.",
-    "tost": "Schuirmann, D. J. (1987). A comparison of the two one-sided tests procedure and the power approach for "
+    "Schuirmann, D. J. (1987). A comparison of the two one-sided tests procedure and the power approach for "
     "assessing the equivalence of average bioavailability. Journal of Pharmacokinetics and Biopharmaceutics, 15, "
     "657-680.",
-}
+)
 
 
 def methods(
@@ -207,6 +207,7 @@ def methods(
     *,
     is_hierarchical: bool = False,
     choices: Sequence[str] = (),
+    models: Sequence[MixedModel] = (),
 ) -> str:
     """A paragraph for the methods section, with versions."""
     parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
@@ -218,23 +219,31 @@ def methods(
             "as a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction, partial and "
             "generalised eta squared (Bakeman 2005) with 90 % intervals of the noncentral F distribution (Steiger "
             "2004); where an error matrix is singular, a permutation test of the signs of participants' contrasts is "
-            "added. "
-            "Pairs are compared by paired t-tests with Holm's correction, dz and Bayes factors (Rouder et al. 2009)."
+            "added. Pairs are compared by paired t-tests with Holm's correction, dz and Bayes factors (Rouder et al. "
+            "2009; by pingouin, Vallat 2018)."
         )
+    parts += _model_methods(models)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in forms]
     parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
     return " ".join(parts)
 
 
-def references(
-    table: pd.DataFrame, plan: Plan | None = None, *, is_hierarchical: bool = False, choices: Sequence[str] = ()
-) -> list[str]:
+def references(methods: str) -> list[str]:
     """The works that the methods paragraph names."""
-    left_out = set() if plan is not None and plan.equivalence else {"tost"}
-    left_out |= set() if is_hierarchical else {"hierarchical"}
-    left_out |= set(CHOICES) - set(choices)
-    left_out |= set() if len(table) else {"fits"}
-    return sorted(text for name, text in REFERENCES.items() if name not in left_out)
+    return sorted(work for work in REFERENCES if work.partition(",")[0] in methods)
+
+
+def _model_methods(models: Sequence[MixedModel]) -> list[str]:
+    known = [model for model in models if not model.n_censored]
+    parts = []
+    if known:
+        parts.append("Linear mixed models have a random intercept per participant (restricted maximum likelihood).")
+    if len(known) < len(models):
+        parts.append(
+            "In mixed models with censored thresholds, which count as values below or above their bounds, the random "
+            "intercept is integrated by adaptive Gauss-Hermite quadrature (maximum likelihood)."
+        )
+    return parts
 
 
 def _plan_methods(plan: Plan) -> list[str]:

@@ -119,8 +119,15 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     found = analyse(written(tmp_path / "t.csv", numbers("V", noise=0.1)))
     assert [figure.name for figure in figures_of(found)] == ["exponent", "magnitude_levels"]
     page = render(found)
-    for text in ("<h2>Exponent of magnitude estimates</h2>", "Level (V)", "Stevens, S. S. (1957)"):
+    for text in (
+        "<h2>Exponent of magnitude estimates</h2>",
+        "Level (V)",
+        "<li>Stevens, S. S.",
+        "<li>Lane",
+        "<li>Rouder",
+    ):
         assert text in page
+    assert "<li>Moscatelli" not in page
     assert found.outcomes[0].all_sentences("V")["Pairs of force_n"][0].startswith("1.0 less 0.5: 0.0")
 
 
