@@ -178,8 +178,8 @@ REFERENCES = (
     "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",
     "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
     "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181.",
-    "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and effects of "
-    "sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
+    "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and "
+    "effects of sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
     "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
     "paired comparisons. Biometrika, 39, 324-345.",
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
