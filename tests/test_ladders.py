@@ -161,6 +161,15 @@ def test_the_figure_shows_every_rung_the_floor_and_the_unstable():
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
 
 
+def test_no_setting_is_written_over_another():
+    climbed = climb(known((5.0, 5.1, 5.2, 5.3)), n_rounds=1)
+    near = [replace(point, contender="other", price=point.price * 1.01) for point in climbed.points]
+    (axes,) = error_against_price(climbed, near).axes
+    boxes = [text.get_window_extent() for text in axes.texts if text.get_visible() and "n =" in text.get_text()]
+    assert len(boxes) >= 6
+    assert not any(box.count_overlaps(boxes[:n]) for n, box in enumerate(boxes))
+
+
 # --- other programs
 
 

@@ -11,7 +11,7 @@ from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2)
-FINEST = (4e-5, 6e-5, 1e-4, 5e-4) if SOAK else (1e-3,)
+FINEST = (4e-5, 6e-5, 9e-5, 5e-4) if SOAK else (1e-3,)
 FOCUS = ("t_s", "focus_displacement_m", "contact_force_n", "peak_m", "sensation_db")
 MAP, LEVELS = ("x_m", "y_m", "field_m"), ("sound_level_dba", "energy_j")
 CASES = [

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.transforms import BboxBase
 
 from tactometry.experiments.ladders.measure import GOALS, Climb, Point
 
@@ -17,6 +18,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 TOP = 2.0
 LABEL = {False: (4, 4), True: (5, -7)}
 """Where a setting is written beside its point, in points: above ours, below what is recorded."""
+ELSEWHERE = ((4, 4, "left"), (5, -7, "left"), (-4, 4, "right"), (-5, -7, "right"), (0, 9, "center"), (0, -13, "center"))
+"""Where it is written if it would cover another, with its alignment."""
 
 
 def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
@@ -35,6 +38,7 @@ def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
     axes.set(xlabel=found.problem.price, ylabel="relative error", ylim=(lowest, 3 * TOP))
     _finish(axes, f"{found.problem.name}\n{found.problem.title}")
     figure.legend(fontsize="x-small", loc="outside lower center", ncols=3, frameon=False)
+    _part(figure, [text for text in axes.texts if isinstance(text, Annotation) and text.anncoords == "offset points"])
     return figure
 
 
@@ -61,6 +65,21 @@ def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker
         ):
             continue
         axes.annotate(text, place, LABEL[recorded], textcoords="offset points", fontsize="xx-small", color=colour)
+
+
+def _part(figure: Figure, labels: Sequence[Annotation]) -> None:
+    """Move labels off each other, and leave out those for which there is no place."""
+    figure.draw_without_rendering()
+    placed: list[BboxBase] = []
+    for label in labels:
+        for x_pt, y_pt, alignment in ((*label.xyann, "left"), *ELSEWHERE):
+            label.set(position=(x_pt, y_pt), horizontalalignment=alignment)
+            box = label.get_window_extent()
+            if not box.count_overlaps(placed):
+                placed.append(box)
+                break
+        else:
+            label.set_visible(False)
 
 
 def _finish(axes: Axes, title: str) -> None:
