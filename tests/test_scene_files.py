@@ -31,19 +31,19 @@ def call(*arguments):
     [
         ({"accurcy": 0.1}, r"accurcy: found an unknown key, .*did you mean 'accuracy'\?"),
         ({"accuracy": "fine"}, r"accuracy: found 'fine', expected a number"),
-        ({"accuracy": 2.0}, r"accuracy: found 2\.0, expected above 0 and at most 1"),
+        ({"accuracy": 2.0}, r"^accuracy: found 2\.0, expected above 0 and at most 1"),
         ({"surface": {**TONE, "kind": "electrovibraton"}}, r"surface\.kind: found .*did you mean 'electrovibration'"),
         ({"surface": {"kind": "electrovibration"}}, r"surface\.frequency_hz: found no such key"),
         ({"surface": {**TONE, "frequency_hz": "60 m"}}, r"surface\.frequency_hz: found '60 m', expected .* Hz"),
         ({"effects": [LAW, {"kind": "skin_leekage"}]}, r"effects\[1\]\.kind: .*did you mean 'skin_leakage'"),
-        ({"effects": [{"law": "sc_layer"}]}, r"effects\[0\]\.kind: found 'no such key'"),
+        ({"effects": [{"law": "sc_layer"}]}, r"effects\[0\]\.kind: found no such key, expected"),
         ({"effects": [{**LAW, "law": "sc_laver"}]}, r"effects\[0\]\.law: found 'sc_laver', expected one of"),
         ({"effects": [{**LAW, "x": 1}]}, r"effects\[0\]\.x: found an unknown key"),
         ({"effects": [LAW, {"kind": "air_gap", "gap_m": -1.0}]}, r"effects\[1\]\.gap_m: found -1\.0"),
         ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* leave the contact out"),
         ({"contacts": [{"force": 1.0}]}, r"contacts\[0\]\.force: found an unknown key"),
         ({"given": {"level": 1.0}}, r"given\.level: found an unknown quantity, expected one of level_db_re_1v"),
-        ({"outputs": []}, r"outputs: found none"),
+        ({"outputs": []}, r"^outputs: found none"),
     ],
 )
 def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
@@ -69,6 +69,19 @@ def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(set
         scene_of(table(settings={"sampling": setting})).scene.resolve()
 
 
+def test_settings_that_no_memory_holds_are_one_sentence():
+    huge = scene_of(table(settings={"sampling": {"n_samples": 10**15}}, given={"level_db_re_1v": 40.0}))
+    with pytest.raises(
+        InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
+    ):
+        computed(huge.scene.resolve(), huge.given)
+
+
+def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
+    assert call("scene", "electrovibration-panel", "--movie", "a.gif") == 2
+    assert "--movie: found a scene on 'electrovibration', which has no wave" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("level", [float("nan"), float("inf")])
 def test_what_is_given_is_finite(level):
     found = scene_of(table(given={"level_db_re_1v": level}))
@@ -78,7 +91,9 @@ def test_what_is_given_is_finite(level):
 
 def test_an_unknown_output_names_the_known_ones():
     scene = scene_of(table(outputs=["electrostatic_force"])).scene
-    with pytest.raises(InvalidParameter, match=r"nothing that gives 'electrostatic_force', .*did you mean 'electrost"):
+    with pytest.raises(
+        InvalidParameter, match=r"^outputs: found nothing that gives 'electrostatic_force', .*did you mean 'electrost"
+    ):
         scene.resolve()
 
 

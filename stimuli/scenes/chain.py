@@ -51,9 +51,9 @@ def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cures:
     makers = [n for n, stage in enumerate(giving) if not stage.changes]
     if not makers:
         known = sorted({stage.gives for stage in stages})
-        wanted = f", which {path[-1]!r} needs" if path else ""
+        where, wanted = ("scene", f", which {path[-1]!r} needs") if path else ("outputs", "")
         cure = f"; {cures[quantity]}" if quantity in cures else nearest(quantity, known)
         raise InvalidParameter(
-            f"scene: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{cure}"
+            f"{where}: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{cure}"
         )
     return giving[makers[-1] :]

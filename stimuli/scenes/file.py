@@ -61,14 +61,7 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     240.0
     """
     tables = build(_Tables, as_si(dict(table), ""), "")
-    scene = Scene(
-        surface=_kind_of(tables.surface, SURFACES, "surface"),
-        effects=_all_of(tables.effects),
-        outputs=tables.outputs,
-        accuracy=tables.accuracy,
-        contacts=tuple(build(Touch, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts)),
-        settings=_settings(tables),
-    )
+    scene = _scene(tables)
     given = tables.given or {}
     for name in given:
         if name not in scene.surface.given:
@@ -77,6 +70,15 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
                 f"{nearest(name, scene.surface.given)}"
             )
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
+
+
+def _scene(tables: _Tables) -> Scene:
+    surface, effects = _kind_of(tables.surface, SURFACES, "surface"), _all_of(tables.effects)
+    contacts = tuple(build(Touch, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
+    try:
+        return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, _settings(tables))
+    except InvalidParameter as error:
+        raise InvalidParameter(str(error).removeprefix("Scene.")) from None
 
 
 def _settings(tables: _Tables) -> Mapping[str, Mapping[str, Setting]]:
@@ -91,8 +93,7 @@ def _kind_of(table: dict[str, Any], kinds: Mapping[str, str], path: str) -> Any:
     """The surface or effect that a table names as its `kind`."""
     kind = str(table.get("kind", ""))
     if kind not in kinds:
-        raise InvalidParameter(
-            f"{path}.kind: found {kind or 'no such key'!r}, expected one of {', '.join(kinds)}{nearest(kind, kinds)}"
-        )
+        what = repr(kind) if "kind" in table else "no such key"
+        raise InvalidParameter(f"{path}.kind: found {what}, expected one of {', '.join(kinds)}{nearest(kind, kinds)}")
     made: Effect | Surface = build(resolve(kinds[kind]), {k: v for k, v in table.items() if k != "kind"}, path)
     return made

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from tactometry.errors import InvalidParameter
 from tactometry.provenance import versions
 from tactometry.quantity import unit_suffix, units
 from tactometry.stimuli.scenes.plan import Plan
@@ -47,9 +48,21 @@ def unit_of(name: str) -> str:
 
 
 def computed(plan: Plan, given: Mapping[str, float]) -> Result:
-    """A run of a plan, timed; what never changes between runs is computed before."""
+    """A run of a plan, timed; what never changes between runs is computed before.
+
+    Raises
+    ------
+    InvalidParameter
+        If it does not fit into memory.
+    """
     begin_s = time.perf_counter()
-    plan.prepare()
-    start_s = time.perf_counter()
-    values = plan.run(given)
+    try:
+        plan.prepare()
+        start_s = time.perf_counter()
+        values = plan.run(given)
+    except MemoryError as error:
+        raise InvalidParameter(
+            f"scene: found more than this memory holds ({error}), expected a scene that fits; loosen the accuracy, or "
+            "lower its settings"
+        ) from None
     return Result(values, plan, given, time.perf_counter() - start_s, start_s - begin_s)

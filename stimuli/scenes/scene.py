@@ -108,7 +108,7 @@ def _check_kept(stage: Stage, error: float) -> None:
     if stage.error > error * (1 + ROUNDING):
         finest = ", ".join(f"{key} = {value}" for key, value in stage.settings.items())
         raise InvalidParameter(
-            f"scene.accuracy: found an error of {error:.2g} left for {stage.name!r}, expected at least "
+            f"accuracy: found an error of {error:.2g} left for {stage.name!r}, expected at least "
             f"{stage.error:.2g}, which its finest setting gives ({finest}); loosen the accuracy"
         )
 

@@ -95,12 +95,18 @@ def _film(found: "SceneFile", path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
     from dataclasses import replace
 
+    from tactometry.errors import InvalidParameter
     from tactometry.stimuli.scenes.effects.movie import Movie
     from tactometry.stimuli.scenes.explain import values_for
     from tactometry.stimuli.scenes.figures.film import write_film
     from tactometry.stimuli.scenes.result import computed
 
     scene = found.scene
+    if Movie.kind not in scene.surface.effects:
+        raise InvalidParameter(
+            f"--movie: found a scene on {scene.surface.kind!r}, which has no wave, expected one on a plate: "
+            "'time_reversal' or 'hybrid'"
+        )
     effects = scene.effects if scene.find("movie") else (*scene.effects, Movie())
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})

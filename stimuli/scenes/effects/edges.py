@@ -53,7 +53,7 @@ class Edges:
         error = self.error(scene)
         if error > budget.error:
             raise InvalidParameter(
-                f"scene.accuracy: found an error of {budget.error:.2g} left for modes of edges {self.boundary}, "
+                f"accuracy: found an error of {budget.error:.2g} left for modes of edges {self.boundary}, "
                 f"expected at least {error:.2g}, which their polynomials have; loosen the accuracy, shorten "
                 "reversal_s, or remove 'edges'"
             )

@@ -1,6 +1,7 @@
 """What a scene gives over time: a panel per output, numbers in the title."""
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ def courses(result: Result, title: str) -> Figure:
     t_s, drawn = result.values["t_s"], names(result.values)
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(drawn) + 0.9), layout="constrained")
     panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, name, colour in zip(panels, drawn, COLOURS, strict=False):
+    for panel, name, colour in zip(panels, drawn, cycle(COLOURS), strict=False):
         draw_course(panel, t_s, result.values[name], name, colour)
     figure.align_ylabels(panels)
     panels[-1].set_xlabel("time (ms)")
@@ -37,11 +38,14 @@ def names(values: Mapping[str, Any], time: str = "t_s") -> list[str]:
 
 
 def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> None:
-    """One course with its unit."""
+    """One course with its unit; of several contacts each has a line style."""
     factor, prefix = prefix_of(float(np.abs(course).max()))
-    step = -(-len(t_s) // MOST_POINTS)
-    for row, style in zip(np.atleast_2d(course), STYLES, strict=False):
-        panel.plot(t_s[::step] * 1e3, row[::step] / factor, color=colour, linewidth=0.8, linestyle=style)
+    step, rows = -(-len(t_s) // MOST_POINTS), np.atleast_2d(course)
+    for n, (row, style) in enumerate(zip(rows, cycle(STYLES), strict=False), 1):
+        drawn = t_s[::step] * 1e3, row[::step] / factor
+        panel.plot(*drawn, color=colour, linewidth=0.8, linestyle=style, label=f"finger {n}")
+    if len(rows) > 1:
+        panel.legend(fontsize="x-small", loc="upper left", frameon=False)
     panel.set_ylabel(f"{words(name)}\n({prefix}{unit_of(name)})")
     panel.grid(alpha=0.3)
     panel.spines[["top", "right"]].set_visible(False)

@@ -1,5 +1,6 @@
 """What a screen does at a focus: the map and its middle in mm and um, the courses and their middle in time."""
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from tactometry.stimuli.scenes.result import Result
 WIDTH_IN, MAP_IN, HEAD_IN, AXIS_IN = 10.0, 3.6, 0.5, 0.3
 SLIDING_TIME = "sliding_t_s"
 NEAR_M, NEAR_S = 15e-3, 0.25e-3
-HALF = 0.5
+HALF, AROUND = 0.5, 1.5
 DIVERGING = "RdBu_r"
 
 
@@ -42,11 +43,13 @@ def _maps(figure: SubFigure, values: Any) -> None:
     image = draw_map(whole, x_m, y_m, field_m, float(np.abs(field_m).max()))
     draw_map(near, x_m, y_m, field_m, float(np.abs(field_m).max()))
     near.contour(x_m * 1e3, y_m * 1e3, field_m.T / field_m[peak], levels=[HALF], colors="k", linewidths=1.0)
+    half_m2 = half_area_m2(x_m, y_m, field_m)
+    reach_m = max(NEAR_M, AROUND * (half_m2 / np.pi) ** 0.5)
     for axis, at_m, limit in (("x", x_m[peak[0]], near.set_xlim), ("y", y_m[peak[1]], near.set_ylim)):
-        limit((at_m - NEAR_M) * 1e3, (at_m + NEAR_M) * 1e3)
+        limit((at_m - reach_m) * 1e3, (at_m + reach_m) * 1e3)
         near.set(**{f"{axis}label": f"{axis} (mm)"})
     whole.set_title("focus instant", fontsize="small")
-    near.set_title(f"line: half of the peak, {half_area_m2(x_m, y_m, field_m) * 1e6:.0f} mm²", fontsize="small")
+    near.set_title(f"line: half of the peak, {half_m2 * 1e6:.0f} mm²", fontsize="small")
     figure.colorbar(image, ax=near, label="displacement (um)", shrink=0.9)
 
 
@@ -72,7 +75,7 @@ def half_area_m2(x_m: Any, y_m: Any, field_m: Any) -> float:
 
 def _courses(figure: SubFigure, values: Any, drawn: list[str]) -> None:
     panels = figure.subplots(len(drawn), 2, squeeze=False, width_ratios=(2, 1), sharex="col")
-    for row, name, colour in zip(panels, drawn, COLOURS, strict=False):
+    for row, name, colour in zip(panels, drawn, cycle(COLOURS), strict=False):
         for panel in row:
             draw_course(panel, values["t_s"], values[name], name, colour)
         row[1].set_ylabel("")
@@ -85,7 +88,7 @@ def _courses(figure: SubFigure, values: Any, drawn: list[str]) -> None:
 def _slid(figure: SubFigure, values: Any, drawn: list[str]) -> None:
     """What a finger that slides meets, over a time of its own."""
     panels = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]
-    for panel, name, colour in zip(panels, drawn, COLOURS[2:], strict=False):
+    for panel, name, colour in zip(panels, drawn, cycle(COLOURS[2:]), strict=False):
         draw_course(panel, values[SLIDING_TIME], values[name], name, colour)
     panels[-1].set_xlabel("time of sliding (ms)")
     figure.align_ylabels(panels)

@@ -167,14 +167,14 @@ def _check_size(scene: Surroundings, found: Cut, error: float) -> None:
     numbers = max(moving, following, n_modes(scene, found.static_to_hz) * MOST_NUMBERS / MOST_MODES)
     if numbers > MOST_NUMBERS:
         raise InvalidParameter(
-            f"scene.accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
+            f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
             f"expected at most {MOST_NUMBERS:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
             "thicker plate"
         )
     ritz = n_modes(scene, found.static_to_hz)
     if scene.find("edges") is not None and ritz > MOST_RITZ_MODES:
         raise InvalidParameter(
-            f"scene.accuracy: found an error of {error:.2g} left for the modes, which takes {ritz:.0f} of a plate "
+            f"accuracy: found an error of {error:.2g} left for the modes, which takes {ritz:.0f} of a plate "
             f"whose edges are not simply supported, expected at most {MOST_RITZ_MODES}; loosen the accuracy, lower "
             "band_max_hz, or remove 'edges'"
         )
