@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import json_option, say
+from tactometry.cli.output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
     from tactometry.devices.reader import Reader
@@ -54,13 +54,23 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
     from tactometry.experiments.calibrating import fit_gain, gain_toml
 
     bench = load_bench(bench_path)
-    units = _numbers("--parts", parts)
+    units = _parts(parts)
     volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, units, tone_s))
     fit = fit_gain(units, volts)
     table = gain_toml(fit.volts_per_unit, bench.output.gain.amplifier_gain, TODAY(), by)
     stated = bench.output.gain.load_volts_per_unit
     text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {stated:.6g} V per unit at the load"
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}, as_json=as_json)
+
+
+def _parts(text: str) -> list[float]:
+    from tactometry.errors import InvalidParameter
+
+    units = _numbers("--parts", text)
+    for part in units:
+        if not 0 < part <= 1:
+            raise InvalidParameter(f"--parts: found {part:g}, expected parts of full scale, above 0 and at most 1")
+    return units
 
 
 def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator[float]:
@@ -114,15 +124,12 @@ def force(
     from tactometry.experiments.bench_file import load_bench
     from tactometry.experiments.calibrating import fit_force, force_toml
 
+    check_figure(figure)
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
-    masses_kg, reader = _numbers("--weights-kg", weights_kg), _reader(bench, name, channel)
+    masses_kg, reader = _masses_kg(weights_kg, degree), _reader(bench, name, channel)
     counted = _numbers("--counts", counts) if counts else _counted(reader, channel, masses_kg)
     fit = fit_force(masses_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
-    if figure is not None:
-        from tactometry.experiments.figures import force_figure
-
-        force_figure(fit, figure)
     rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in _rows(fit)]
     table = force_toml(fit, name, channel, TODAY(), by)
     say(
@@ -130,6 +137,22 @@ def force(
         {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()},
         as_json=as_json,
     )
+    if figure is not None:
+        from tactometry.experiments.figures import force_figure
+
+        with writing(figure):
+            force_figure(fit, figure)
+
+
+def _masses_kg(text: str, degree: int) -> list[float]:
+    from tactometry.errors import InvalidParameter
+
+    masses_kg = _numbers("--weights-kg", text)
+    if len(masses_kg) < degree + 2:
+        raise InvalidParameter(
+            f"--weights-kg: found {len(masses_kg)}, expected at least {degree + 2} for a polynomial of degree {degree}"
+        )
+    return masses_kg
 
 
 def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:

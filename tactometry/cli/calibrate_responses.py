@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from contextlib import ExitStack
 from datetime import date
+from pathlib import Path
 from typing import Any
 
-from tactometry.cli.output import progress, say
+from tactometry.cli.output import check_figure, progress, say, writing
 
 
 def run(asked: Mapping[str, Any]) -> None:
@@ -15,6 +16,8 @@ def run(asked: Mapping[str, Any]) -> None:
     from tactometry.experiments.learning import Learning, Microphone, joined, learn
     from tactometry.stimuli.time_reversal.learning import as_displacement, sequence, sweep, write_learnt
 
+    check_figure(asked["figure"])
+    _check_out(asked["out"])
     bench = load_bench(asked["bench_path"])
     if asked["sensor"] not in bench.sensors:
         raise InvalidParameter(
@@ -27,6 +30,11 @@ def run(asked: Mapping[str, Any]) -> None:
     reader = devices.readers[asked["sensor"]]
     rate_hz, order = reader.source.rate_hz, asked["sequence_order"]
     low_hz, high_hz = asked["band_hz"]
+    if high_hz > rate_hz / 2:
+        raise InvalidParameter(
+            f"--band-hz: found up to {high_hz:g} Hz, expected at most {rate_hz / 2:g} Hz, half the rate of "
+            f"{asked['sensor']!r}"
+        )
     excitation = (
         sweep(0.8 * low_hz, min(1.2 * high_hz, rate_hz / 2), rate_hz=rate_hz, duration_s=asked["sweep_s"])
         if order is None
@@ -57,10 +65,21 @@ def run(asked: Mapping[str, Any]) -> None:
         "regularisation": learning.regularisation,
         "recorded_quantity": learned.quantity,
     }
-    write_learnt(found, asked["out"], provenance)
+    with writing(asked["out"]):
+        write_learnt(found, asked["out"], provenance)
     if asked["figure"] is not None:
         from tactometry.experiments.figures import responses_figure
 
-        responses_figure(found, asked["figure"])
+        with writing(asked["figure"]):
+            responses_figure(found, asked["figure"])
     words = f"{asked['out']}: {found.n_channels} responses of {found.duration_s:g} s at {found.rate_hz:g} Hz"
     say(words, {"file": str(asked["out"]), "n_channels": found.n_channels, **provenance}, as_json=asked["as_json"])
+
+
+def _check_out(path: Path) -> None:
+    from tactometry.errors import InvalidParameter
+
+    if path.suffix != ".npz" or not path.parent.is_dir():
+        raise InvalidParameter(
+            f"--out: found {str(path)!r}, expected a name that ends in .npz, in a folder that exists"
+        )

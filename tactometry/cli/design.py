@@ -5,15 +5,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import json_option, say
+from tactometry.cli.output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from tactometry.stimuli.time_reversal.thickness import Sheet
-
-
-FIGURE_FORMATS = (".png", ".pdf", ".svg")
 
 
 @click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
@@ -58,17 +55,13 @@ def command(
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
-    from tactometry.errors import DeviceFailed, InvalidParameter
     from tactometry.stimuli.time_reversal.design import Target, Transducers
     from tactometry.stimuli.time_reversal.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate_file import read_plate
     from tactometry.stimuli.time_reversal.spectrum import Band
     from tactometry.stimuli.time_reversal.thickness import SHEETS_M, recommended, sheets
 
-    if figure is not None and figure.suffix not in FIGURE_FORMATS:
-        raise InvalidParameter(
-            f"--figure: found {str(figure)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
-        )
+    check_figure(figure)
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
     among = sheets(
         plate,
@@ -83,11 +76,9 @@ def command(
         from tactometry.stimuli.time_reversal.figures.design import over_thickness, trade_offs
         from tactometry.stimuli.time_reversal.figures.style import save
 
-        try:
+        with writing(figure):
             save(trade_offs(best.guide), figure)
             save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
-        except OSError as error:
-            raise DeviceFailed(f"{figure}: cannot write ({error.strerror}), expected a place to write to") from None
     say(_text(best, among), _record(best) | {"thicknesses": [_record(sheet) for sheet in among]}, as_json=as_json)
     ctx.exit(1 if best.unreachable else 0)
 

@@ -1,20 +1,17 @@
 """`tactometry scene`."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tactometry.cli.output import json_option, say
+from tactometry.cli.output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.file import SceneFile
     from tactometry.stimuli.scenes.plan import Plan
     from tactometry.stimuli.scenes.result import Result
 
-FIGURE_FORMATS = (".png", ".pdf", ".svg")
 FILM_ACCURACY = 0.05
 
 
@@ -58,18 +55,13 @@ def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Resul
         return computed(plan, given)
     from tactometry.stimuli.scenes.cache import cached
 
-    with _writing(cache):
+    with writing(cache):
         return cached(plan, given, cache)
 
 
 def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
-    from tactometry.errors import InvalidParameter
-
-    if path.suffix not in FIGURE_FORMATS:
-        raise InvalidParameter(
-            f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
-        )
-    with _writing(path):
+    check_figure(path)
+    with writing(path):
         _figure(result, found.title).savefig(path, dpi=150)
 
 
@@ -112,18 +104,8 @@ def _film(found: "SceneFile", path: Path) -> None:
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})
     plan = filmed.resolve()
     result = computed(plan, values_for(plan, found.given))
-    with _writing(path):
+    with writing(path):
         write_film(result, found.title, path)
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    from tactometry.errors import DeviceFailed
-
-    try:
-        yield
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
 
 
 def _record(result: "Result") -> dict[str, Any]:
