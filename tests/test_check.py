@@ -15,6 +15,7 @@ from conftest import LONGEST_WAIT_S
 from test_device_audio import alsa  # noqa: F401  # a fixture
 from test_device_sensors import Emulator, available
 
+from tactometry.cli.check import _table
 from tactometry.experiments.bench_file import load_bench, parse_bench
 from tactometry.experiments.checking import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
 from tactometry.limits import Limits
@@ -125,6 +126,13 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
     assert failed.part == part
     assert failed.found.startswith(message)
     assert exit_status(findings) == 3
+
+
+def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
+    words = "serial no/line: cannot open the line (No such file or directory), expected a device to read"
+    text = _table([Finding("disk", "free", "1 GB", fine=True), Finding("sensor hand", "failed", words, fine=False)])
+    assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 not fine"]
+    assert "see below" in text
 
 
 def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():
