@@ -139,9 +139,13 @@ def analyse(
     DeviceFailed
         If the report cannot be written, or nothing prints it.
     """
-    found = analysed(read_trials(path, within=within, column_map=column_map), plan or plan_of(path))
     if report is None and pdf:
         raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
+    if report is not None:
+        from tactometry.analysis.report import check_report
+
+        check_report(report)
+    found = analysed(read_trials(path, within=within, column_map=column_map), plan or plan_of(path))
     if report is None and figures is None:
         return found
     from tactometry.analysis.report import write_figures, write_report

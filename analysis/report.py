@@ -36,12 +36,11 @@ def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
     DeviceFailed
         If something cannot be written or printed.
     """
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise InvalidParameter(f"--report: found {path.name!r}, expected a file name that ends in .html")
+    check_report(path)
     folder = path.with_name(f"{path.stem}_tables")
-    page = render(found)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        page = render(found)
         for name, table in found.tables.items():
             (folder / f"{name}.csv").write_text(table.to_csv(index=False, lineterminator="\n"), encoding="utf-8")
         path.write_text(page, encoding="utf-8")
@@ -50,6 +49,18 @@ def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
     if pdf:
         print_pdf(path)
     return replace(found, report=path, tables_folder=folder)
+
+
+def check_report(path: Path) -> None:
+    """Whether a report may have this name.
+
+    Raises
+    ------
+    InvalidParameter
+        If it does not end in ``.html``.
+    """
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise InvalidParameter(f"--report: found {path.name!r}, expected a file name that ends in .html")
 
 
 def write_figures(found: Analysis, folder: Path) -> Analysis:
