@@ -52,6 +52,8 @@ JSPSYCH = """\
 "620","","j","audio-2afc","3","4000","s3","15","test","true","2"
 """
 JSPSYCH_MAP = """\
+missing = ["null"]
+
 [columns]
 participant = "subject"
 level = "amplitude"
@@ -155,7 +157,7 @@ def test_a_spreadsheets_table_with_decimal_commas_is_read(tmp_path) -> None:
     file = written(
         tmp_path / "g.csv", "participant;level;task;response;pen\nP1;0,5;yes_no;1;a\nP1;-1,25e1;yes_no;0;a, b\n"
     )
-    trials = read_trials(file, within=["pen"], column_map=ColumnMap(decimal=",", separator=";"))
+    trials = read_trials(file, within=["pen"], column_map=ColumnMap({"level": "level"}, decimal=",", separator=";"))
     assert trials.rows["level"].tolist() == [0.5, -12.5]
     assert trials.rows["pen"].tolist() == ["a", "a, b"]
 
@@ -169,11 +171,12 @@ def test_a_spreadsheets_table_with_decimal_commas_is_read(tmp_path) -> None:
         ),
         ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
         ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),
+        ({"from_name": {"participant": "p"}}, "found no p-... in the file's name, expected it for 'participant'"),
         ({"from_name": {"participant": "sub"}}, "found no sub-... in the file's name, expected it for 'participant'"),
     ],
 )
 def test_a_map_that_does_not_fit_is_refused(tmp_path, change, message) -> None:
-    file = written(tmp_path / "p.csv", PSYCHOPY)
+    file = written(tmp_path / "step-1.csv", PSYCHOPY)
     with pytest.raises(InvalidFile, match=re.escape(message)):
         read_trials(file, within=["cond"], column_map=ColumnMap(**change))
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
+from scipy.stats import f as f_distribution
 from test_analysis_anova import PUBLISHED, WITHIN, long_table
 from test_analysis_contrasts import drawn
 from test_analysis_contrasts import long_table as any_table
@@ -171,6 +172,11 @@ def test_refuses_a_bound_that_is_none(published, bound) -> None:
         equivalence(published, dependent="y", factor="force", subject="subject", bound=bound)
 
 
+def test_refuses_a_chance_of_error_of_one_half(published) -> None:
+    with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a chance between 0 and 0.5"):
+        equivalence(published, dependent="y", factor="force", subject="subject", bound=1.0, alpha=0.5)
+
+
 def test_participants_that_differ_alike_are_judged_by_the_difference() -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0])
     claims = [
@@ -189,6 +195,10 @@ def test_published_aligned_rank_transform(published, effect, f) -> None:
     assert table.loc[effect, "F"] == pytest.approx(f, rel=4e-6, abs=5e-5)
     assert table.loc[effect, "f_stripped"] <= 0.35
     assert table.loc["force * freq", "p_unc"] == pytest.approx(0.156131, rel=1e-3)
+    row = table.loc[effect]
+    corrected = f_distribution.sf(row["F"], row["eps"] * row["ddof1"], row["eps"] * row["ddof2"])
+    assert row["eps"] < 1
+    assert row["p_GG_corr"] == pytest.approx(corrected)
 
 
 def test_published_friedman_of_frequency(published) -> None:
