@@ -184,7 +184,7 @@ KINKED = (
 @given(panels(outputs=FORCES))
 @example(JERK)
 @example(KINKED)
-@settings(max_examples=100 if SOAK else 8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenes_keep_their_accuracy(case):
     surface, effects, outputs = case
     scene = Scene(surface, effects, outputs, 1e-2, (Touch(0.5, 0.05),))

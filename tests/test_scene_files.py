@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 
 import pytest
 
@@ -107,9 +108,14 @@ def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
     assert call("scene", "electrovibration-panell") == 2
 
 
+def roughly(name):
+    found = load_scene(path_of(name))
+    return replace(found, scene=replace(found.scene, accuracy=0.1))
+
+
 @pytest.mark.parametrize("name", names())
 def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
-    found = load_scene(path_of(name))
+    found = roughly(name)
     result = computed(found.scene.resolve(), found.given)
     assert set(result.values) == set(found.scene.outputs)
     assert result.plan.error <= found.scene.accuracy
@@ -120,7 +126,7 @@ def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
 
 @pytest.mark.parametrize("name", names())
 def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
-    found = load_scene(path_of(name))
+    found = roughly(name)
     lines = explained(found.scene, found.given).splitlines()
     assert max(map(len, lines)) <= 100
     rule = lines.index("-" * 100)
