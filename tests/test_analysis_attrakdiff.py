@@ -206,6 +206,30 @@ def test_alpha_of_parallel_items_is_that_of_spearman_and_brown() -> None:
     assert cronbach_alpha(values) == pytest.approx(7 * 0.5 / (1 + 6 * 0.5), abs=0.01)
 
 
+def test_three_participants_have_an_alpha() -> None:
+    three = consistency(item_scores(study(np.random.default_rng(), n=3).query("pattern == 'P1'")))
+    assert three["alpha"].notna().any()
+    assert set(three["n"]) == {3}
+
+
+def test_an_item_that_was_rated_twice_has_the_mean_of_its_scores() -> None:
+    twice = pd.concat([one_person(4), one_person(7)])
+    raw_4, raw_7 = (item_scores(one_person(raw)).set_index("item")["score"] for raw in (4, 7))
+    found = item_scores(twice).set_index("item")["score"]
+    np.testing.assert_allclose(found[raw_4.index], (raw_4 + raw_7) / 2)
+
+
+def test_missing_scores_are_counted() -> None:
+    """P00 answered no item of PQ."""
+    table = study(np.random.default_rng(), n=3).query("pattern == 'P1'")
+    lost = (table["participant"] == "P00") & table["item"].isin(FORM.items_of("PQ"))
+    found = summary(scores(table.assign(response=table["response"].where(~lost, "")))).set_index("dimension")
+    assert (found.loc["PQ", ["n", "n_missing"]].tolist(), found.loc["ATT", ["n", "n_missing"]].tolist()) == (
+        [2, 1],
+        [3, 0],
+    )
+
+
 def test_alpha_without_participants_or_variance_says_why() -> None:
     few = consistency(item_scores(one_person(5)))
     assert few["alpha"].isna().all()

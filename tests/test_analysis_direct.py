@@ -106,6 +106,16 @@ def test_exponents_are_those_of_the_power_law_whatever_the_modulus(tmp_path, uni
     np.testing.assert_allclose(slopes / (18 / 20 * np.log(10)), [0.65, 0.7, 0.8], rtol=1e-9)
 
 
+def test_growth_does_not_depend_on_the_modulus_of_one_who_missed_a_level(tmp_path) -> None:
+    rows = [row for row in numbers("dB re 1 V") if row[:3] != ("P3", 0.5, 24.0)]
+    louder = [(*row[:5], row[5] * (1000 if row[0] == "P3" else 1), row[6]) for row in rows]
+    one, other = (
+        analyse(written(tmp_path / f"{n}.csv", each)).tables["magnitude_levels"]["geometric_mean"]
+        for n, each in enumerate((rows, louder))
+    )
+    np.testing.assert_allclose(other / other[0], one / one[0], rtol=1e-9)
+
+
 def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> None:
     """95 % of 240 intervals within 4.1 standard errors."""
     rows = numbers("dB re 1 V", n_participants=80, noise=0.3, rng=np.random.default_rng())

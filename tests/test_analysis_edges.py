@@ -19,6 +19,21 @@ def test_a_sub_design_has_three_participants_at_least(n_complete, found):
     assert (part is not None) == found
 
 
+@pytest.mark.parametrize(
+    ("sides", "left_out"),
+    [
+        (["abc"] * 4 + ["ab"] * 2, ("side = c",)),
+        (["ab"] * 3 + ["bc"] * 3, ("participant P4", "participant P5", "participant P6", "side = c")),
+    ],
+    ids=["more participants", "earlier levels"],
+)
+def test_of_equally_large_sub_designs_it_is_the_one_of(sides, left_out):
+    rows = [(f"P{n}", side, 1.0 if side in own else None) for n, own in enumerate(sides, 1) for side in "abc"]
+    table = pd.DataFrame(rows, columns=["participant", "side", "threshold"])
+    part = largest_complete(table, dependent="threshold", within=["side"], subject="participant")
+    assert part.left_out == left_out
+
+
 def test_the_table_of_quality_counts_each_row_once_for_what_it_is(tmp_path):
     """Attempts 1 to 3 of one trial, then catch trials: a false alarm, a rejection, one unanswered, one invalid."""
     header = "participant,trial,force_n,procedure,level,task,response,valid,attempt,catch"
