@@ -35,6 +35,8 @@ SINGLE_TRIALS = 3000
 FEW = 3
 """Answers of a kind at a level of many: their chances are multiplied before the logarithm is taken."""
 FACTORS = 16
+SMALLEST_RATE = 1e-18
+"""A product of `FACTORS` smaller ones is no float."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
 
@@ -202,7 +204,7 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
     m, v, lapse, guess = axes
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
-    if eta < BINOMIAL_BELOW and (guess.min() == 0 or lapse.min() == 0):
+    if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
         log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))

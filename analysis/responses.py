@@ -71,9 +71,10 @@ def _logistic(z: Array) -> tuple[Array, Array, Array]:
 
 
 def _gumbel(z: Array) -> tuple[Array, Array, Array]:
-    rate = np.exp(z)
-    sf = np.exp(-rate)
-    return -np.expm1(-rate), sf, np.where(sf > 0, rate * sf, 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        rate = np.exp(z)
+        sf = np.exp(-rate)
+        return -np.expm1(-rate), sf, np.where(sf > 0, rate * sf, 0.0)
 
 
 def _reversed_gumbel(z: Array) -> tuple[Array, Array, Array]:

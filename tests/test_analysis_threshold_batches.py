@@ -69,6 +69,20 @@ def test_chances_of_many_levels_may_be_multiplied_before_their_logarithm_is_take
     assert ends(multiplied) == pytest.approx(ends(summed), abs=1e-5)
 
 
+MANY = np.linspace(0.1, 4, 40)
+RISING = (MANY + 1.2 * np.sin(7 * np.arange(40)) > 2).astype(int)
+
+
+def test_rates_whose_product_is_no_float_are_as_good_as_none() -> None:
+    tiny, none = (fit(MANY, RISING, 1, shape="normal", guess_rate=rate, lapse_rate=rate) for rate in (1e-30, 0.0))
+    assert ends(tiny) == pytest.approx(ends(none), rel=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["gumbel", "weibull", "reversed_gumbel"])
+def test_steep_skewed_functions_with_free_rates_bring_no_warning(shape) -> None:
+    assert fit(MANY, RISING, 1, shape=shape, guess_rate=None).status == "ok"
+
+
 def test_a_data_set_too_narrow_for_the_shared_grid_gets_its_own() -> None:
     rng = np.random.default_rng()
     few, many = answers(20, 0.5, rng), np.round(1e6 * np.array([0.5, 0.5, 0.51, 0.7, 0.93, 0.98, 0.98]))
