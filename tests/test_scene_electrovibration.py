@@ -8,7 +8,7 @@ import pytest
 from conftest import SOAK
 from fresh_processes import counted
 from hard_cases import hard_case
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import HealthCheck, given, settings
 from scene_cases import (
     ELECTROVIBRATION,
     LEVEL,
@@ -181,9 +181,14 @@ KINKED = (
 """A constant that shows the kinks of an envelope."""
 
 
+@pytest.mark.parametrize(("case", "accuracy"), [(JERK, 1e-3), (KINKED, 1e-4)], ids=["jerk", "kinks"])
+def test_the_end_of_a_ramp_and_kinks_beside_a_constant_keep_the_accuracy(case, accuracy):
+    scene = Scene(*case, accuracy, (Touch(0.5, 0.05),))
+    reference = run(replace(scene, settings={"sampling": {"n_samples": 100_001}}))
+    assert error_of(run(scene), reference, "electrostatic_force_n") <= accuracy
+
+
 @given(panels(outputs=FORCES))
-@example(JERK)
-@example(KINKED)
 @settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenes_keep_their_accuracy(case):
     surface, effects, outputs = case

@@ -90,6 +90,18 @@ def test_what_is_given_is_finite(level):
         found.scene.resolve().run(found.given)
 
 
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("level_db_re_1v", r"^outputs\[1\]: found 'level_db_re_1v', which each run is given, .*; remove it"),
+        ("skin", r"^outputs\[1\]: found 'skin', which stages hand on to each other, .*; remove it"),
+    ],
+)
+def test_what_is_given_or_no_number_is_no_output(output, message):
+    with pytest.raises(InvalidParameter, match=message):
+        scene_of(table(outputs=["t_s", output])).scene.resolve()
+
+
 def test_an_unknown_output_names_the_known_ones():
     scene = scene_of(table(outputs=["electrostatic_force"])).scene
     with pytest.raises(
@@ -167,8 +179,15 @@ def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
     said = json.loads(capsys.readouterr().out)
     assert said["units"] == {"peak_force_n": "N"}
     assert 0.02 < said["outputs"]["peak_force_n"] < 0.022
-    assert call("scene", file, "--figure", tmp_path / "a.png") == 2
-    assert "add it to outputs" in capsys.readouterr().err
+    for outputs in ('["peak_force_n"]', '["t_s", "peak_force_n"]'):
+        file.write_text(file.read_text(encoding="utf-8").replace('["peak_force_n"]', outputs), encoding="utf-8")
+        assert call("scene", file, "--figure", tmp_path / "a.png") == 2
+        assert "add it to outputs" in capsys.readouterr().err
+    wave = file.read_text(encoding="utf-8").replace('"peak_force_n"]', '"electrostatic_force_n"]')
+    file.write_text(wave, encoding="utf-8")
+    assert call("scene", file, "--explain", "--figure", tmp_path / "a.png") == 0
+    assert "one more digit" in capsys.readouterr().out
+    assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
 def test_the_figure_is_drawn(tmp_path, capsys):

@@ -123,6 +123,23 @@ def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, d
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def test_no_bit_of_a_kept_file_is_turned_unseen(tmp_path):
+    cache._write(tmp_path / "a.npz", {"peak_m": 1e-6})
+    content = (tmp_path / "a.npz").read_bytes()
+    for n in range(len(content)):
+        turned = bytearray(content)
+        turned[n] ^= 1 << n % 8
+        (tmp_path / "b.npz").write_bytes(turned)
+        assert cache._read(tmp_path / "b.npz") in (None, {"peak_m": 1e-6})
+
+
+def test_what_the_same_stages_give_for_other_outputs_is_kept_apart(tmp_path):
+    alone, timed = (panel(outputs=("electrostatic_force_n", *more)) for more in ((), ("t_s",)))
+    assert alone.resolve().stages == timed.resolve().stages
+    assert set(kept(alone, tmp_path)) == {"electrostatic_force_n"}
+    assert set(kept(timed, tmp_path)) == {"electrostatic_force_n", "t_s"}
+
+
 def test_a_result_of_another_version_is_computed_again(tmp_path, monkeypatch):
     runs = counting(monkeypatch)
     kept(HYBRID, tmp_path)

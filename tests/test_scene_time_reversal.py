@@ -108,6 +108,14 @@ def test_a_finger_is_that_of_the_loaded_responses(fine):
     np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
 
 
+@pytest.mark.parametrize("voltage_v", [0.0, -30.0])
+def test_no_voltage_is_silent_and_a_turned_one_is_as_strong(voltage_v):
+    outputs = ("peak_m", "sensation_db", "sound_level_dba")
+    plan = screen(LOSSY, effect("airborne_sound"), effect("focus_detection"), outputs=outputs, accuracy=0.1).resolve()
+    silence = {"peak_m": 0.0, "sensation_db": -np.inf, "sound_level_dba": -np.inf}
+    assert plan.run({"voltage_v": voltage_v}) == (plan.run({"voltage_v": 30.0}) if voltage_v else silence)
+
+
 def test_the_course_passes_through_the_peak_at_the_focus_instant():
     got = run(screen(LOSSY, ONE_BIT, outputs=("peak_m", "t_s", "focus_displacement_m")))
     assert got["focus_displacement_m"][got["t_s"] == 0] == pytest.approx([got["peak_m"]], rel=1e-9)

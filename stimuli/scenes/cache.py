@@ -65,7 +65,7 @@ def _read(path: Path) -> dict[str, Any] | None:
     try:
         with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
             values = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+    except (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile):
         return None
     digest = str(values.pop(DIGEST, ""))
     return {n: v.item() if v.ndim == 0 else v for n, v in values.items()} if digest == _digest(values) else None

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.stimuli.scenes.result import unit_of
 from tactometry.stimuli.scenes.stage import Stage
 
 
@@ -50,7 +51,7 @@ def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cures:
     giving = [stage for stage in stages if stage.gives == quantity]
     makers = [n for n, stage in enumerate(giving) if not stage.changes]
     if not makers:
-        known = sorted({stage.gives for stage in stages})
+        known = sorted({stage.gives for stage in stages if path or unit_of(stage.gives)})
         where, wanted = ("scene", f", which {path[-1]!r} needs") if path else ("outputs", "")
         cure = f"; {cures[quantity]}" if quantity in cures else nearest(quantity, known)
         raise InvalidParameter(

@@ -9,6 +9,7 @@ from tactometry.stimuli.scenes.chain import needed
 from tactometry.stimuli.scenes.compatibility import check_effects
 from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Touch
 from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.result import unit_of
 from tactometry.stimuli.scenes.stage import Setting, Stage
 
 ROUNDING = 1e-9
@@ -74,6 +75,7 @@ class Scene:
             If an output is not to be had, or not so accurately, or the settings name no stage of the plan.
         """
         rough = self._plan(Budget(self.accuracy))
+        self._check_outputs()
         share = self.accuracy / max(1, sum(stage.error > 0 for stage in rough))
         stages = rough if share == self.accuracy else self._plan(Budget(share))
         for stage in stages:
@@ -85,6 +87,18 @@ class Scene:
         """Effects of the scene of which no output needs a stage."""
         on = {stage.effect for stage in self._plan(Budget(self.accuracy))}
         return tuple(effect for effect in self.effects if effect.kind not in on)
+
+    def _check_outputs(self) -> None:
+        for n, output in enumerate(self.outputs):
+            if output in self.surface.given:
+                raise InvalidParameter(
+                    f"outputs[{n}]: found {output!r}, which each run is given, expected what it computes; remove it"
+                )
+            if not unit_of(output):
+                raise InvalidParameter(
+                    f"outputs[{n}]: found {output!r}, which stages hand on to each other, expected a quantity with a "
+                    "unit in its name; remove it"
+                )
 
     def _plan(self, budget: Budget) -> tuple[Stage, ...]:
         ordered = sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot))

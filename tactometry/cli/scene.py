@@ -33,19 +33,21 @@ def command(
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
 
+    check_figure(figure)
     found = load_scene(path_of(file))
     if explain:
         text = explained(found.scene, found.given)
         say(text, {"plan": text.splitlines()}, as_json=as_json)
-        return
-    plan = found.scene.resolve()
-    result = _result(plan, values_for(plan, found.given), cache)
+    if figure is not None or not explain:
+        plan = found.scene.resolve()
+        result = _result(plan, values_for(plan, found.given), cache)
     if figure is not None:
         _draw(result, found, figure)
     if movie is not None:
         _film(found, movie)
-    record = _record(result)
-    say(_text(found, record, result), record, as_json=as_json)
+    if not explain:
+        record = _record(result)
+        say(_text(found, record, result), record, as_json=as_json)
 
 
 def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Result":
@@ -60,7 +62,6 @@ def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Resul
 
 
 def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
-    check_figure(path)
     with writing(path):
         _figure(result, found.title).savefig(path, dpi=150)
 
@@ -78,8 +79,13 @@ def _figure(result: "Result", title: str) -> Any:
             "--figure: found neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene, expected "
             "one or the other; add it to outputs"
         )
-    from tactometry.stimuli.scenes.figures.courses import courses
+    from tactometry.stimuli.scenes.figures.courses import courses, names
 
+    if not names(result.values):
+        raise InvalidParameter(
+            "--figure: found no course over 't_s' among the outputs of the scene, expected at least one, such as "
+            "'friction_force_n' or 'focus_displacement_m'; add it to outputs"
+        )
     return courses(result, title)
 
 
@@ -123,7 +129,7 @@ def _record(result: "Result") -> dict[str, Any]:
         "outputs": outputs,
         "units": {name: result.unit(name) for name in outputs},
         "given": dict(result.given),
-        "predicted_error": result.plan.error,
+        "predicted_error": result.plan.error if np.isfinite(result.plan.error) else None,
         "elapsed_s": result.elapsed_s,
         "prepared_s": result.prepared_s,
         "versions": dict(result.versions),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import log10
+from math import inf, log10
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
@@ -69,5 +69,5 @@ def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission]
 
 
 def raised() -> Callable[[float, float], float]:
-    """The level at a voltage."""
-    return lambda level_at_1v_dba, voltage_v: level_at_1v_dba + 20 * log10(voltage_v)
+    """The level at a voltage; ``-inf`` for silence."""
+    return lambda level_at_1v_dba, voltage_v: level_at_1v_dba + (20 * log10(abs(voltage_v)) if voltage_v else -inf)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import log10
+from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
@@ -67,5 +67,10 @@ def under_finger() -> "Callable[[FloatArray, FloatArray], float]":
 
 
 def level(reference_m: float) -> Callable[[float, float], float]:
-    """Level above threshold at a voltage."""
-    return lambda felt_at_1v_m, voltage_v: 20 * log10(felt_at_1v_m * voltage_v / reference_m)
+    """Level above threshold at a voltage; ``-inf`` for silence."""
+
+    def above(felt_at_1v_m: float, voltage_v: float) -> float:
+        ratio = felt_at_1v_m * abs(voltage_v) / reference_m
+        return 20 * log10(ratio) if ratio else -inf
+
+    return above

@@ -238,7 +238,7 @@ def _times_voltage(name: str, per_volt: str, gives: str, n: float) -> Stage:
 
 def first_magnitude() -> Callable[[Any, float], float]:
     """The magnitude of the first of some values, at a voltage."""
-    return lambda values, voltage_v: float(abs(values[0]) * voltage_v)
+    return lambda values, voltage_v: float(abs(values[0] * voltage_v))
 
 
 def multiplied() -> Callable[[Any, float], Any]:
