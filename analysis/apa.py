@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tactometry.analysis.labels import percent_text
 from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.post_hoc import evidence
 
@@ -144,17 +145,16 @@ def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
 
 
 def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
-    """One for each pair of `equivalence`, and one for all of them together.
+    """One for each pair of `equivalence`, and of several one for all of them together.
 
     >>> row = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
     >>> table = pd.DataFrame([row])
     >>> table.attrs |= {"p_all": 0.001, "bound": 1.0, "alpha": 0.05}
     >>> print(*equivalence_sentences(table, "dB"), sep=chr(10))
     1.0 and 0.5 are equivalent within +-1 dB: difference 0.02 dB, 90 % CI [-0.30, 0.35], TOST p = .001
-    all 1 pairs are equivalent within +-1 dB, largest TOST p = .001
     """
     unit = f" {unit}" if unit else ""
-    level = f"{1 - 2 * tested.attrs['alpha']:.0%}".replace("%", " %")
+    level = percent_text(1 - 2 * tested.attrs["alpha"])
     bound = f"+-{tested.attrs['bound']:g}{unit}"
     each = [
         f"{row['b']} and {row['a']} {'are' if row['equivalent'] else 'were not shown to be'} equivalent within "
@@ -162,6 +162,8 @@ def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
         f"TOST {p_text(row['p'])}"
         for _, row in tested.iterrows()
     ]
+    if len(each) == 1:
+        return each
     verdict = "are" if tested.attrs["p_all"] < tested.attrs["alpha"] else "were not all shown to be"
     all_of_them = f"all {len(tested)} pairs" if verdict == "are" else f"the {len(tested)} pairs"
     return [*each, f"{all_of_them} {verdict} equivalent within {bound}, largest TOST {p_text(tested.attrs['p_all'])}"]
@@ -208,7 +210,8 @@ def _censored(n: int) -> str:
     >>> _censored(0), _censored(2)
     ('', '; 2 of them bounds of censored thresholds, by maximum likelihood')
     """
-    return f"; {n} of them bounds of censored thresholds, by maximum likelihood" if n else ""
+    bounds = "the bound of a censored threshold" if n == 1 else "bounds of censored thresholds"
+    return f"; {n} of them {bounds}, by maximum likelihood" if n else ""
 
 
 def alpha_sentences(found: pd.DataFrame, factors: Sequence[str]) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.group import mean_with_interval, quality
+from tactometry.analysis.labels import percent_text
 from tactometry.analysis.table import Trials, used_rows
 from tactometry.errors import InvalidParameter, nearest
 
@@ -145,8 +146,9 @@ def _force_row(part: pd.DataFrame, interval: float) -> dict[str, object]:
     values = np.array(part["force_mean_n"], dtype=np.float64)
     row: dict[str, object] = dict.fromkeys(("mean", "mean_low", "mean_high", "sd"))
     row |= mean_with_interval(values, interval) | {"n": len(values), "n_trials": int(part["n_trials"].sum())}
+    band = ""
     if "force_in_band" in part.columns and part["force_in_band"].notna().any():
-        row["in_band"] = float(part["force_in_band"].mean())
+        in_band = float(part["force_in_band"].mean())
+        row["in_band"], band = in_band, f", {percent_text(in_band)} in band"
     sd = "" if row["sd"] is None else f" ± {row['sd']:.2f}"
-    band = f", {row['in_band']:.0%} in band" if "in_band" in row else ""
     return row | {"text": f"{row['mean']:.2f}{sd} N{band}"}

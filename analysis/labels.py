@@ -32,5 +32,13 @@ def value_of(name: str, value: object) -> str:
     return text if not isinstance(value, int | float | np.number) else f"{name.replace('_', ' ')} {text}"
 
 
+def percent_text(share: float) -> str:
+    """
+    >>> percent_text(0.954)
+    '95 %'
+    """
+    return f"{100 * share:.0f} %"
+
+
 def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
     return ", ".join(value_of(name, value) for name, value in zip(factors, condition, strict=True)) or "all"

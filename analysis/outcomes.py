@@ -244,5 +244,6 @@ def _with_force(data: pd.DataFrame, forces: pd.DataFrame, varied: Sequence[str])
 def _censored_note(model: MixedModel) -> list[str]:
     if not model.n_censored:
         return []
-    thresholds = "1 censored threshold" if model.n_censored == 1 else f"{model.n_censored} censored thresholds"
-    return [f"the mixed model counts {thresholds} as what is known: below or above their bound"]
+    counted = "1 censored threshold" if model.n_censored == 1 else f"{model.n_censored} censored thresholds"
+    bounds = "its bound" if model.n_censored == 1 else "their bounds"
+    return [f"the mixed model counts {counted} as what is known: below or above {bounds}"]

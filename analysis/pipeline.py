@@ -198,9 +198,18 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | _together_tables(fits)
         | choices
         | _other_tables(forms, forces, trials.factors, excluded)
-        | ({magnitude.GROWTH: magnitude.growth_table(trials)} if magnitude.TASK in choices else {})
+        | _growth(trials)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
-        warnings=(*words.exclusion_warnings(excluded), *words.warnings(trials, table, quality, n_choices)),
+        warnings=(
+            *words.exclusion_warnings(excluded),
+            *(
+                text
+                for name in DIRECT
+                if name in choices
+                for text in words.missing_cells(choices[name], trials.factors)
+            ),
+            *words.warnings(trials, table, quality, n_choices),
+        ),
         methods=words.methods(
             table,
             n_choices,
@@ -237,6 +246,11 @@ def _choice_tables(trials: Trials) -> dict[str, pd.DataFrame]:
         magnitude.TASK: magnitude.magnitude_table(trials),
     }
     return {name: table for name, table in found.items() if len(table)}
+
+
+def _growth(trials: Trials) -> dict[str, pd.DataFrame]:
+    table = magnitude.growth_table(trials)
+    return {magnitude.GROWTH: table} if len(table) else {}
 
 
 def _together_tables(fits: Sequence[Together]) -> dict[str, pd.DataFrame]:

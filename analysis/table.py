@@ -19,7 +19,7 @@ from tactometry.analysis.column_map import ColumnMap, translated
 from tactometry.analysis.fast_text import plain_cells, plain_numbers
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
-from tactometry.rows import TASKS
+from tactometry.rows import RESPONSES, TASKS, Rule
 
 REQUIRED = ("participant", "level", "task", "response")
 NUMBERS = (
@@ -38,6 +38,8 @@ NUMBERS = (
 FLAGS = ("correct", "valid", "catch", "practice")
 WHOLE = ("session", "block", "trial", "attempt", "target")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+NUMBERED = frozenset({"same_different", "preference", "adjustment", "magnitude"})
+"""Tasks whose answers are read as numbers by the rule that a data set's check has of them."""
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
 FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv")
@@ -251,8 +253,9 @@ def _all_match(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str]
 def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str) -> None:
     """Raise for the first row that is bad."""
     first = int(np.flatnonzero(bad)[0])
-    found = str(table[name].iloc[first])
-    shown = "nothing" if found in ("", "nan") else repr(found if len(found) <= 40 else found[:40] + "...")
+    cell = table[name].iloc[first]
+    found = "" if pd.isna(cell) else str(cell)
+    shown = "nothing" if not found else repr(found if len(found) <= 40 else found[:40] + "...")
     raise InvalidFile(f"{file}, row {table['row'].iloc[first]}, column {name!r}: found {shown}, expected {expected}")
 
 
@@ -303,10 +306,21 @@ def _check_answers(table: pd.DataFrame, file: Path) -> None:
     odd = choice & ~table["response"].str.fullmatch(r"|\d{1,3}(\.0)?")
     if odd.any():
         _refuse(table, "response", file, odd.to_numpy(), "the number of an interval or nothing in a forced choice")
+    for task in sorted(NUMBERED.intersection(table["task"].unique())):
+        rule, own = RESPONSES[task], table["task"] == task
+        fine = {text for text in table.loc[own, "response"].unique() if text == "" or _fits(rule, text)}
+        odd = own & ~table["response"].isin(fine)
+        if odd.any():
+            _refuse(table, "response", file, odd.to_numpy(), rule.words)
     catch = table["catch"] == 1 if "catch" in table.columns else pd.Series(False, index=table.index)
     lost = (binary | choice) & table["level"].isna() & ~catch
     if lost.any():
         _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
+
+
+def _fits(rule: Rule, text: str) -> bool:
+    """Other programs write a whole number as 1.0."""
+    return "_" not in text and rule.holds(text.removesuffix(".0"))
 
 
 def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from tactometry.analysis.amplitude_loss import TASK as MEASURED_TASK
 from tactometry.analysis.cells import FITTED_TASKS
-from tactometry.analysis.labels import condition_name
+from tactometry.analysis.labels import condition_name, percent_text
 from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings
@@ -25,13 +25,13 @@ FEW_TRIALS = 15
 NAMED = 6
 """So many cells are named one by one."""
 STATUS_WORDS = {
-    Status.BELOW: "have a threshold below their levels: its upper bound is given",
-    Status.ABOVE: "have a threshold above their levels: its lower bound is given",
-    Status.SEPARATED: "change in one step between two levels: the width has an upper bound only",
-    Status.FLAT: "do not rise with the level: no threshold is given",
-    Status.NON_MONOTONE: "fall somewhere with rising level, more than chance explains",
-    Status.TOO_FEW_LEVELS: "have fewer than three levels",
-    Status.NO_DATA: "have no trial with a level",
+    Status.BELOW: "with a threshold below the levels: its upper bound is given",
+    Status.ABOVE: "with a threshold above the levels: its lower bound is given",
+    Status.SEPARATED: "with one step between two levels: the width has an upper bound only",
+    Status.FLAT: "without a rise with the level: no threshold is given",
+    Status.NON_MONOTONE: "with a fall somewhere at rising level, more than chance explains",
+    Status.TOO_FEW_LEVELS: "with fewer than three levels",
+    Status.NO_DATA: "without a trial at a level",
 }
 
 
@@ -50,7 +50,7 @@ def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choic
     """What a reader must know before the numbers."""
     of_fits = []
     if len(table):
-        of_fits = [*_missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
+        of_fits = [*missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
         of_fits += _few_trials(table, trials.factors)
         of_fits += _answer_warnings(trials, table, n_choices)
     return (*of_fits, *_other_tasks(trials), *_quality_warnings(quality))
@@ -59,13 +59,13 @@ def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choic
 def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
     """One for each rule that left something out."""
     return [
-        f"left out by the rule {rule} = {part['bound'].iloc[0]:g}: "
-        + ", ".join(f"{n} trials of {code}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
+        f"left out by the rule {rule} = {part['bound'].iloc[0]:g}, numbers of trials: "
+        + ", ".join(f"{code} {n}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
         for rule, part in excluded.groupby("rule", sort=False)
     ]
 
 
-def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+def missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     """Conditions that others have and a participant has not; a factor that varies between participants alone is none of
     theirs."""
     found = []
@@ -76,7 +76,7 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
         held = whole.merge(part[["participant", *inside]].drop_duplicates(), how="left", indicator=True)
         lost = held[held["_merge"] == "left_only"].sort_values(["participant", *inside])
         if len(lost):
-            found.append(f"{len(lost)} of {len(held)} cells of {task} have no valid trial ({_named(lost, inside)})")
+            found.append(f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({_named(lost, inside)})")
     return found
 
 
@@ -94,7 +94,7 @@ def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     if not len(part):
         return []
     return [
-        f"{len(part)} of {len(table)} cells have fewer than {FEW_TRIALS} trials: their intervals rest on the priors "
+        f"{len(part)} of {len(table)} cells with fewer than {FEW_TRIALS} trials: such intervals rest on the priors "
         f"({_named(part, factors)})"
     ]
 
@@ -129,7 +129,7 @@ def _other_tasks(trials: Trials) -> list[str]:
     other = rows[~known]
     if not len(other):
         return []
-    return [f"{len(other)} rows of other tasks are not analysed here ({', '.join(sorted(other['task'].unique()))})"]
+    return [f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"]
 
 
 def _frame_warnings(quality: pd.DataFrame) -> list[str]:
@@ -137,7 +137,7 @@ def _frame_warnings(quality: pd.DataFrame) -> list[str]:
     if not len(lost):
         return []
     names = [f"{row.participant} {row.n_dropped_frames} of {row.n_frames}" for row in lost.itertuples(index=False)]
-    return [f"more than {MANY_DROPPED:.0%} of the screen's frames dropped: {', '.join(names)}"]
+    return [f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(names)}"]
 
 
 def _quality_warnings(quality: pd.DataFrame) -> list[str]:
@@ -145,14 +145,15 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
     many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
     if len(many):
         names = ", ".join(
-            f"{code} {rate:.0%}" for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
+            f"{code} {percent_text(rate)}"
+            for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
         )
-        found.append(f"more than {MANY_FALSE_ALARMS:.0%} false alarms in catch trials: {names}")
+        found.append(f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {names}")
     if "n_dropped_frames" in quality.columns:
         found += _frame_warnings(quality)
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
-        found.append(f"more than {MANY_INVALID:.0%} invalid trials: {', '.join(invalid['participant'])}")
+        found.append(f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}")
     return found
 
 

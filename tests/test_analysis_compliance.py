@@ -69,7 +69,7 @@ def test_the_table_has_means_over_participants(some) -> None:
         2,
         3,
     )
-    assert row["text"] == "2.85 ± 0.64 N, 95% in band"
+    assert row["text"] == "2.85 ± 0.64 N, 95 % in band"
     assert row["mean_low"] < 2.4
     assert row["mean_high"] > 3.3
 
@@ -78,7 +78,7 @@ def test_one_participant_has_a_mean_without_an_interval(some) -> None:
     own = force_of_participants(some)
     table = force_table(own[own["participant"] == "P2"], ["force_n"])
     assert table["sd"].isna().all()
-    assert table["text"].tolist() == ["0.50 N, 100% in band", "3.30 N, 90% in band"]
+    assert table["text"].tolist() == ["0.50 N, 100 % in band", "3.30 N, 90 % in band"]
 
 
 @pytest.mark.parametrize(

@@ -117,12 +117,12 @@ def test_growth_does_not_depend_on_the_modulus_of_one_who_missed_a_level(tmp_pat
 
 
 def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> None:
-    """95 % of 240 intervals within 4.1 standard errors."""
-    rows = numbers("dB re 1 V", n_participants=80, noise=0.3, rng=np.random.default_rng())
+    """95 % of 120 intervals within 4.1 standard errors."""
+    rows = numbers("dB re 1 V", n_participants=40, noise=0.3, rng=np.random.default_rng())
     table = analyse(written(tmp_path / "t.csv", rows)).tables["magnitude"]
     truth = 0.6 + 0.1 * table["force_n"].astype(float)
     covered = (table["exponent_low"] < truth) & (truth < table["exponent_high"])
-    assert covered.sum() > 240 * 0.95 - 4.1 * np.sqrt(240 * 0.95 * 0.05)
+    assert covered.sum() > 120 * 0.95 - 4.1 * np.sqrt(120 * 0.95 * 0.05)
 
 
 def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
@@ -152,3 +152,33 @@ def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -
     assert table["exponent_low"].isna().all()
     with pytest.raises(InvalidFile, match=r"row 2, column 'level': found -3, expected an amplitude above 0"):
         analyse(written(tmp_path / "bad.csv", [("P0", 0.5, -3, "V", "magnitude", 4, 1)]))
+
+
+@pytest.mark.parametrize(
+    ("task", "answer", "expected"),
+    [
+        ("adjustment", "loud", "the level that was set, or nothing"),
+        ("adjustment", "1_0", "the level that was set, or nothing"),
+        ("adjustment", "inf", "the level that was set, or nothing"),
+        ("magnitude", "-3", "a number, at least 0, or nothing"),
+        ("magnitude", "nan", "a number, at least 0, or nothing"),
+        ("preference", "3", r"1 \(item was preferred\), 2 \(item_b\) or nothing"),
+    ],
+)
+def test_an_answer_that_is_none_is_refused_with_its_row(tmp_path, task, answer, expected) -> None:
+    rows = [("P0", 0.5, 1, "V", task, each, 1) for each in ("1.0", "", answer)]
+    with pytest.raises(InvalidFile, match=rf"row 4, column 'response': found '{answer}', expected {expected}"):
+        analyse(written(tmp_path / "t.csv", rows))
+
+
+def test_numbers_that_are_all_0_have_a_report_and_no_exponent(tmp_path) -> None:
+    rows = [(*row[:5], 0, 1) for row in numbers("V")]
+    found = analyse(written(tmp_path / "t.csv", rows), report=tmp_path / "t.html")
+    assert found.tables["magnitude"]["exponent"].isna().all()
+    assert "magnitude_levels" not in found.tables
+
+
+def test_a_condition_that_a_participant_lacks_is_warned_of_first(tmp_path) -> None:
+    rows = [row for row in numbers("V", noise=0.1) if row[:2] != ("P1", 1.0)]
+    found = analyse(written(tmp_path / "t.csv", rows))
+    assert found.warnings[0] == "1 of 12 cells of magnitude without a valid trial (P1 1 N)"

@@ -5,6 +5,7 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.special import ndtr
 
+from tactometry.analysis import laplace
 from tactometry.analysis.glmm import MixedStatus, fit_glmm
 from tactometry.errors import InvalidParameter
 
@@ -134,6 +135,12 @@ def test_missing_cells_and_an_all_correct_participant_are_taken_as_they_are() ->
     assert found.participants["S00"][0] == max(effect[0] for effect in found.participants.values())
 
 
+def test_a_search_that_stops_on_the_way_has_no_numbers(monkeypatch) -> None:
+    monkeypatch.setattr(laplace, "GRADIENT_TOLERANCE", 1e3)
+    found = fitted()
+    assert (found.status, found.effects, found.sd) == (MixedStatus.NOT_CONVERGED, None, None)
+
+
 def test_no_trial_gives_no_data() -> None:
     found = fit_glmm([0, 0], [0, 0], ["A", "B"], fixed={"intercept": 1.0}, random=("intercept",))
     assert (found.status, found.effects) == (MixedStatus.NO_DATA, None)
@@ -164,6 +171,7 @@ def test_a_known_guess_rate_moves_the_curve() -> None:
         ({"link": "logt"}, "link: found 'logt', expected one of probit, logit; did you mean 'logit'?"),
         ({"random": ("slope",)}, "random: found 'slope', expected names of fixed effects"),
         ({"n_nodes": 0}, "n_nodes: found 0 with 2 random effects"),
+        ({"n_nodes": 2, "random": ("intercept", "level", "level")}, "n_nodes: found 2 with 3 random effects"),
     ],
 )
 def test_refuses_what_it_does_not_know(options, message) -> None:

@@ -146,7 +146,7 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
         "the mixed model leaves out: 60 Hz, where no participant has a threshold",
     )
     assert (outcome.model.n, outcome.model.n_censored) == (8, 0)
-    assert any("4 of 12 cells have a threshold above their levels" in warning for warning in found.warnings)
+    assert any("4 of 12 cells with a threshold above the levels" in warning for warning in found.warnings)
 
 
 def test_censored_thresholds_are_bounds_in_the_mixed_model(tmp_path) -> None:
@@ -157,7 +157,8 @@ def test_censored_thresholds_are_bounds_in_the_mixed_model(tmp_path) -> None:
     outcome = analyse(file).outcomes[0]
     assert (outcome.model.n, outcome.model.n_censored) == (12, 2)
     assert (
-        outcome.notes[-1] == "the mixed model counts 2 censored thresholds as what is known: below or above their bound"
+        outcome.notes[-1]
+        == "the mixed model counts 2 censored thresholds as what is known: below or above their bounds"
     )
     known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
     slope = outcome.model.coefficients.set_index("term")["estimate"]["frequency_hz = 480"]
@@ -317,7 +318,7 @@ def planned(pressed, tmp_path_factory) -> Analysis:
 
 def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
     assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
-    assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5: ")
+    assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5, numbers of trials: P02 ")
     assert set(planned.tables["excluded"]["participant"]) == {"P02"}
     assert "rules stated beforehand (force_in_band_share_min = 0.5)" in planned.methods
 

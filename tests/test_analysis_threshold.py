@@ -281,6 +281,13 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
     assert not recwarn.list
 
 
+def test_a_bootstrap_that_draws_the_same_answers_again_is_not_biased_by_them() -> None:
+    """Answers that mirror each other; a third of those drawn are the same again."""
+    known = {"shape": "normal", "guess_rate": 0.0, "lapse_rate": 0.0, "method": "bootstrap", "n_resamples": 10_000}
+    found = fit(np.arange(-2.0, 3.0), [0, 0, 2, 4, 4], 4, rng=np.random.default_rng(), **known)
+    assert found.interval_low == pytest.approx(-found.interval_high, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

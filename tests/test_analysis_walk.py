@@ -260,7 +260,7 @@ def test_the_command_tells_every_hard_case_for_what_it_is(tmp_path, case) -> Non
 def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
     file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
     found = analysed(file)
-    assert found["warnings"][0] == "1 of 8 cells of comparison have no valid trial (P1 hz 240)"
+    assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
     assert found["outcomes"][0]["notes"][0].endswith("left out: participant P1")
 
 
