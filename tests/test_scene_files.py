@@ -159,6 +159,13 @@ def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
         assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
 
 
+def test_a_stage_is_for_those_that_run_behind_it():
+    found = load_scene(path_of("thin-screen"))
+    said = explained(replace(found.scene, outputs=("peak_m",)), found.given)
+    assert "shear                     on    for attenuation, learning" in said
+    assert "attenuation               on    for learning" in said
+
+
 def test_an_effect_that_nothing_needs_says_so():
     sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
     found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))

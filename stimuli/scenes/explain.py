@@ -76,7 +76,8 @@ def _why(stage: Stage, plan: Plan) -> str:
     """What it is for: an output, or the stages that read it."""
     if stage.gives in plan.outputs:
         return f"asked for: {stage.gives}"
-    readers = [other.name for other in plan.stages if stage.gives in other.needs and other is not stage]
+    later = plan.stages[plan.stages.index(stage) + 1 :]
+    readers = [other.name for other in later if stage.gives in other.needs]
     return f"for {', '.join(readers)}"
 
 
