@@ -5,6 +5,7 @@ import re
 import types
 import typing
 from collections.abc import Collection, Mapping
+from datetime import date
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -109,7 +110,7 @@ def _shown(value: object) -> str:
 
 def _words(kind: Any) -> str:
     """A type in words."""
-    simple = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+    simple = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
     if kind in simple:
         return simple[kind]
     origin, inner = typing.get_origin(kind), typing.get_args(kind)

@@ -160,7 +160,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
         (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
         (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
-        (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: found 'soon'"),
+        (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: found 'soon', expected a date"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
         (("[screen]", '[screen]\nlanguage = "de"'), "screen.language: found 'de', expected one of en, fr"),
         (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
@@ -179,6 +179,43 @@ def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
     assert change[0] in WHOLE
     with pytest.raises(InvalidFile, match=f"bench.toml[,:] {message}"):
         read(tmp_path, WHOLE.replace(*change))
+
+
+@pytest.mark.parametrize("channels", [[], [0, 0], [0, -1]])
+def test_an_outlet_of_a_card_is_named_once(channels):
+    with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one outlet, each from 0"):
+        parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "channels": channels}})
+
+
+@pytest.mark.parametrize(
+    ("part", "table", "name", "value"),
+    [
+        ("output", {"kind": "audio", "rate_hz": 48e3}, "rate_hz", 0),
+        ("output", {"kind": "audio", "rate_hz": 48e3}, "block_s", 0),
+        ("output", {"kind": "audio", "rate_hz": 48e3}, "latency_s", -1),
+        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "range_v", 0),
+        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "rate_hz", -1),
+        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", []),
+        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", ["Dev1/ao0", "Dev1/ao0"]),
+        ("output", {"kind": "packed", "path": "x", "rate_hz": 48e3}, "n_channels", 0),
+        ("output", {"kind": "packed", "path": "x", "n_channels": 1}, "rate_hz", 0),
+        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "n_channels", 0),
+        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "block_s", 0),
+        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "latency_s", -1),
+        ("sensors.s", {"kind": "lsl", "stream": "x", "rate_hz": 1e3}, "n_channels", -3),
+        ("sensors.s", {"kind": "lsl", "stream": "x"}, "rate_hz", 0),
+        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "baud", 0),
+        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "n_channels", 0),
+        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "sensor_rate_hz", 0),
+        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "port", 70_000),
+        ("sensors.s", {"kind": "touch", "path": "x"}, "rate_hz", 0),
+        ("sensors.s", {"kind": "recorded", "path": "x", "rate_hz": 1e3}, "n_channels", 0),
+    ],
+)
+def test_a_number_that_no_device_can_have_is_refused_with_the_file(part, table, name, value):
+    kept = {**table, name: value}
+    with pytest.raises(InvalidParameter, match=rf"^{part}\.{name}: found .*, expected "):
+        parse_bench({"sensors": {"s": kept}} if part == "sensors.s" else {part: kept})
 
 
 @pytest.mark.parametrize(

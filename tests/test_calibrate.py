@@ -349,7 +349,8 @@ def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
 def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):  # noqa: F811
     bench = LOOPBACK.replace('"pulse"', '"tofile"')
-    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    too_old = "[output.gain]\nmeasured_on = 2020-01-01\nmax_age_days = 1\n"
+    (tmp_path / "bench.toml").write_text(bench.replace("[output.gain]\n", too_old), encoding="utf-8")
     arguments = ["--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--tone-s", "0.2"]
     done = calibrate_with(alsa, tmp_path, "gain", *arguments, "--json", answers="y\n2.1\ny\n4.2\n")
     assert done.returncode == 0, done.stderr

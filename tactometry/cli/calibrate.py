@@ -82,7 +82,7 @@ def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
-    output = bench.devices(bench.limits, TODAY()).output
+    output = _however_old(bench).devices(bench.limits, TODAY()).output
     if not math.isfinite(output.full_scale_v):
         raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
     with ExitStack() as last_first:
@@ -94,6 +94,13 @@ def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator
             output.play(tone)
             time.sleep(tone.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
+
+
+def _however_old(bench: "BenchFile") -> "BenchFile":
+    """Without the age that a calibration may have: this one is measured again."""
+    from dataclasses import replace
+
+    return replace(bench, force=None, output=replace(bench.output, gain=replace(bench.output.gain, max_age_days=None)))
 
 
 @command.command(epilog="Example: tactometry calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2")

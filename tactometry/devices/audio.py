@@ -12,7 +12,8 @@ from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.course import Course
 from tactometry.devices.gain import Gain
 from tactometry.devices.reader import Block
-from tactometry.errors import DeviceFailed
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.require import not_negative, positive
 from tactometry.signal import Signal
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
@@ -35,6 +36,15 @@ class AudioSettings:
     sample_format: Literal["int16", "int32", "float32"] = "int32"
     block_s: float = 0.005
     latency_s: float = 0.05
+
+    def __post_init__(self) -> None:
+        positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
+        not_negative("AudioSettings", latency_s=self.latency_s)
+        if not self.channels or min(self.channels) < 0 or len(set(self.channels)) < len(self.channels):
+            raise InvalidParameter(
+                f"AudioSettings.channels: found {list(self.channels)}, expected at least one outlet, each from 0 and "
+                "named once"
+            )
 
     def driver(self, gain: Gain) -> "AudioOutput":
         return AudioOutput(self, gain)
@@ -178,6 +188,10 @@ class AudioInputSettings:
     device: str | int | None = None
     block_s: float = 0.02
     latency_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
+        not_negative("AudioInputSettings", latency_s=self.latency_s)
 
     def source(self) -> "AudioInput":
         return AudioInput(self)

@@ -11,6 +11,7 @@ import numpy as np
 
 from tactometry.devices.reader import SAY_S, Block, now_s
 from tactometry.errors import DeviceFailed
+from tactometry.require import positive
 
 LONGEST_SEARCH_S = 5.0
 MOST_SAMPLES = 4096
@@ -26,6 +27,9 @@ class LslSettings:
     stream: str
     rate_hz: float
     n_channels: int = 1
+
+    def __post_init__(self) -> None:
+        positive("LslSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
 
     def source(self) -> "LslSource":
         return LslSource(self)

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.gain import Gain
-from tactometry.errors import DeviceFailed
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.require import positive
 from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
@@ -31,6 +32,13 @@ class NiSettings:
     range_v: float = 10.0
     idle_at_zero: bool = False
     onboard_memory: bool = False
+
+    def __post_init__(self) -> None:
+        positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
+        if not self.channels or len(set(self.channels)) < len(self.channels):
+            raise InvalidParameter(
+                f"NiSettings.channels: found {list(self.channels)}, expected at least one, each named once"
+            )
 
     def driver(self, gain: Gain) -> "NiOutput":
         return NiOutput(self, gain)

@@ -10,6 +10,7 @@ import numpy as np
 from tactometry.devices.gain import Gain
 from tactometry.devices.packed import decode, encode, stop_stream
 from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.require import positive
 from tactometry.signal import Signal
 
 
@@ -23,6 +24,9 @@ class PackedSettings:
     path: str
     n_channels: int
     rate_hz: float
+
+    def __post_init__(self) -> None:
+        positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
 
     def driver(self, gain: Gain) -> "PackedOutput":
         return PackedOutput(self, gain)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed
+from tactometry.require import positive
 
 STEP_S = 0.005
 
@@ -20,6 +21,9 @@ class RecordedSettings:
     path: str
     rate_hz: float
     n_channels: int = 1
+
+    def __post_init__(self) -> None:
+        positive("RecordedSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
 
     def source(self) -> "RecordedSource":
         return RecordedSource(self)

@@ -9,6 +9,7 @@ from tactometry.devices.counted import CountedSamples
 from tactometry.devices.framing import Framing
 from tactometry.devices.reader import SAY_S, Block, now_s
 from tactometry.errors import DeviceFailed
+from tactometry.require import positive
 
 LARGEST_READ = 65_536
 
@@ -21,6 +22,9 @@ class SerialSettings:
     rate_hz: float
     n_channels: int = 1
     baud: int = 921_600
+
+    def __post_init__(self) -> None:
+        positive("SerialSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, baud=self.baud)
 
     def source(self) -> "SerialSource":
         return SerialSource(self)

@@ -16,6 +16,7 @@ import numpy as np
 
 from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed
+from tactometry.require import positive
 
 EVENT: Final = struct.Struct("=qqHHi")
 SYNC, RELATIVE, ABSOLUTE = 0, 2, 3
@@ -33,6 +34,9 @@ class TouchSettings:
 
     path: str
     rate_hz: float = 100.0
+
+    def __post_init__(self) -> None:
+        positive("TouchSettings", rate_hz=self.rate_hz)
 
     def source(self) -> "TouchSource":
         return TouchSource(self)

@@ -14,7 +14,8 @@ from typing import Final, NamedTuple
 
 from tactometry.devices.counted import CountedSamples
 from tactometry.devices.reader import SAY_S, Block, now_s
-from tactometry.errors import DeviceFailed
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.require import positive
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
@@ -33,6 +34,11 @@ class UdpSettings:
     rate_hz: float
     sensor_rate_hz: float = 7000.0
     port: int = 49_152
+
+    def __post_init__(self) -> None:
+        positive("UdpSettings", rate_hz=self.rate_hz, sensor_rate_hz=self.sensor_rate_hz)
+        if not 0 < self.port < 2**16:
+            raise InvalidParameter(f"UdpSettings.port: found {self.port}, expected from 1 to {2**16 - 1}")
 
     def source(self) -> "UdpSource":
         return UdpSource(self)
