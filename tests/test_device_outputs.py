@@ -328,16 +328,36 @@ def test_a_voltage_beyond_the_range_is_refused():
 needs_nidaqmx = pytest.mark.skipif(importlib.util.find_spec("nidaqmx") is None, reason="no nidaqmx: extra ni")
 
 
-@needs_nidaqmx
-def test_the_calls_fit_the_signatures_of_the_library(monkeypatch):
+@pytest.fixture
+def task(monkeypatch):
     """The library's own signatures refuse a wrong name; its driver and a device are not here."""
+    import nidaqmx
+
+    made = create_autospec(nidaqmx.Task, instance=True)
+    made.ao_channels = create_autospec(nidaqmx.task.collections.AOChannelCollection, instance=True)
+    made.timing = create_autospec(nidaqmx.task.Timing, instance=True)
+    made.__enter__.return_value = made
+    monkeypatch.setattr(nidaqmx, "Task", lambda: made)
+    return made
+
+
+@needs_nidaqmx
+def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
+    output = NI.driver(Gain(10.0, 20.0))
+    output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
+    task.reset_mock()
+    output.stop()
+    told = [(name, args) for name, args, _ in task.method_calls if name in ("close", "write")]
+    assert told == [("close", ()), ("write", ([0.0, 0.0],))]
+    output.stop()
+    assert task.close.call_count == 1
+
+
+@needs_nidaqmx
+def test_the_calls_fit_the_signatures_of_the_library(task):
     import nidaqmx
     from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior
 
-    task = create_autospec(nidaqmx.Task, instance=True)
-    task.ao_channels = create_autospec(nidaqmx.task.collections.AOChannelCollection, instance=True)
-    task.timing = create_autospec(nidaqmx.task.Timing, instance=True)
-    monkeypatch.setattr(nidaqmx, "Task", lambda: task)
     started(task_of(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
     timing = task.timing.cfg_samp_clk_timing.call_args.kwargs
     assert (timing["sample_mode"], timing["samps_per_chan"]) == (AcquisitionType.FINITE, 3)
