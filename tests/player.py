@@ -48,9 +48,12 @@ def tell(course):
 
 def main(asked):
     output = settings(asked).driver(GAIN)
+    durations_s = [asked["duration_s"], *asked.get("then_s", [])]
+    signals = [noise(asked["n_channels"], asked["rate_hz"], duration_s) for duration_s in durations_s]
     output.open()
     time.sleep(asked.get("lead_s", 0.0))
-    output.play(noise(asked["n_channels"], asked["rate_hz"], asked["duration_s"]))
+    for signal in signals:
+        output.play(signal)
     if asked.get("tell"):
         threading.Thread(target=tell, args=(output._course,), daemon=True).start()
     if "stop_s" in asked:

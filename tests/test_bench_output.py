@@ -6,9 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tactometry.devices.file_output import FileSettings, read_signal
+from tactometry.devices.gain import Gain
+from tactometry.devices.guarded import Guarded
 from tactometry.devices.output import NullOutput, check_playable, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.limits import Limits
+from tactometry.rigs.emitter import Emitter
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
@@ -89,3 +93,22 @@ def test_the_null_output_takes_any_channels_and_rate():
     output.stop()
     output.close()
     output.close()
+
+
+class Steps:
+    """A stimulus that neither begins nor ends at rest."""
+
+    unit = "V"
+
+    def at(self, level):
+        return Signal(np.full((1, 100), level), RATE_HZ, "V")
+
+
+def test_what_a_bench_emits_has_its_ramps(tmp_path):
+    output = Guarded(FileSettings(str(tmp_path)).driver(Gain()), Limits(2.0))
+    emitter = Emitter({"steps": Steps()}, output, None, ramp_s=0.01)
+    output.open()
+    emitter.emit(emitter.final("steps", 1.0))
+    emitted = read_signal(tmp_path / "0001.npz").samples
+    assert np.array_equal(emitted, with_ramps(Steps().at(1.0), 0.01).samples)
+    assert not emitted[:, [0, -1]].any()

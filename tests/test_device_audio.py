@@ -68,6 +68,20 @@ def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channel
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
+def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
+    what = asked(1, "tofile", 60.0, then_s=[0.1])
+    subprocess.run([*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=60, stdout=subprocess.DEVNULL)
+    heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
+    first, second = (player.frames(asked(1, "tofile", duration_s))[:, 0] for duration_s in (60.0, 0.1))
+    assert np.array_equal(heard[-len(second) :], second)
+    before = np.trim_zeros(heard[: -len(second)])
+    n_whole = len(before) - 48
+    assert 0 < n_whole < len(first) - 48
+    assert np.array_equal(before[:n_whole], first[:n_whole])
+    falling = first[n_whole : n_whole + 48] * (1 - np.arange(48) / 48)
+    assert np.all(np.abs(before[n_whole:] - falling) <= 1)
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
