@@ -344,6 +344,7 @@ def task(monkeypatch):
 @needs_nidaqmx
 def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
     output = NI.driver(Gain(10.0, 20.0))
+    output.open()
     output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
     task.reset_mock()
     output.stop()
@@ -351,6 +352,19 @@ def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
     assert told == [("close", ()), ("write", ([0.0, 0.0],))]
     output.stop()
     assert task.close.call_count == 1
+
+
+@needs_nidaqmx
+def test_what_is_closed_plays_nothing(task):
+    output = NI.driver(Gain(10.0, 20.0))
+    for leave in (lambda: None, output.close):
+        leave()
+        with pytest.raises(DeviceFailed, match="it is closed, nothing was played; open it first"):
+            output.play(volts([[1.0], [2.0]]))
+        assert not task.start.called
+        output.open()
+    output.play(volts([[1.0], [2.0]]))
+    assert task.start.call_count == 1
 
 
 @needs_nidaqmx

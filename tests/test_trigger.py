@@ -332,31 +332,52 @@ def test_a_thread_that_says_nothing_at_all_is_held_up():
 
 
 class Gone:
-    """A sensor that is there once, and then neither tells nor can be found again."""
+    """A sensor that is there once, and then neither tells nor can be closed at once or found again."""
 
     name, n_channels, rate_hz = "gone", 1, 1000.0
-    n_opened = 0
+
+    def __init__(self, error):
+        self.error, self.n_opened, self.n_closed = error, 0, 0
 
     def open(self):
         self.n_opened += 1
         if self.n_opened > 1:
-            raise DeviceFailed("gone: it is not there")
+            raise self.error
 
     def receive(self):
-        raise DeviceFailed("gone: it went away")
+        raise self.error
 
     def close(self):
-        pass
+        self.n_closed += 1
+        if self.n_closed == 1:
+            raise self.error
 
     def facts(self):
         return {}
 
 
-def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came():
-    reader, told = Reader(Gone()), queue.Queue()
+@pytest.mark.parametrize(
+    ("error", "failure"),
+    [
+        (DeviceFailed("gone: it is not there"), "gone: it is not there"),
+        (
+            RuntimeError("an internal\nerror"),
+            "gone: found a failure (RuntimeError: an internal error), expected samples",
+        ),
+    ],
+)
+def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, failure):
+    reader, told = Reader(Gone(error)), queue.Queue()
     reader.tell(told.put)
     reader.open()
-    blocks = [told.get(timeout=LONGEST_WAIT_S) for _ in range(5)]
+    while reader.source.n_opened < 3:
+        assert told.get(timeout=LONGEST_WAIT_S).values.shape == (0, 1)
     reader.close()
-    assert all(block.values.shape == (0, 1) for block in blocks)
-    assert reader.facts()["failure"] is not None
+    assert reader.facts() == {"n_samples": 0, "n_outages": 1, "failure": failure}
+
+
+def test_a_sensor_that_fails_as_it_is_opened_is_a_failed_device():
+    source = Gone(RuntimeError("an internal error"))
+    source.n_opened = 1
+    with pytest.raises(DeviceFailed, match=r"^gone: found a failure \(RuntimeError: an internal error\), expected"):
+        Reader(source).open()

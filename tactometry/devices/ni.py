@@ -108,18 +108,22 @@ class NiOutput:
         self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._task: Any = None
+        self._is_open = False
 
     def facts(self) -> dict[str, str | int | float | None]:
         return {}
 
     def open(self) -> None:
         self._zero()
+        self._is_open = True
 
     def final(self, signal: Signal) -> Signal:
         task = task_of(self._settings, self._gain, signal)
         return Signal(task.volts * self._gain.amplifier_gain, signal.rate_hz, "V")
 
     def play(self, signal: Signal) -> float:
+        if not self._is_open:
+            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
         self._end_task()
         task = task_of(self._settings, self._gain, signal)
         try:
@@ -133,6 +137,7 @@ class NiOutput:
             self._zero()
 
     def close(self) -> None:
+        self._is_open = False
         self.stop()
 
     def _end_task(self) -> bool:

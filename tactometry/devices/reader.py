@@ -1,5 +1,6 @@
 """One thread per sensor: it takes samples as they come, so that drawing never starves it."""
 
+import contextlib
 import threading
 import time
 from collections import deque
@@ -92,7 +93,10 @@ class Listener:
 
 
 class Reader:
-    """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away."""
+    """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away.
+
+    Whatever a source raises, it went away.
+    """
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -134,7 +138,7 @@ class Reader:
             If the device is not there.
         """
         if self._n_open == 0:
-            self.source.open()
+            self._open_source()
             self._ending.clear()
             self._thread = threading.Thread(target=self._run, name=f"reader of {self.source.name}", daemon=True)
             self._thread.start()
@@ -153,11 +157,24 @@ class Reader:
         while not self._ending.is_set():
             try:
                 self._take(self.source.receive())
-            except DeviceFailed as error:
-                self._failure = str(error)
+            except Exception as error:  # whatever it was, the device is looked for again
+                self._failure = str(self._failed(error))
                 self._n_outages += 1
-                self.source.close()
+                with contextlib.suppress(Exception):
+                    self.source.close()
                 self._find_again()
+
+    def _open_source(self) -> None:
+        try:
+            self.source.open()
+        except Exception as error:
+            raise self._failed(error) from None
+
+    def _failed(self, error: Exception) -> DeviceFailed:
+        if isinstance(error, DeviceFailed):
+            return error
+        words = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return DeviceFailed(f"{self.source.name}: found a failure ({words}), expected samples")
 
     def _take(self, block: Block | None) -> None:
         if block is None or block.times_s.size == 0:
@@ -180,7 +197,7 @@ class Reader:
                 continue
             next_s = now_s() + RETRY_S
             try:
-                self.source.open()
+                self._open_source()
             except DeviceFailed as error:
                 self._failure = str(error)
             else:
