@@ -305,8 +305,11 @@ def _force(force: StreamedSensor) -> Iterator[Finding]:
         _, forces_n = force.read()
     finally:
         force.close()
+    if not forces_n.size:
+        yield Finding("force", "samples", f"0 in {LISTEN_S / 2:g} s", "a sensor that sends", False, device=True)
+        return
     known_n = forces_n[np.isfinite(forces_n)]
-    fine = known_n.size > 0 and known_n.size == forces_n.size
+    fine = known_n.size == forces_n.size
     words = f"{known_n.size} of {forces_n.size}"
     yield Finding("force", "samples in the calibrated range", words, "all of them", fine, device=True)
     if known_n.size:

@@ -134,6 +134,12 @@ def test_an_old_calibration_is_a_failed_device(tmp_path, today, message):
     assert refused.value.exit_status == 3
 
 
+@pytest.mark.parametrize(("age", "owner"), [("90", r"output\.gain\.max_age_days"), ("60", r"force\.max_age_days")])
+def test_an_age_below_0_is_refused_with_the_file(tmp_path, age, owner):
+    with pytest.raises(InvalidFile, match=f"{owner}: found -3, expected a whole number, at least 0"):
+        read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
+
+
 def test_packed_streams_have_no_ramps(tmp_path):
     board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n'
     assert read(tmp_path, board).output.ramp_s == 0.0

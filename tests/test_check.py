@@ -3,10 +3,12 @@
 import importlib.util
 import json
 import os
+import socket
 import subprocess
 import sys
 import threading
 import time
+import tomllib
 from datetime import date
 
 import numpy as np
@@ -126,6 +128,22 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
     assert failed.part == part
     assert failed.found.startswith(message)
     assert exit_status(findings) == 3
+
+
+def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
+    monkeypatch.setattr("tactometry.experiments.checking.LISTEN_S", 0.1)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
+        silent.bind(("127.0.0.1", 0))
+        port = silent.getsockname()[1]
+        sensor = {"kind": "udp", "address": "127.0.0.1", "port": port, "rate_hz": 1000}
+        bench = parse_bench({"sensors": {"hand": sensor}, **tomllib.loads(FORCE)})
+        failed = [each for each in _devices(bench, None, None) if each.fine is False]
+    said = [(each.part, each.what, each.found, each.expected) for each in failed]
+    assert said == [
+        ("sensor hand", "samples", "0 in 0.1 s", "a sensor that sends"),
+        ("force", "samples", "0 in 0.05 s", "a sensor that sends"),
+    ]
+    assert exit_status(failed) == 3
 
 
 def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():

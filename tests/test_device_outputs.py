@@ -247,6 +247,7 @@ def test_another_signal_is_checked_anew_after_one_that_was_fine():
     ("measured", "message"),
     [
         (Measured(date(2026, 1, 1), "A", 30), "found a calibration of 2026-01-01, 59 days old, expected at most 30"),
+        (Measured(date(2026, 2, 28), "A", 0), "found a calibration of 2026-02-28, 1 day old, expected at most 0"),
         (Measured(date(2027, 1, 1), "A", 30), "which is yet to come, expected a day up to 2026-"),
         (Measured(None, "A", 30), "found max_age_days without measured_on"),
     ],

@@ -118,6 +118,7 @@ def test_hdf5_with_a_number_for_a_quantity_is_refused(tmp_path):
 
 def test_hdf5_without_its_extra_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
+    (tmp_path / "a.h5").touch()
     with pytest.raises(InvalidFile, match=r"pip install tactometry\[hdf5\]"):
         read([tmp_path / "a.h5"])
 

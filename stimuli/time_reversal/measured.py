@@ -184,7 +184,10 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     if reader is None:
         raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
     try:
+        path.open("rb").close()
         return reader(path, full_scale, quantity)
+    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
+        raise InvalidFile(f"{path}: cannot be read ({error.strerror}), expected impulse responses") from None
     except ImportError as error:
         raise InvalidFile(
             f"{path}: found no h5py, expected it for an HDF5 file: pip install tactometry[hdf5]"

@@ -7,7 +7,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.measured import Measured
+from tactometry.devices.measured import Measured, check_age
 from tactometry.errors import InvalidParameter
 
 FloatArray = NDArray[np.float64]
@@ -50,6 +50,7 @@ class ForceCalibration:
     max_age_days: int | None = None
 
     def __post_init__(self) -> None:
+        check_age("ForceCalibration", self.max_age_days)
         forms = (self.newtons_per_count, self.polynomial, self.table_counts)
         if sum(form is not None for form in forms) != 1:
             raise InvalidParameter(

@@ -6,7 +6,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.measured import Measured
+from tactometry.devices.measured import Measured, check_age
 from tactometry.errors import DeviceFailed
 from tactometry.require import positive
 from tactometry.signal import Signal
@@ -44,6 +44,7 @@ class Gain:
 
     def __post_init__(self) -> None:
         positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
+        check_age("Gain", self.max_age_days)
 
     @property
     def measured(self) -> Measured:

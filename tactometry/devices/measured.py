@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from datetime import date
 
 from tactometry.errors import DeviceFailed
+from tactometry.require import whole
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,20 @@ class Measured:
                 "correct the bench file, or the clock of this computer; nothing was played"
             )
         if age_days > self.max_age_days:
+            days = "day" if age_days == 1 else "days"
             raise DeviceFailed(
-                f"{what}: found a calibration of {self.on}, {age_days} days old, expected at most "
+                f"{what}: found a calibration of {self.on}, {age_days} {days} old, expected at most "
                 f"{self.max_age_days}; measure it again with: tactometry calibrate; nothing was played"
             )
+
+
+def check_age(owner: str, max_age_days: int | None) -> None:
+    """Refuse an age that is none.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is neither None nor a whole number of at least 0; the sentence names `owner`.
+    """
+    if max_age_days is not None:
+        whole(owner, lowest=0, max_age_days=max_age_days)
