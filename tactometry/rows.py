@@ -24,6 +24,8 @@ TASKS = (
     "preference",
     "measurement",
 )
+LARGEST_ANSWER = 1e15
+"""What is beyond is no answer of a person, and its powers leave the range of numbers."""
 REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 
@@ -68,6 +70,7 @@ def _is_time(text: str) -> bool:
 _COUNT = Rule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
 _ANY = Rule("a number", _number(-math.inf))
 _POSITIVE = Rule("a number, at least 0", _number(0))
+_ANSWER = _number(-LARGEST_ANSWER, LARGEST_ANSWER)
 _FLAG = Rule("1, 0 or nothing", lambda text: text in ("0", "1"))
 RULES: Mapping[str, Rule] = {
     "participant": Rule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
@@ -88,9 +91,9 @@ RESPONSES: Mapping[str, Rule] = {
     "forced_choice": Rule("the number of an interval, from 1, or nothing", _COUNT.holds),
     "localisation": Rule("the number of an alternative, from 1, or nothing", _COUNT.holds),
     "preference": Rule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
-    "magnitude": Rule("a number, at least 0, or nothing", _number(0)),
-    "adjustment": Rule("the level that was set, or nothing", _number(-math.inf)),
-    "rating": Rule("the raw value of the answer, a number, or nothing", _number(-math.inf)),
+    "magnitude": Rule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", _number(0, LARGEST_ANSWER)),
+    "adjustment": Rule(f"the level that was set, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
+    "rating": Rule(f"the raw value of the answer, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
 }
 
 

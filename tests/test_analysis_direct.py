@@ -157,11 +157,11 @@ def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -
 @pytest.mark.parametrize(
     ("task", "answer", "expected"),
     [
-        ("adjustment", "loud", "the level that was set, or nothing"),
-        ("adjustment", "1_0", "the level that was set, or nothing"),
-        ("adjustment", "inf", "the level that was set, or nothing"),
-        ("magnitude", "-3", "a number, at least 0, or nothing"),
-        ("magnitude", "nan", "a number, at least 0, or nothing"),
+        ("adjustment", "loud", "the level that was set, within 1e+15, or nothing"),
+        ("adjustment", "1_0", "the level that was set, within 1e+15, or nothing"),
+        ("adjustment", "inf", "the level that was set, within 1e+15, or nothing"),
+        ("magnitude", "-3", "a number from 0 to 1e+15, or nothing"),
+        ("magnitude", "nan", "a number from 0 to 1e+15, or nothing"),
         ("preference", "3", r"1 \(item was preferred\), 2 \(item_b\) or nothing"),
     ],
 )

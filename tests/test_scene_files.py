@@ -11,6 +11,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene, scene_of
+from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import computed
 
 TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
@@ -149,6 +150,24 @@ def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
     assert on == [stage.name for stage in found.scene.resolve().stages]
     assert lines[-2].startswith(f"accuracy {found.scene.accuracy:g}: predicted error")
     assert lines[-1].startswith("one more digit")
+
+
+def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
+    found = load_scene(path_of("electrovibration-panel"))
+    finer = replace(found.scene, accuracy=found.scene.accuracy / 10).resolve()
+    ratio = finer.predicted_s / found.scene.resolve().predicted_s
+    last = explained(found.scene, found.given).splitlines()[-1]
+    assert last.startswith(f"one more digit (accuracy {found.scene.accuracy / 10:g}): ")
+    assert last.endswith(f", {ratio:.1f} times as long")
+
+
+def test_the_measured_column_is_that_of_a_run(monkeypatch):
+    found = load_scene(path_of("electrovibration-panel"))
+    n_stages = len(found.scene.resolve().stages)
+    monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (12.5,) * n_stages)
+    lines = explained(found.scene, found.given).splitlines()
+    assert sum(line.endswith("12.5 s") for line in lines) == n_stages
+    assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s")
 
 
 def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():

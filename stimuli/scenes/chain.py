@@ -26,6 +26,8 @@ def needed(
     >>> force = Stage("force", ("voltage", "contact"), "force", "x:y")
     >>> [stage.name for stage in needed(["force"], [force, source, ramps], {"contact"})]
     ['source', 'ramps', 'force']
+    >>> [stage.name for stage in needed(["voltage"], [source, Stage("recorded", (), "voltage", "x:y"), ramps], ())]
+    ['recorded', 'ramps']
     """
     done: dict[str, None] = dict.fromkeys(given)
     ordered: list[Stage] = []

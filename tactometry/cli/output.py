@@ -1,8 +1,9 @@
 """What commands share: results as JSON, files that they write, progress on a terminal."""
 
 import json
+import math
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
@@ -19,7 +20,16 @@ json_option: Callable[[F], F] = click.option("--json", "as_json", is_flag=True, 
 
 def say(text: str, value: object, *, as_json: bool) -> None:
     """Print a result: as text, or as JSON."""
-    click.echo(json.dumps(value, indent=2) if as_json else text)
+    click.echo(json.dumps(_finite(value), indent=2, allow_nan=False) if as_json else text)
+
+
+def _finite(value: object) -> object:
+    """`value` with null where a number is not finite: JSON has no other word for it."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {name: _finite(part) for name, part in value.items()}
+    return [_finite(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def check_figure(path: Path | None) -> None:

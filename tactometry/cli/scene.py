@@ -129,7 +129,7 @@ def _record(result: "Result") -> dict[str, Any]:
         "outputs": outputs,
         "units": {name: result.unit(name) for name in outputs},
         "given": dict(result.given),
-        "predicted_error": result.plan.error if np.isfinite(result.plan.error) else None,
+        "predicted_error": result.plan.error,
         "elapsed_s": result.elapsed_s,
         "prepared_s": result.prepared_s,
         "versions": dict(result.versions),
