@@ -12,7 +12,7 @@ from sampled import Sampled
 from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import streamed_force
-from tactometry.request import Press, Slide
+from tactometry.request import Adjust, Play, Press, Slide
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
 from tactometry.stimuli.electrovibration import Sine
@@ -178,3 +178,36 @@ def test_a_slide_is_held_like_a_press(bench_with, log):
     touched = bench_with(held_from(0.0, 1.0)).slide(request)
     assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
     assert "play 5 V" not in log
+
+
+@pytest.mark.parametrize("lost", [None, math.nan], ids=["silent", "lost samples"])
+def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_with, log, lost):
+    said = iter([lost] * 300)
+    bench = bench_with(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
+    played = bench.play(Play("tone", 5.0, 1.0))
+    assert log[:3] == ["output.open", "play 5 V", "output.stop"]
+    assert log.count("play 5 V") == 2
+    assert log[-1] == "play 5 V"
+    assert played.digest == TONE.at(5.0).digest()
+
+
+def test_an_interval_under_a_sensor_that_speaks_plays_once(bench_with, log):
+    bench_with(lambda time_s: 1.0).play(Play("tone", 5.0, 0.3))
+    assert log == ["output.open", "play 5 V"]
+
+
+def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, log, participant):
+    said, again = iter([None] * 300), threading.Event()
+
+    def force_n(time_s):
+        if "play 5 V" not in log:
+            return 1.0
+        if log[-1] == "play 5 V" and "output.stop" in log[log.index("play 5 V") :]:
+            again.set()
+        return next(said, 1.0)
+
+    bench = bench_with(force_n)
+    participant.answers(again, 0.5, "Return")
+    assert bench.adjust(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
+    assert bench._attendant._n_pauses == 1
+    assert log[-1] == "output.stop"

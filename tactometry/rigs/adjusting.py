@@ -22,13 +22,14 @@ def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
     return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False
 
 
-def repeated(request: Adjust, emitter: Emitter) -> Callable[[int], None]:
-    """Plays the level of so many steps again and again; another level begins at once."""
+def repeated(request: Adjust, emitter: Emitter, look: Callable[[], None]) -> Callable[[int], None]:
+    """Plays the level of so many steps again and again; another level begins at once. Each time after a `look`."""
     playing: int | None = None
     end_s = 0.0
 
     def keep_playing(n_steps: int) -> None:
         nonlocal playing, end_s
+        look()
         if n_steps != playing or time.perf_counter() >= end_s:
             signal = emitter.final(request.stimulus, request.level(n_steps))
             emitter.stop()

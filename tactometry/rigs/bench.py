@@ -47,6 +47,7 @@ from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.rigs.touch import Touch, moving_cue
 from tactometry.rigs.trace import Trace
+from tactometry.rigs.vigil import vigil
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
 
@@ -146,12 +147,14 @@ class Bench:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         page = layout.marker_page(request.interval, playing=True)
         begin_s = self._stage.present(page)
-        while True:
-            onset_s = self._emitter.emit(signal)
-            self._stage.hold(onset_s + request.duration_s, page)
-            if self._stage.paused_until_s < begin_s:
-                break
-            begin_s = self._stage.present(page)
+        with vigil(self._sensor, self._emitter.stop, self._pause) as look:
+            while True:
+                onset_s = self._emitter.emit(signal)
+                self._stage.hold(onset_s + request.duration_s, page, each_frame=look)
+                look()
+                if self._stage.paused_until_s < begin_s:
+                    break
+                begin_s = self._stage.present(page)
         return Played(self._session_s(onset_s), request.level, "" if signal is None else signal.digest())
 
     @safely
@@ -262,13 +265,14 @@ class Bench:
         page = layout.adjust_page(
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
-        n_steps, onset_s, end_s = self._stage.converse(
-            0,
-            lambda n_steps: page,
-            functools.partial(adjusting.stepped, request),
-            adjusting.repeated(request, self._emitter),
-        )
-        self._emitter.stop()
+        with vigil(self._sensor, self._emitter.stop, self._pause) as look:
+            n_steps, onset_s, end_s = self._stage.converse(
+                0,
+                lambda n_steps: page,
+                functools.partial(adjusting.stepped, request),
+                adjusting.repeated(request, self._emitter, look),
+            )
+            self._emitter.stop()
         return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s))
 
     @safely

@@ -51,9 +51,12 @@ class Stage:
         self.screen.refresh(page)
         self._events()
 
-    def hold(self, end_s: float, page: Page, dress: Dress = as_it_is) -> None:
+    def hold(
+        self, end_s: float, page: Page, dress: Dress = as_it_is, each_frame: Callable[[], None] = lambda: None
+    ) -> None:
         """Show frames until `end_s`; a pause puts it off."""
         while (now_s := time.perf_counter()) < end_s:
+            each_frame()
             self.frame(dress(page, now_s))
             if self.paused_until_s > now_s:
                 end_s += self.paused_until_s - now_s

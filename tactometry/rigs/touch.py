@@ -18,10 +18,10 @@ from tactometry.rigs.page import Page
 from tactometry.rigs.stage import Dress, Stage
 from tactometry.rigs.trace import Trace, speed_m_per_s
 from tactometry.rigs.trigger import Trigger, hearing, quick_turns
+from tactometry.rigs.vigil import SILENT, Pause
 from tactometry.signal import Signal
 from tactometry.speed_gate import SpeedGate
 
-SILENT = "the force sensor is silent"
 TOLD_EVERY_S = 1.0
 
 
@@ -96,7 +96,7 @@ class Touch:
     dress: Dress
     sensor: ForceSensor | None
     position: PositionSensor | None
-    pause: Callable[[str, Callable[[], bool]], None]
+    pause: Pause
     say: Callable[[str], None]
     places: Trace = field(default_factory=Trace)
 
