@@ -157,11 +157,12 @@ def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -
 @pytest.mark.parametrize(
     ("task", "answer", "expected"),
     [
-        ("adjustment", "loud", "the level that was set, within 1e+15, or nothing"),
-        ("adjustment", "1_0", "the level that was set, within 1e+15, or nothing"),
-        ("adjustment", "inf", "the level that was set, within 1e+15, or nothing"),
-        ("magnitude", "-3", "a number from 0 to 1e+15, or nothing"),
-        ("magnitude", "nan", "a number from 0 to 1e+15, or nothing"),
+        ("adjustment", "loud", r"the level that was set, within 1e\+15, or nothing"),
+        ("adjustment", "1e16", r"the level that was set, within 1e\+15, or nothing"),
+        ("adjustment", "1_0", r"the level that was set, within 1e\+15, or nothing"),
+        ("adjustment", "inf", r"the level that was set, within 1e\+15, or nothing"),
+        ("magnitude", "-3", r"a number from 0 to 1e\+15, or nothing"),
+        ("magnitude", "nan", r"a number from 0 to 1e\+15, or nothing"),
         ("preference", "3", r"1 \(item was preferred\), 2 \(item_b\) or nothing"),
     ],
 )

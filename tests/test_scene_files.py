@@ -1,12 +1,14 @@
 """Scene files and the command: strict, with key paths; the plan in words; figures that are drawn."""
 
 import json
+import math
 import tomllib
 from dataclasses import replace
 
 import pytest
 
 from tactometry.cli import main
+from tactometry.cli.output import say
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.scenes.explain import explained
@@ -229,3 +231,8 @@ def test_a_built_in_file_says_what_is_unverified(name):
     text = path_of(name).read_text(encoding="utf-8")
     assert "unverified" in text
     assert tomllib.loads(text)["title"]
+
+
+def test_json_has_null_for_a_level_that_is_not_finite(capsys):
+    say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3}, as_json=True)
+    assert json.loads(capsys.readouterr().out) == {"silent_db": None, "courses": [[1.0, None]], "n": 3}
