@@ -59,7 +59,7 @@ class LslSource:
         """LSL exchanges clocks in the background every few seconds; the last correction is at hand at once."""
         inlet, pylsl = self._inlet, _library()
         if inlet is not None:
-            with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError):
+            with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError, pylsl.util.InternalError):
                 self._correction_s = inlet.time_correction(timeout=SAY_S)
 
     def open(self) -> None:
