@@ -191,7 +191,9 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
     assert (status, errors) == (0, "")
     [trials] = (data / "data").glob("*_data.csv")
     rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
-    assert [(row["valid"], row["attempt"], row["force_mean_n"]) for row in rows] == [("0", "1", "1"), ("1", "2", "1")]
+    assert [(row["valid"], row["attempt"]) for row in rows] == [("0", "1"), ("1", "2")]
+    assert rows[0]["force_mean_n"] in ("1", "")  # it may die before its first sample in the stimulus
+    assert rows[1]["force_mean_n"] == "1"
     events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
     assert events == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
     assert len(list(played.glob("*.npz"))) == 2
