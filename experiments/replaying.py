@@ -58,7 +58,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     recorded = Replay(recording.entries, str(journal), recording.lines)
     replay(course, recorded, complete=recording.complete)
     found = trials.read_bytes() if trials.is_file() else b""
-    row = first_difference(found, derived_csv(recording, experiment))
+    row = first_difference(found, derived_csv(root, recording, experiment))
     if row is not None:
         raise Diverged(f"{trials}, row {row}: found another row than the replayed session gives, expected the same")
     return Replayed(journal.name, len(recording.trials), recording.complete)

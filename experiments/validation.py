@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tactometry.dataset import Session, sessions, trials_csv
+from tactometry.columns import Column
+from tactometry.dataset import Session, recorded_columns, sessions, trials_csv
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
@@ -175,7 +176,7 @@ def _agreement(root: Path, journal: Path, recording: Recording, experiment: Expe
     if not file.is_file():
         yield Defect(f"data/{file.name}", None, "found no such file, expected the trials of the journal; use --resume")
         return
-    row = first_difference(_content(file), derived_csv(recording, experiment))
+    row = first_difference(_content(file), derived_csv(root, recording, experiment))
     if row is not None:
         yield Defect(f"data/{file.name}", row, "found another row than the journal holds, expected the same")
 
@@ -195,11 +196,21 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         yield Defect(name, None, "found no description of its columns beside it, expected a JSON file; use --resume")
 
 
-def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
-    """The trials file that a journal stands for."""
+def derived_csv(root: Path, recording: Recording, experiment: Experiment) -> bytes:
+    """The trials file that a journal of a data set stands for."""
     assert recording.head is not None
-    head, columns = recording.head, experiment.design(b"").columns
-    return trials_csv(recording.trials, Session(head.participant, head.session, head.study), columns)
+    head = recording.head
+    session = Session(head.participant, head.session, head.study)
+    return trials_csv(recording.trials, session, _columns(root, experiment))
+
+
+def _columns(root: Path, experiment: Experiment) -> tuple[Column, ...]:
+    """The columns of a data set; where its description is none, which is a defect of its own, those of today."""
+    columns = experiment.design(b"").columns
+    try:
+        return recorded_columns(root, columns)
+    except InvalidFile:
+        return columns
 
 
 def first_difference(found: bytes, expected: bytes) -> int | None:

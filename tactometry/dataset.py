@@ -10,20 +10,22 @@ import os
 import re
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import msgspec
 
 from tactometry.columns import FIRST, Column
-from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.event import COLUMNS, Event, events_tsv
-from tactometry.journal import Head, Journal, write_atomically, write_whole
+from tactometry.files import make_folder, read_file, replaced, write_atomically, write_first, write_whole
+from tactometry.journal import Head, Journal
 from tactometry.request import Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.trial import Trial, Value
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+DESCRIPTION = "dataset_description.json"
 
 
 @dataclass(frozen=True)
@@ -69,9 +71,6 @@ class Session:
 
     def journal(self, root: Path) -> Path:
         return root / "journals" / f"{self.stem}.jsonl"
-
-    def interruptions(self, root: Path) -> Path:
-        return root / "journals" / f"{self.stem}_interruptions.jsonl"
 
     def events(self, root: Path) -> Path:
         return root / "journals" / f"{self.stem}_events.tsv"
@@ -125,6 +124,14 @@ def _pretty(value: object) -> bytes:
     return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"
 
 
+class _Variable(msgspec.Struct):
+    name: str
+
+
+class _Description(msgspec.Struct):
+    variableMeasured: tuple[_Variable, ...]  # noqa: N815
+
+
 def description_json(design: Design) -> bytes:
     """`dataset_description.json`, as Psych-DS asks for it."""
     return _pretty(
@@ -152,33 +159,47 @@ def events_json() -> bytes:
     return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in COLUMNS})
 
 
-def prepare(root: Path, design: Design) -> None:
-    """Make the folders and the files that all sessions share.
+def recorded_columns(root: Path, columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Those of `columns` that a data set has: where an earlier version began it, those that its description names.
+
+    Raises
+    ------
+    InvalidFile
+        If its description is none.
+    """
+    path = root / DESCRIPTION
+    if not path.exists():
+        return tuple(columns)
+    try:
+        told = msgspec.json.decode(read_file(path, "the description of a data set"), type=_Description)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise InvalidFile(
+            f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
+        ) from None
+    names = {variable.name for variable in told.variableMeasured}
+    return tuple(column for column in columns if column.name in names)
+
+
+def prepare(root: Path, design: Design) -> Design:
+    """Make the folders and the files that all sessions share; gives the design with the columns that they have.
 
     Raises
     ------
     InvalidFile
         If the folder holds another study, or other numbers of this one, or something else.
     """
-    try:
-        for folder in (root, root / "data", root / "journals"):
-            folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        raise InvalidFile(f"{folder}: found a file, expected a folder for the data set; give another --out") from None
-    except OSError as error:
-        raise DeviceFailed(f"{root}: cannot make the folder ({error.strerror}), expected room and permission") from None
-    for name, content in (
-        ("study.toml", design.study_toml),
-        ("dataset_description.json", description_json(design)),
-    ):
-        path = root / name
-        if not path.exists():
-            write_atomically(path, content)
-        elif path.read_bytes() != content:
-            raise InvalidFile(
-                f"{path}: found another study or other numbers than those that are to run, expected the same bytes; "
-                "give another --out folder, or run the study.toml of this one"
-            )
+    for folder in (root, root / "data", root / "journals"):
+        make_folder(folder)
+    path = root / "study.toml"
+    write_first(path, design.study_toml)
+    if read_file(path, "the study that ran") != design.study_toml:
+        raise InvalidFile(
+            f"{path}: found another study or other numbers than those that are to run, expected the same bytes; give "
+            "another --out folder, or run the study.toml of this one"
+        )
+    design = replace(design, columns=recorded_columns(root, design.columns))
+    write_first(root / DESCRIPTION, description_json(design))
+    return design
 
 
 class OpenSession:
@@ -190,15 +211,15 @@ class OpenSession:
     """
 
     def __init__(self, root: Path, design: Design, session: Session, *, resume: bool) -> None:
-        prepare(root, design)
-        self._root, self._design, self._session = root, design, session
+        self._design = prepare(root, design)
+        self._root, self._session = root, session
         self._file = self._events_file = -1
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         self.journal = Journal(session.journal(root), resume=resume)
         try:
             self.n_trials = len(self.journal.recording.trials)
-            self.repaired = self._keep_cut(root, self.journal.cut)
+            self.repaired = self._repaired()
             self._rebuild()
         except BaseException:
             self.journal.close()
@@ -254,39 +275,23 @@ class OpenSession:
     def _rebuild(self) -> None:
         self._trials, recording = self._session.trials(self._root), self.journal.recording
         write_atomically(self._session.sidecar(self._root), sidecar_json(self._design))
-        self._file = _written(self._trials, trials_csv(recording.trials, self._session, self._design.columns))
+        self._file = replaced(self._trials, trials_csv(recording.trials, self._session, self._design.columns))
         if recording.events:
             self._events_file = self._new_events(recording.events)
 
     def _new_events(self, events: Sequence[Event]) -> int:
         path = self._session.events(self._root)
         write_atomically(path.with_suffix(".json"), events_json())
-        return _written(path, events_tsv(events))
+        return replaced(path, events_tsv(events))
 
-    def _keep_cut(self, root: Path, cut: bytes) -> str | None:
+    def _repaired(self) -> str | None:
+        cut = self.journal.cut
         if not cut:
             return None
-        path = self._session.interruptions(root)
-        with path.open("ab") as file:
-            file.write(_cut_line(self.n_trials, cut))
-            file.flush()
-            os.fsync(file.fileno())
         return (
             f"the last sitting was cut off after trial {self.n_trials}; {len(cut)} bytes of the trial that was under "
-            f"way are kept in {path.name}, and that trial is asked again"
+            f"way are kept in {self.journal.interruptions.name}, and that trial is asked again"
         )
-
-
-def _written(path: Path, content: bytes) -> int:
-    """A file with this content, open at its end."""
-    write_atomically(path, content)
-    file = os.open(path, os.O_WRONLY)
-    os.lseek(file, 0, os.SEEK_END)
-    return file
-
-
-def _cut_line(n_trials: int, cut: bytes) -> bytes:
-    return msgspec.json.encode({"after_trials": n_trials, "cut": cut.decode("utf-8", "backslashreplace")}) + b"\n"
 
 
 def sessions(root: Path) -> list[Path]:

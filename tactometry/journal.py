@@ -8,7 +8,7 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 import math
 import os
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import portalocker
 
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
 from tactometry.event import Event, Fact, decode_event
+from tactometry.files import draft, open_private, put_in_place, read_file, sync_folder, write_whole
 from tactometry.request import REQUESTS, Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.trial import Trial
@@ -131,9 +132,13 @@ def read(path: Path) -> Recording:
     Raises
     ------
     InvalidFile
-        If a line but an unfinished last one is damaged or out of place, with its number.
+        If it cannot be read, or a line but an unfinished last one is damaged or out of place, with its number.
     """
-    *whole, torn = path.read_bytes().split(b"\n")
+    return _decoded(read_file(path, "a journal"), path)
+
+
+def _decoded(content: bytes, path: Path) -> Recording:
+    *whole, torn = content.split(b"\n")
     head: Head | None = None
     entries: dict[int, Entry] = {}
     events: dict[int, Event] = {}
@@ -171,15 +176,15 @@ def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]
 class Journal:
     """A journal that is open for writing, and locked: a second process is refused.
 
-    With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds; what was cut
-    (the torn line, and the requests of the trial that was under way) is returned by `cut`. Events stay.
+    With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds. What was cut
+    (the torn line, and the requests of the trial that was under way) is returned by `cut`, and kept in the file
+    `interruptions` beside it. Events stay.
     """
 
     def __init__(self, path: Path, *, resume: bool) -> None:
         self.path = path
-        self._file = _open(path)
+        self._file, self._unsynced = _open_locked(path), False
         try:
-            _lock(self._file, path)
             _refuse_recorded(path, resume=resume)
             self.recording, self.cut = self._repair()
         except BaseException:
@@ -187,20 +192,44 @@ class Journal:
             raise
         self.head = self.recording.head
 
+    @property
+    def interruptions(self) -> Path:
+        """Where what interruptions cut off is kept."""
+        return self.path.with_name(f"{self.path.stem}_interruptions.jsonl")
+
     def _repair(self) -> tuple[Recording, bytes]:
-        recording = read(self.path)
-        content = self.path.read_bytes()
+        content = read_file(self.path, "a journal")
+        recording = _decoded(content, self.path)
         kept = recording if recording.complete else _until_last_trial(recording)
         n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[: _n_lines(kept)])
-        os.lseek(self._file, n_bytes, os.SEEK_SET)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
-        cut_off = recording.events[len(kept.events) :]
-        if n_bytes < len(content):
-            os.ftruncate(self._file, n_bytes)
-            for event in cut_off:
-                self.note(event)
-            os.fsync(self._file)
-        return replace(kept, events=recording.events), content[n_bytes:]
+        cut = content[n_bytes:]
+        if cut:
+            self._keep(cut, len(kept.trials))
+            self._exchange(content[:n_bytes], recording.events[len(kept.events) :])
+        os.lseek(self._file, 0, os.SEEK_END)
+        return replace(kept, events=recording.events), cut
+
+    def _keep(self, cut: bytes, n_trials: int) -> None:
+        told = {"after_trials": n_trials, "cut": cut.decode("utf-8", "backslashreplace")}
+        file = open_private(self.interruptions, os.O_WRONLY | os.O_APPEND)
+        try:
+            os.lseek(file, 0, os.SEEK_END)
+            write_whole(file, msgspec.json.encode(told) + b"\n", self.interruptions, durable=True)
+        finally:
+            os.close(file)
+
+    def _exchange(self, kept: bytes, events: Sequence[Event]) -> None:
+        """Put what is kept, and the events behind it, in the place of the journal; it stays locked."""
+        lines = []
+        for event in events:
+            lines.append(encode_event(event, self._before))
+            self._before = checksum(lines[-1])
+        with draft(self.path, kept + b"".join(lines)) as (file, beside):
+            _lock(file, self.path)
+            put_in_place(beside, self.path)
+        os.close(self._file)
+        self._file = file
 
     @property
     def replay(self) -> Replay:
@@ -209,7 +238,7 @@ class Journal:
     def begin(self, head: Head) -> None:
         """Write the first line of a new journal."""
         self._write(encode(asdict(head), self._before), durable=True)
-        _sync_directory(self.path.parent)
+        sync_folder(self.path.parent)
         self.head = head
 
     def append(self, request: Request, answer: object) -> None:
@@ -225,12 +254,14 @@ class Journal:
 
     def close(self) -> None:
         if self._file >= 0:
+            if self._unsynced:
+                os.fsync(self._file)
             os.close(self._file)
             self._file = -1
 
     def _write(self, line: bytes, *, durable: bool) -> None:
         write_whole(self._file, line, self.path, durable=durable)
-        self._before = checksum(line)
+        self._before, self._unsynced = checksum(line), not durable
 
 
 def _until_last_trial(recording: Recording) -> Recording:
@@ -253,11 +284,20 @@ def _n_lines(recording: Recording) -> int:
     return head + len(recording.entries) + len(recording.events) + recording.complete
 
 
-def _open(path: Path) -> int:
-    try:
-        return os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot open ({error.strerror}), expected a folder that can be written") from None
+def _open_locked(path: Path) -> int:
+    """The journal, locked: not one that a repair elsewhere has replaced since it was opened."""
+    while True:
+        file = open_private(path, os.O_RDWR)
+        try:
+            _lock(file, path)
+            if os.path.samestat(os.fstat(file), path.stat()):
+                return file
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            os.close(file)
+            raise
+        os.close(file)
 
 
 def _refuse_recorded(path: Path, *, resume: bool) -> None:
@@ -275,60 +315,4 @@ def _lock(file: int, path: Path) -> None:
         raise SessionInUse(
             f"{path}: another process is writing this session, expected to be the only one; wait until it ends, or "
             "give another --session number"
-        ) from None
-
-
-def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
-    """Write all of `line` at the end of the file, or nothing of it.
-
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails; the file then ends with its last whole line.
-    """
-    start = os.lseek(file, 0, os.SEEK_CUR)
-    try:
-        n_written = 0
-        while n_written < len(line):
-            n_written += os.write(file, line[n_written:])
-        if durable:
-            os.fsync(file)
-    except OSError as error:
-        os.ftruncate(file, start)
-        os.lseek(file, start, os.SEEK_SET)
-        raise DeviceFailed(
-            f"{path}: cannot write ({error.strerror}), expected room on the disk; all trials before are safe: make "
-            "room, then go on with --resume"
-        ) from None
-
-
-def _sync_directory(path: Path) -> None:
-    if os.name == "posix":
-        directory = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(directory)
-        finally:
-            os.close(directory)
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file by a whole one: a reader sees the old content or the new.
-
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails; the old file stands.
-    """
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with draft.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
-        _sync_directory(path.parent)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise DeviceFailed(
-            f"{path}: cannot write ({error.strerror}), expected room on the disk; make room and try again"
         ) from None

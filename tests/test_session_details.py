@@ -13,7 +13,8 @@ from tutorial_session import EXPERIMENT, journal_of, live
 from tactometry.dataset import cell
 from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.recording import Who
-from tactometry.journal import Journal, checksum, encode, read, write_atomically
+from tactometry.files import write_atomically
+from tactometry.journal import Journal, checksum, encode, read
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import ConstantStimuli, Staircase

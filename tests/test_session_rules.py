@@ -3,6 +3,7 @@
 import io
 import json
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,12 +57,15 @@ def test_the_head_of_a_new_journal_is_synced_with_its_folder(tmp_path, synced):
     assert synced[head + 1] == tmp_path / "journals"
 
 
-def test_what_was_cut_off_is_gone_from_the_disk_before_the_session_goes_on(tmp_path, synced):
+def test_what_was_cut_off_is_kept_and_gone_from_the_disk_before_the_session_goes_on(tmp_path, synced):
     path = tmp_path / "j.jsonl"
     path.write_bytes(b'{"study":"tut')
-    Journal(path, resume=True).close()
-    assert synced == [path]
+    journal = Journal(path, resume=True)
+    draft = tmp_path / f".j.jsonl.{os.getpid()}"
+    assert synced == [journal.interruptions, draft, tmp_path]
+    journal.close()
     assert path.read_bytes() == b""
+    assert not draft.exists()
 
 
 def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):

@@ -11,6 +11,7 @@ import click
 
 from tactometry import __version__
 from tactometry.errors import TactometryError, nearest
+from tactometry.files import private
 from tactometry.target import resolve
 
 COMMANDS = {
@@ -80,7 +81,8 @@ def main(arguments: list[str] | None = None) -> None:
             signal.signal(number, _terminate)
     words = sys.argv[1:] if arguments is None else arguments
     try:
-        status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
+        with private():
+            status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except click.Abort:
         status = _complain("interrupted; what was recorded is safe", 130)
     except KeyboardInterrupt:

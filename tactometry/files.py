@@ -1,0 +1,222 @@
+"""Files as data need them: read for what they are, written whole, and open to nobody else."""
+
+import os
+import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tactometry.errors import DeviceFailed, InvalidFile
+
+PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
+"""Modes of what is made: its owner alone may read it. What was there before keeps its mode."""
+_BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
+_DRAFT = re.compile(r"\..+\.\d+")
+
+
+@contextmanager
+def private() -> Iterator[None]:
+    """Whatever the process makes meanwhile, through any library, is its owner's alone."""
+    before = os.umask(0o777 & ~PRIVATE_FOLDER)
+    try:
+        yield
+    finally:
+        os.umask(before)
+
+
+def read_file(path: Path, what: str) -> bytes:
+    """The bytes of a file; `what` says in an error what was expected. A pipe is not waited for.
+
+    Raises
+    ------
+    InvalidFile
+        If there is none, it may not be read, or it is no file.
+    """
+    try:
+        file = os.open(path, os.O_RDONLY | _NOT_WAITING | _BINARY)
+        _refuse_others(file, path, what)
+        with os.fdopen(file, "rb") as opened:
+            return opened.read()
+    except OSError as failure:
+        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
+
+
+def open_private(path: Path, flags: int) -> int:
+    """A file that is open for writing, made for its owner alone where there was none.
+
+    Raises
+    ------
+    DeviceFailed
+        If it cannot be opened.
+    InvalidFile
+        If it is no file.
+    """
+    try:
+        file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot open ({error.strerror}), expected a folder that can be written") from None
+    _refuse_others(file, path, "a file that can be written")
+    return file
+
+
+def _refuse_others(file: int, path: Path, what: str) -> None:
+    """Close the file and refuse it if it is none."""
+    mode = os.fstat(file).st_mode
+    if not stat.S_ISREG(mode):
+        os.close(file)
+        kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+        raise InvalidFile(f"{path}: found {kind}, expected {what}")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder with those above it, each for its owner alone; what is there stays as it is.
+
+    Raises
+    ------
+    InvalidFile
+        If there is a file in its place.
+    DeviceFailed
+        If it cannot be made.
+    """
+    for folder in (*reversed(path.parents), path):
+        try:
+            folder.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise InvalidFile(
+                f"{folder}: found a file, expected a folder for the data set; give another --out"
+            ) from None
+        except OSError as error:
+            if os.path.isdir(folder):  # noqa: PTH112 - Path.is_dir fails where a name is too long
+                continue
+            raise DeviceFailed(
+                f"{path}: cannot make the folder ({error.strerror}), expected room and permission"
+            ) from None
+
+
+def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
+    """Write all of `line` at the end of the file, or nothing of it.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails; the file then ends with its last whole line.
+    """
+    start = os.lseek(file, 0, os.SEEK_CUR)
+    try:
+        n_written = 0
+        while n_written < len(line):
+            n_written += os.write(file, line[n_written:])
+        if durable:
+            os.fsync(file)
+    except OSError as error:
+        os.ftruncate(file, start)
+        os.lseek(file, start, os.SEEK_SET)
+        raise DeviceFailed(
+            f"{path}: cannot write ({error.strerror}), expected room on the disk; all trials before are safe: make "
+            "room, then go on with --resume"
+        ) from None
+
+
+def drafts(folder: Path, name: str = "*") -> list[Path]:
+    """The drafts of the files of this name that killed processes left in a folder, sorted."""
+    return sorted(path for path in folder.glob(f".{name}.*") if _DRAFT.fullmatch(path.name))
+
+
+@contextmanager
+def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
+    """New content for a file, on the disk beside it: open at its end, with the mode of the file that is there.
+
+    What the body leaves of the draft is removed.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails; the file itself stands.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    file = open_private(beside, os.O_RDWR | os.O_TRUNC)
+    try:
+        if path.exists() and hasattr(os, "fchmod"):
+            os.fchmod(file, stat.S_IMODE(path.stat().st_mode))
+        write_whole(file, content, path, durable=True)
+        yield file, beside
+    except BaseException:
+        os.close(file)
+        raise
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def put_in_place(beside: Path, path: Path) -> None:
+    """Make a draft the file: whoever is killed meanwhile leaves the old one or the new one."""
+    try:
+        beside.replace(path)
+        sync_folder(path.parent)
+    except OSError as error:
+        raise DeviceFailed(
+            f"{path}: cannot write ({error.strerror}), expected room on the disk; make room and try again"
+        ) from None
+
+
+def replaced(path: Path, content: bytes) -> int:
+    """A file in the place of another, open at its end: a reader sees the old content or the new.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails; the old file stands.
+    """
+    with draft(path, content) as (file, beside):
+        put_in_place(beside, path)
+    return file
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """As `replaced`, and the file is closed."""
+    os.close(replaced(path, content))
+
+
+def write_first(path: Path, content: bytes) -> None:
+    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole.
+
+    Raises
+    ------
+    DeviceFailed
+        If the disk is full or fails.
+    """
+    if path.exists():
+        return
+    with draft(path, content) as (file, beside):
+        try:
+            os.link(beside, path)
+        except FileExistsError:
+            pass
+        except OSError:
+            _copied_first(path, content)
+        sync_folder(path.parent)
+    os.close(file)
+
+
+def _copied_first(path: Path, content: bytes) -> None:
+    """As `write_first` where the disk has no links."""
+    try:
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, PRIVATE_FILE)
+    except FileExistsError:
+        return
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected room and permission") from None
+    try:
+        write_whole(file, content, path, durable=True)
+    finally:
+        os.close(file)
+
+
+def sync_folder(path: Path) -> None:
+    """A folder's names on the disk, where the system can."""
+    if os.name == "posix":
+        folder = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)

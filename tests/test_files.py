@@ -1,0 +1,119 @@
+"""Files of a data set: private, whole, made by one; what is no file is told and not waited for."""
+
+import os
+import re
+import stat
+from pathlib import Path
+
+import pytest
+from command_line import call
+from tutorial_session import live
+
+from tactometry.errors import DeviceFailed, InvalidFile
+from tactometry.files import drafts, make_folder, read_file, replaced, write_atomically, write_first
+
+
+def mode(path):
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+@pytest.fixture
+def open_umask():
+    """A system on which whatever is made can be read by all."""
+    before = os.umask(0)
+    yield
+    os.umask(before)
+
+
+def test_what_a_session_records_is_its_owner_s_alone(tmp_path, open_umask):
+    root = tmp_path / "new" / "data"
+    live(root)
+    for path in (tmp_path / "new", root, *root.rglob("*")):
+        assert mode(path) == (0o700 if path.is_dir() else 0o600), path
+
+
+def test_what_commands_write_is_its_owner_s_alone(whole, tmp_path, open_umask, capsys):
+    out = tmp_path / "made" / "report.html"
+    assert call(capsys, "analyse", whole, "--report", out, "--figures", tmp_path / "figures")[0] == 0
+    assert call(capsys, "export", whole, "--to", "bids", "--out", tmp_path / "bids", "--author", "A. Lovelace")[0] == 0
+    written = [path for path in tmp_path.rglob("*") if not path.is_relative_to(whole)]
+    assert len(written) > 10
+    for path in written:
+        assert mode(path) == (0o700 if path.is_dir() else 0o600), path
+    probe = tmp_path / "after"
+    probe.touch()
+    assert mode(probe) == 0o666
+
+
+def test_what_was_there_keeps_its_mode(lived, open_umask):
+    trials = next((lived / "data").glob("*.csv"))
+    trials.chmod(0o640)
+    (lived / "data").chmod(0o750)
+    content = trials.read_bytes()
+    live(lived, resume=True)
+    assert (mode(trials), mode(lived / "data"), trials.read_bytes()) == (0o640, 0o750, content)
+
+
+def test_a_file_is_made_once_by_whoever_comes_first(tmp_path):
+    """Many processes, each with content of its own: one of them is there, whole."""
+    path, contents = tmp_path / "f", [f"{n}" * 5000 for n in range(8)]
+    begin, go = os.pipe()
+    children = []
+    for content in contents:
+        child = os.fork()
+        if child == 0:
+            os.close(go)
+            os.read(begin, 1)
+            write_first(path, content.encode())
+            os._exit(0)
+        children.append(child)
+    os.close(go)
+    os.close(begin)
+    assert [os.waitpid(child, 0)[1] for child in children] == [0] * len(contents)
+    assert path.read_text() in contents
+    assert drafts(tmp_path) == []
+
+
+def test_where_a_disk_has_no_links_a_file_is_made_all_the_same(tmp_path, monkeypatch):
+    def no_links(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "link", no_links)
+    write_first(tmp_path / "f", b"first")
+    write_first(tmp_path / "f", b"second")
+    assert (tmp_path / "f").read_bytes() == b"first"
+    assert mode(tmp_path / "f") == 0o600
+    assert drafts(tmp_path) == []
+
+
+def test_a_reader_sees_the_old_content_or_the_new_one(tmp_path):
+    path = tmp_path / "f"
+    write_atomically(path, b"old")
+    with path.open("rb") as reader:
+        os.close(replaced(path, b"newer"))
+        assert (reader.read(), path.read_bytes()) == (b"old", b"newer")
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe", "absent", "dangling"])
+def test_what_is_no_file_is_told(tmp_path, kind):
+    path = tmp_path / "f"
+    makers = {"folder": path.mkdir, "pipe": lambda: os.mkfifo(path), "dangling": lambda: path.symlink_to("gone")}
+    makers.get(kind, lambda: None)()
+    found = {"folder": "found a folder", "pipe": "found a pipe or a device"}.get(kind, "cannot be read .No such file")
+    with pytest.raises(InvalidFile, match=re.escape(str(path)) + f": {found}.*, expected a table"):
+        read_file(path, "a table")
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path):
+    with pytest.raises(DeviceFailed, match="cannot make the folder"):
+        make_folder(tmp_path / ("x" * 300))
+    (tmp_path / "f").touch()
+    with pytest.raises(InvalidFile, match="f: found a file, expected a folder for the data set"):
+        make_folder(tmp_path / "f" / "deeper")
+
+
+def test_only_drafts_are_drafts(tmp_path):
+    for name in (".f.csv.12", ".f.csv.x", "f.csv.12", ".g.csv.3"):
+        (tmp_path / name).touch()
+    assert drafts(tmp_path, "f.csv") == [tmp_path / ".f.csv.12"]
+    assert drafts(Path(tmp_path)) == [tmp_path / ".f.csv.12", tmp_path / ".g.csv.3"]

@@ -1,0 +1,150 @@
+"""The repair of a journal: killed before or after any of its system calls, it loses no trial, remark or stop."""
+
+import json
+import os
+import signal
+import sys
+
+import pytest
+from hard_cases import exact_case
+from tutorial_session import journal_of
+
+from tactometry.errors import DeviceFailed, SessionInUse
+from tactometry.event import Event
+from tactometry.files import drafts
+from tactometry.journal import Journal, encode_event, read
+from tactometry.request import Done, Wait
+
+TOLD = tuple(
+    Event("remark", float(n), facts={"text": text})
+    for n, text in enumerate(("participant reports pain", "stopped by hand"))
+)
+CALLS = {
+    "open",
+    "close",
+    "read",
+    "write",
+    "fsync",
+    "lseek",
+    "ftruncate",
+    "rename",
+    "replace",
+    "unlink",
+    "fchmod",
+    "stat",
+}
+
+
+@pytest.fixture
+def cut_off(lived):
+    """A journal whose last trial was under way when two remarks were made, with a torn last line."""
+    path = journal_of(lived)
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:12]))
+    journal = Journal(path, resume=True)
+    for n, event in enumerate(TOLD):
+        journal.append(Wait(1.0), Done(float(n)))
+        journal.note(event)
+    journal.append(Wait(1.0), Done(9.0))
+    journal.close()
+    journal.interruptions.unlink(missing_ok=True)
+    with path.open("ab") as file:
+        file.write(b'{"request":"Slide","as')
+    return path
+
+
+def killed_at(n_calls, path):
+    """Whether a repair was killed at that many comings and goings of system calls; else it came to its end."""
+    child = os.fork()
+    if child == 0:
+        left = n_calls
+
+        def count(frame, event, called):
+            nonlocal left
+            if event in ("c_call", "c_return") and called.__name__ in CALLS:
+                left -= 1
+                if left == 0:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.setprofile(count)
+        Journal(path, resume=True).close()
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+
+
+def repaired(path):
+    Journal(path, resume=True).close()
+    return path.read_bytes()
+
+
+def test_a_repair_that_is_killed_anywhere_loses_nothing(cut_off):
+    torn, kept = cut_off.read_bytes(), read(cut_off).events
+    assert kept[-2:] == TOLD
+    interruptions = Journal(cut_off, resume=True)
+    interruptions.close()
+    whole, interruptions = cut_off.read_bytes(), interruptions.interruptions
+    told, n_calls = interruptions.read_bytes(), 0
+    while True:
+        cut_off.write_bytes(torn)
+        interruptions.unlink(missing_ok=True)
+        n_calls += 1
+        if not killed_at(n_calls, cut_off):
+            break
+        assert read(cut_off).events == kept
+        assert cut_off.read_bytes() in (torn, whole)
+        assert repaired(cut_off) == whole
+        assert told in interruptions.read_bytes()
+    assert n_calls > 20
+    exact_case("a repair killed around any system call", against="every trial, remark and stop")
+
+
+def test_a_repaired_journal_is_locked_and_read_by_who_comes_then(cut_off):
+    held = Journal(cut_off, resume=True)
+    with pytest.raises(SessionInUse):
+        Journal(cut_off, resume=True)
+    held.note(Event("remark", 9.0, facts={"text": "later"}))
+    held.close()
+    assert [event.facts["text"] for event in read(cut_off).events][-1] == "later"
+
+
+def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off, monkeypatch):
+    """Who waited with the old file in hand locks the new one."""
+    from tactometry import journal as module
+
+    lock, content = module._lock, cut_off.read_bytes()
+
+    def replaced_meanwhile(file, path):
+        lock(file, path)
+        if os.fstat(file).st_ino == first:
+            path.with_name("other").write_bytes(content)
+            path.with_name("other").replace(path)
+
+    first = cut_off.stat().st_ino
+    monkeypatch.setattr(module, "_lock", replaced_meanwhile)
+    opened = Journal(cut_off, resume=True)
+    opened.note(TOLD[0])
+    opened.close()
+    assert read(cut_off).events[-1] == TOLD[0]
+
+
+def test_a_disk_that_is_full_leaves_the_journal_as_it_was(cut_off):
+    import resource
+
+    torn = cut_off.read_bytes()
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(torn) // 2, hard))
+    try:
+        with pytest.raises(DeviceFailed, match="expected room on the disk"):
+            Journal(cut_off, resume=True)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert cut_off.read_bytes() == torn
+    assert drafts(cut_off.parent) == []
+
+
+def test_what_was_cut_off_is_kept_beside(cut_off):
+    journal = Journal(cut_off, resume=True)
+    journal.close()
+    (line,) = journal.interruptions.read_text().splitlines()
+    assert json.loads(line)["cut"].endswith('{"request":"Slide","as')
+    assert encode_event(TOLD[0])[:40].decode() in json.loads(line)["cut"]
