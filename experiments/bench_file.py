@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, stated
 from tactometry.devices.guarded import Guarded
 from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
 from tactometry.devices.measured import Measured
@@ -51,14 +51,20 @@ class Screen:
 
 @dataclass(frozen=True)
 class OutputPart:
-    """The output, what its numbers become, what it drives, and the ramps of its signals."""
+    """The output, what its numbers become, what it drives, and the ramps of its signals.
+
+    `ungated` says that it may play under a finger whose force nobody measures.
+    """
 
     settings: OutputSettings = field(default_factory=NullSettings)
-    gain: Gain = field(default_factory=Gain)
+    gain: Gain | None = None
     load: Load | None = None
     ramp_s: float = RAMP_S
+    ungated: bool = False
 
     def __post_init__(self) -> None:
+        if self.settings.connected:
+            stated(self.gain, "OutputPart.gain")
         if not 0 <= self.ramp_s <= 1:
             raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
 
@@ -136,23 +142,62 @@ class BenchFile:
         """The tighter of both limits."""
         return study if self.limits is None else study.tighter(self.limits)
 
-    def devices(self, study: Limits, today: date) -> Devices:
-        """The devices, to be opened by the bench.
+    def devices(self, study: Limits, today: date, *, touched: bool = True) -> Devices:
+        """The devices, to be opened by the bench; `touched` if a finger will be on it.
 
         Raises
         ------
+        InvalidParameter
+            If a channel is not one of its sensor, or nothing that knows of the finger gates a connected output that
+            is touched.
         DeviceFailed
-            If a calibration is older than the file allows, or a channel is not one of its sensor.
-        LimitExceeded
-            If the output is connected to something and the file states no limits of its own.
+            If a calibration is older than the file allows, or was not made with this output.
         """
-        self.output.gain.measured.check("output.gain", today)
+        if touched:
+            self.check_gate()
         driver = self.output.settings.driver(self.output.gain)
+        if driver.connected and self.output.gain is not None:
+            self.output.gain.check("output.gain", self.output.settings.chain(), today)
         limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
         readers = {name: Reader(each.source()) for name, each in self.sensors.items()}
         return Devices(
             Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
         )
+
+    def check_gate(self) -> None:
+        """Refuse a connected output that nothing stops when the finger leaves, unless the file says so.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no force sensor and `ungated` is not stated, or both are, or the sensor is a recording.
+        """
+        if not self.output.settings.connected:
+            return
+        if self.force is None and not self.output.ungated:
+            raise InvalidParameter(
+                "force: found none, expected the sensor that stops the output when the finger leaves; state it, or "
+                "ungated = true in [output]; nothing was played"
+            )
+        if self.force is not None and self.output.ungated:
+            raise InvalidParameter("output.ungated: found true beside [force], expected one of them")
+        if self.force is not None and not self.sensors[self.force.sensor].live:
+            raise InvalidParameter(
+                f"force.sensor: found {self.force.sensor!r}, a recording, which knows of no finger, expected a sensor; "
+                "nothing was played"
+            )
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What the file allows and a session should be told."""
+        settings = self.output.settings
+        allowed = {
+            "ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
+            "shared = true: other programs may play to the output and change its volume": getattr(
+                settings, "shared", False
+            ),
+        }
+        return tuple(f"bench file, [output]: {words}" for words, said in allowed.items() if said)
 
     def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
         if self.force is None:
@@ -175,8 +220,10 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     """What a journal says of the devices: calibrations with date and author, load, counts, delays and drifts."""
     gain, load = bench.output.gain, bench.output.load
     facts: dict[str, str | int | float | bool | None] = {
-        "output_volts_per_unit": gain.load_volts_per_unit,
-        "output_gain_measured": _when(gain.measured),
+        "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
+        "output_gain_measured": None if gain is None else _when(gain.measured),
+        "output_system_volume": None if gain is None else gain.system_volume,
+        "output_ungated": bench.output.ungated,
         "output_load": None if load is None else load.kind,
         "output_capacitance_f": None if load is None else load.capacitance_f,
         "ramp_s": bench.output.ramp_s,
@@ -243,10 +290,10 @@ def _limits(table: dict[str, Any], path: str) -> Limits:
 
 
 def _output(table: dict[str, Any], path: str) -> OutputPart:
-    own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s")}
-    kept = {key: table[key] for key in ("ramp_s",) if key in table}
+    own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
+    kept = {key: table[key] for key in ("ramp_s", "ungated") if key in table}
     device = settings(OUTPUTS, {"kind": "null", **own}, path)
-    gain = build(Gain, table.get("gain", {}), f"{path}.gain")
+    gain = build(Gain, table["gain"], f"{path}.gain") if "gain" in table else None
     load = build(Load, table["load"], f"{path}.load") if "load" in table else None
     if own.get("kind") == "packed":
         kept = {"ramp_s": 0.0, **kept}

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.devices.gain import Gain
 from tactometry.devices.reader import Block, Listener, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.layout import bar_page
@@ -21,6 +22,9 @@ FloatArray = NDArray[np.float64]
 
 STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
 FIRST_SAMPLE_WITHIN_S: Final = 5.0
+RESIDUAL_AT_MOST: Final = 0.05
+"""Largest part by which a measured voltage may be off the line of a gain: the limits are as exact as it is (unverified
+default)."""
 BAR_PART: Final = 0.5
 """The bar that is measured on a display, as a part of its height."""
 BAR_WORDS: Final = """Measure the white bar
@@ -111,7 +115,8 @@ def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
     Raises
     ------
     InvalidParameter
-        If there are fewer than two points, or one is not above 0.
+        If there are fewer than two points, one is not above 0, or one is off the line by more than
+        `RESIDUAL_AT_MOST` of it.
 
     Examples
     --------
@@ -123,7 +128,15 @@ def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
         raise InvalidParameter(f"fit_gain: found {unit.size} and {volt.size} values, expected as many, at least two")
     if not (np.all(unit > 0) and np.all(volt > 0) and np.isfinite(unit).all() and np.isfinite(volt).all()):
         raise InvalidParameter("fit_gain: found a value that is not a finite number above 0, expected peak voltages")
-    return GainFit(unit, volt, float(unit @ volt / (unit @ unit)))
+    fit = GainFit(unit, volt, float(unit @ volt / (unit @ unit)))
+    off = np.abs(fit.residuals_v) / (fit.volts_per_unit * unit)
+    if off.max() > RESIDUAL_AT_MOST:
+        worst = int(np.argmax(off))
+        raise InvalidParameter(
+            f"fit_gain: found {volt[worst]:.6g} V at {unit[worst]:g} of full scale, {off[worst]:.0%} off the line "
+            f"through zero, expected at most {RESIDUAL_AT_MOST:.0%}; measure again, below what clips"
+        )
+    return fit
 
 
 def show_bar(screen: Screen) -> None:
@@ -166,12 +179,11 @@ def force_toml(fit: ForceFit, sensor: str, channel: int, on: date, by: str) -> s
     )
 
 
-def gain_toml(volts_per_unit: float, amplifier_gain: float, on: date, by: str) -> str:
-    """The table ``[output.gain]``; the amplifier's gain stays as stated, the connector's is what remains."""
-    return (
-        f"[output.gain]\nvolts_per_unit = {volts_per_unit / amplifier_gain!r}\namplifier_gain = {amplifier_gain!r}\n"
-        f"measured_on = {on}\nmeasured_by = {_text(by)}\n"
-    )
+def gain_toml(gain: Gain) -> str:
+    """The table ``[output.gain]``, with all that it states."""
+    stated = {name: value for name, value in vars(gain).items() if value is not None}
+    words = {name: _text(value) if isinstance(value, str) else str(value) for name, value in stated.items()}
+    return "[output.gain]\n" + "".join(f"{name} = {value}\n" for name, value in words.items())
 
 
 def display_toml(height_m: float) -> str:

@@ -66,7 +66,7 @@ class Finding:
     device: bool = False
 
 
-def check(study: str | None, bench: BenchFile, folder: Path) -> list[Finding]:
+def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool) -> list[Finding]:
     """Everything in turn; what fails is a finding, and the rest is looked at all the same.
 
     Parameters
@@ -76,6 +76,8 @@ def check(study: str | None, bench: BenchFile, folder: Path) -> list[Finding]:
     bench : BenchFile
     folder : Path
         Where data would be written.
+    hands_off : bool
+        Whether somebody said that nobody touches the surface: a connected output plays nothing without it.
     """
     findings, experiment = _study(study) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits
@@ -83,7 +85,7 @@ def check(study: str | None, bench: BenchFile, folder: Path) -> list[Finding]:
         "computer": _computer,
         "disk": lambda: _disk(_existing(folder)),
         "display": lambda: _display(bench.screen, _existing(folder)),
-        "devices": lambda: _devices(bench, limits, experiment),
+        "devices": lambda: _devices(bench, limits, experiment, hands_off=hands_off),
     }
     for part, look in parts.items():
         findings += _guarded(part, look)
@@ -248,13 +250,16 @@ def _shown(screen: Screen, facts: Facts, timing: Mapping[str, int | float | None
     yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
 
 
-def _devices(bench: BenchFile, limits: Limits | None, experiment: Experiment | None) -> Iterator[Finding]:
-    devices = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today())
+def _devices(
+    bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    devices = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in devices.readers.items():
         yield from _guarded(f"sensor {name}", partial(_sensor, name, reader))
     if devices.force is not None:
         yield from _guarded("force", partial(_force, devices.force))
-    yield from _guarded("output", partial(_output, devices.output, limits))
+    yield from _guarded("output", partial(_gate, bench))
+    yield from _guarded("output", partial(_output, devices.output, limits, hands_off=hands_off))
     if experiment is not None:
         yield from _guarded("output", partial(_strongest, devices.output, experiment, bench))
 
@@ -317,9 +322,19 @@ def _force(force: StreamedSensor) -> Iterator[Finding]:
         yield Finding("force", "noise, sd", f"{known_n.std():.3g} N")
 
 
-def _output(output: Guarded, limits: Limits | None) -> Iterator[Finding]:
+def _gate(bench: BenchFile) -> Iterator[Finding]:
+    """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
+    bench.check_gate()
+    for words in bench.cautions:
+        yield Finding("output", "caution", words)
+
+
+def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:
     if limits is None and not output.driver.connected:
         yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
+        return
+    if output.driver.connected and not hands_off:
+        yield Finding("output", "test tone", "not played: nobody said that hands are off", "--hands-off", fine=False)
         return
     try:
         output.open()
@@ -355,6 +370,11 @@ def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Ite
     """The strongest stimulus of each condition against the output: its limits, channels and rate; none is played."""
     bank = bank_of(experiment, bench.time_reversal)
     for cell in experiment.cells.values():
-        level = cell.rule.highest
-        output.check(with_ramps(bank[cell.condition.stimulus].at(level), bench.output.ramp_s))
-        yield Finding("output", f"strongest {cell.condition.stimulus}", f"level {level:g}", "within limits", fine=True)
+        name, level = cell.condition.stimulus, cell.rule.highest
+        try:
+            output.check(with_ramps(bank[name].at(level), bench.output.ramp_s))
+        except TactometryError as error:
+            found, fine, device = f"level {level:g} of {name}: {error}", False, error.exit_status == 3
+        else:
+            found, fine, device = f"level {level:g}", True, False
+        yield Finding("output", f"strongest {name}", found, "within limits", fine, device)

@@ -165,10 +165,10 @@ def _check_starts(cells: Iterable[Cell], task: AdjustmentTask) -> None:
 
 def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:
     limits, duration_s = experiment.study.limits, getattr(stimulus, "duration_s", 0.0)
-    if duration_s > limits.duration_s:
+    if duration_s > limits.longest_s:
         raise InvalidParameter(
             f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
-            f"{limits.duration_s:g} s; shorten the stimulus, or raise the limit"
+            f"{limits.longest_s:g} s; shorten the stimulus, or raise the limit"
         )
     try:
         limits.check(stimulus.at(level))

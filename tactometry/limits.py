@@ -11,10 +11,13 @@ from tactometry.signal import Signal
 ROUNDING = 1e-12
 """Relative: an excess in the last digits is none."""
 
-OPTIONAL = ("current_peak_a", "charge_peak_c", "displacement_peak_m", "duty", "session_s")
+LONGEST_SIGNAL_S = 60.0
+"""Of a signal where nobody stated another limit and nothing is connected (unverified default)."""
+
+OPTIONAL = ("duration_s", "current_peak_a", "charge_peak_c", "displacement_peak_m", "duty", "session_s")
 NEEDED = {
-    "electrode": ("duty", "session_s"),
-    "piezo": ("displacement_peak_m", "duty", "session_s"),
+    "electrode": ("duration_s", "duty", "session_s"),
+    "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
 }
 """Limits without which a connected load gets nothing; current or charge is needed by both."""
 
@@ -27,8 +30,8 @@ class Limits:
     ----------
     voltage_peak_v : float
         Peak voltage on any channel, above 0.
-    duration_s : float
-        Longest single signal, above 0.
+    duration_s : float, optional
+        Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
     current_peak_a, charge_peak_c : float, optional
         Into the load of any channel, above 0.
     displacement_peak_m : float, optional
@@ -45,7 +48,7 @@ class Limits:
     """
 
     voltage_peak_v: float
-    duration_s: float = 60.0
+    duration_s: float | None = None
     current_peak_a: float | None = None
     charge_peak_c: float | None = None
     displacement_peak_m: float | None = None
@@ -57,6 +60,11 @@ class Limits:
         positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
         if self.duty is not None and self.duty > 1:
             raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
+
+    @property
+    def longest_s(self) -> float:
+        """How long one signal may be, s."""
+        return LONGEST_SIGNAL_S if self.duration_s is None else self.duration_s
 
     def check(self, signal: Signal) -> None:
         """Refuse a signal that passes a limit which holds for any load.
@@ -70,7 +78,7 @@ class Limits:
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
         _hold("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
-        _hold("duration_s", "a signal of", signal.duration_s, self.duration_s, "s", "shorten it")
+        _hold("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
     def check_load(self, signal: Signal, load: Load) -> None:
         """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.

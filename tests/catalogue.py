@@ -7,6 +7,7 @@ import io
 from dataclasses import replace
 
 import numpy as np
+from benches import gain_table
 from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, small_screen
 
 from tactometry.contact import Contact
@@ -287,13 +288,19 @@ OUTPUTS = {
     "null": {"kind": "null"},
     "file": {"kind": "file", "folder": "played"},
     "wav": {"kind": "file", "folder": "played", "format": "wav"},
-    "packed": {"kind": "packed", "path": "board", "n_channels": 2, "rate_hz": 1e6, "gain": {"volts_per_unit": 30.0}},
+    "packed": {
+        "kind": "packed",
+        "path": "board",
+        "n_channels": 2,
+        "rate_hz": 1e6,
+        "gain": gain_table("packed board", 30.0, 1.0),
+    },
     "audio": {
         "kind": "audio",
         "device": "tofile",
         "channels": [0, 1],
         "rate_hz": 48e3,
-        "gain": {"volts_per_unit": 30.0},
+        "gain": gain_table("audio tofile, int32", 30.0, 1.0),
     },
 }
 """Outputs of a bench file; files are in the working folder."""

@@ -12,7 +12,7 @@ from tactometry.devices.audio import AudioSettings
 from tactometry.devices.gain import Gain
 from tactometry.signal import Signal
 
-GAIN = Gain(50.0)
+GAIN = Gain(50.0, 1.0)
 
 
 def noise(n_channels, rate_hz, duration_s):
@@ -25,10 +25,11 @@ def noise(n_channels, rate_hz, duration_s):
 def settings(asked):
     return AudioSettings(
         asked["rate_hz"],
-        tuple(range(asked["n_channels"])),
         asked["device"],
+        tuple(range(asked["n_channels"])),
         "int16",
         latency_s=asked.get("latency_s", 0.05),
+        shared=True,
     )
 
 

@@ -1,5 +1,6 @@
 """What a bench file says of devices: read strictly, imported when named, refused when old."""
 
+import json
 import subprocess
 import sys
 import tomllib
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benches import gain_table, gain_toml
 from command_line import call
 
 from tactometry.devices.audio import AudioSettings
@@ -15,7 +17,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
 from tactometry.devices.lsl import LslSettings
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import RAMP_S, BenchFile, Learnt, load_bench, parse_bench
+from tactometry.experiments.bench_file import RAMP_S, BenchFile, Learnt, device_facts, load_bench, parse_bench
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
@@ -37,6 +39,7 @@ volts_per_unit = 2.0
 amplifier_gain = 50.0
 measured_on = 2026-11-01
 measured_by = "ZG"
+measured_with = "audio interface, int32"
 max_age_days = 90
 
 [output.load]
@@ -84,8 +87,8 @@ def read(tmp_path, text):
 def test_a_whole_bench_is_read_with_its_units(tmp_path):
     bench = read(tmp_path, WHOLE)
     assert bench.screen.height_m == pytest.approx(0.298)
-    assert bench.output.settings == AudioSettings(192e3, (0, 1), "interface")
-    assert bench.output.gain == Gain(2.0, 50.0, date(2026, 11, 1), "ZG", 90)
+    assert bench.output.settings == AudioSettings(192e3, "interface", (0, 1))
+    assert bench.output.gain == Gain(2.0, 50.0, date(2026, 11, 1), "ZG", 90, "audio interface, int32")
     assert bench.output.load == Load("electrode", 1e-9, 1e7)
     assert bench.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
     assert bench.sensors == {"hand": LslSettings("force", 1000.0, 3)}
@@ -140,8 +143,132 @@ def test_an_age_below_0_is_refused_with_the_file(tmp_path, age, owner):
         read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
 
 
+OUTPUTS = {
+    "audio": {"kind": "audio", "device": "Interface", "rate_hz": 192e3},
+    "packed": {"kind": "packed", "path": "board", "n_channels": 32, "rate_hz": 1e6},
+    "ni": {"kind": "ni", "channels": ["Dev1/ao0"], "rate_hz": 1e5},
+}
+CHAINS = {"audio": "audio Interface, int32", "packed": "packed board", "ni": "ni Dev1/ao0, 10 V"}
+FORCE = {
+    "sensors": {"hand": {"kind": "lsl", "stream": "force", "rate_hz": 1e3}},
+    "force": {"sensor": "hand", "newtons_per_count": 0.01},
+}
+
+
+def bench_of(kind, gain=None, output=None, **more):
+    table = {**OUTPUTS[kind], **({} if gain is None else {"gain": gain}), **(output or {})}
+    return parse_bench({"output": table, **(more or FORCE)})
+
+
+per_kind = pytest.mark.parametrize("kind", OUTPUTS)
+
+
+@per_kind
+def test_an_output_that_leads_to_an_amplifier_has_its_gain_in_the_file(tmp_path, capsys, kind):
+    """What reaches the load for a sample of 1 is never guessed."""
+    with pytest.raises(
+        InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
+    ):
+        bench_of(kind)
+    for name in ("volts_per_unit", "amplifier_gain"):
+        gain = {key: value for key, value in gain_table(CHAINS[kind]).items() if key != name}
+        with pytest.raises(InvalidParameter, match=rf"^output\.gain\.{name}: found no such key, expected a number"):
+            bench_of(kind, gain)
+    with pytest.raises(InvalidParameter, match=r"^output\.gain: found none"):
+        bench_of(kind, gain_table(CHAINS[kind])).output.settings.driver(None)
+    rows = "".join(f"{key} = {json.dumps(value)}\n" for key, value in OUTPUTS[kind].items())
+    (tmp_path / "bench.toml").write_text(f"[output]\n{rows}", encoding="utf-8")
+    to = ["--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", *to)
+    assert (status, "output.gain: found none" in said, said.count("\n")) == (2, True, 0)
+
+
+@per_kind
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"measured_on": None}, r"\.measured_on: found none, expected the day of its measurement"),
+        ({"measured_by": None}, r"\.measured_by: found none, expected who did"),
+        ({"measured_by": ""}, r"\.measured_by: found none, expected who did"),
+        ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
+        ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
+        (
+            {"system_volume": 0.5},
+            r"\.system_volume: found a gain of a volume of 50 %, expected one of a volume that is",
+        ),
+        (
+            {"measured_on": date(2025, 11, 20)},
+            ": found a calibration of 2025-11-20, 366 days old, expected at most 365",
+        ),
+    ],
+)
+def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
+    gain = {
+        key: value
+        for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
+        if value is not None
+    }
+    with pytest.raises(DeviceFailed, match=rf"^output\.gain{message}.*nothing was played"):
+        bench_of(kind, gain).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
+    assert bench_of(kind, gain).devices(STUDY, TODAY).output.full_scale_v == 100.0
+
+
+def test_what_writes_files_needs_no_gain():
+    for table in ({"kind": "file", "folder": "x"}, {"kind": "null"}, {}):
+        assert parse_bench({"output": table}).devices(STUDY, TODAY).output.driver.connected is False
+
+
+@pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
+def test_a_sound_card_has_a_name(device):
+    for tables in (
+        {"output": {**OUTPUTS["audio"], "device": device}},
+        {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
+    ):
+        with pytest.raises(InvalidParameter, match=r"\.device: found .*, expected the name of a card"):
+            parse_bench(tables)
+    with pytest.raises(InvalidParameter, match=r"^output\.device: found no such key, expected a text"):
+        parse_bench({"output": {"kind": "audio", "rate_hz": 192e3}})
+
+
+RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
+
+
+@per_kind
+def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
+    alone = bench_of(kind, gain, screen={})
+    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
+        alone.devices(STUDY, TODAY)
+    assert alone.devices(STUDY, TODAY, touched=False).force is None
+    recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
+    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
+        recorded.devices(STUDY, TODAY)
+    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
+        bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_what_is_ungated_is_told(kind):
+    ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
+    devices = ungated.devices(STUDY, TODAY)
+    assert ungated.cautions == (
+        "bench file, [output]: ungated = true: nothing stops the output when the finger leaves",
+    )
+    assert device_facts(ungated, devices)["output_ungated"] is True
+
+
+def test_a_recording_may_gate_what_leads_nowhere():
+    bench = parse_bench({"sensors": RECORDED, "force": FORCE["force"]})
+    assert bench.devices(STUDY, TODAY).force.name == "recorded old.csv"
+
+
 def test_packed_streams_have_no_ramps(tmp_path):
-    board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n'
+    board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n' + gain_toml("packed board")
     assert read(tmp_path, board).output.ramp_s == 0.0
     assert BenchFile().output.ramp_s == RAMP_S
     assert read(tmp_path, '[output]\nramp_s = "1 ms"\n').output.ramp_s == 1e-3
@@ -190,24 +317,24 @@ def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
 @pytest.mark.parametrize("channels", [[], [0, 0], [0, -1]])
 def test_an_outlet_of_a_card_is_named_once(channels):
     with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one outlet, each from 0"):
-        parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "channels": channels}})
+        parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "device": "x", "channels": channels}})
 
 
 @pytest.mark.parametrize(
     ("part", "table", "name", "value"),
     [
-        ("output", {"kind": "audio", "rate_hz": 48e3}, "rate_hz", 0),
-        ("output", {"kind": "audio", "rate_hz": 48e3}, "block_s", 0),
-        ("output", {"kind": "audio", "rate_hz": 48e3}, "latency_s", -1),
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "rate_hz", 0),
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
         ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "range_v", 0),
         ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "rate_hz", -1),
         ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", []),
         ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", ["Dev1/ao0", "Dev1/ao0"]),
         ("output", {"kind": "packed", "path": "x", "rate_hz": 48e3}, "n_channels", 0),
         ("output", {"kind": "packed", "path": "x", "n_channels": 1}, "rate_hz", 0),
-        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "n_channels", 0),
-        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "block_s", 0),
-        ("sensors.s", {"kind": "audio", "rate_hz": 48e3}, "latency_s", -1),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "n_channels", 0),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
         ("sensors.s", {"kind": "lsl", "stream": "x", "rate_hz": 1e3}, "n_channels", -3),
         ("sensors.s", {"kind": "lsl", "stream": "x"}, "rate_hz", 0),
         ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "baud", 0),
@@ -264,9 +391,9 @@ def test_reading_a_bench_file_loads_no_device_library(tmp_path):
     ],
 )
 def test_a_study_that_an_output_cannot_play_opens_no_window(tmp_path, capsys, settings, wanted):
-    calibrated = WHOLE[WHOLE.index("[output.gain]") : WHOLE.index("[sensors.hand]")]
+    calibrated = gain_toml("audio x, int32") + WHOLE[WHOLE.index("[output.load]") : WHOLE.index("[sensors.hand]")]
     bench = tmp_path / "bench.toml"
-    bench.write_text(f'[output]\nkind = "audio"\n{settings}\n{calibrated}')
+    bench.write_text(f'[output]\nkind = "audio"\ndevice = "x"\nungated = true\n{settings}\n{calibrated}')
     status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
     assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said
 

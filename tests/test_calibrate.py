@@ -13,6 +13,7 @@ from datetime import date
 
 import numpy as np
 import pytest
+from benches import gain_toml as gain_toml_of
 from command_line import call
 from conftest import SCREEN_PX
 from hypothesis import given
@@ -21,6 +22,7 @@ from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.cli import main
+from tactometry.devices.gain import Gain
 from tactometry.devices.reader import Block, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.experiments.bench_file import parse_bench
@@ -98,13 +100,13 @@ def test_what_is_printed_is_a_bench_file():
     text = (
         display_toml(0.298)
         + '[output]\nkind = "file"\nfolder = "x"\n'
-        + gain_toml(100.0, 50.0, TODAY, 'Z "G"')
+        + gain_toml(Gain(2.0, 50.0, TODAY, 'Z "G"', 30, "file x", 0.5))
         + '[sensors.hand]\nkind = "serial"\nport = "x"\nrate_hz = 1000\n'
         + force_toml(fit, "hand", 0, TODAY, "ZG")
     )
     bench = parse_bench(tomllib.loads(text))
     assert bench.screen.height_m == 0.298
-    assert (bench.output.gain.load_volts_per_unit, bench.output.gain.measured_by) == (100.0, 'Z "G"')
+    assert bench.output.gain == Gain(2.0, 50.0, TODAY, 'Z "G"', 30, "file x", 0.5)
     forces_n = bench.force.calibration.force_n(np.array([5.0, 305.0, 400.0]))
     assert forces_n[:2] == pytest.approx([0.0, 0.3 * 9.80665], abs=1e-12)
     assert np.isnan(forces_n[2])
@@ -223,14 +225,15 @@ device = "pulse"
 rate_hz = 48000
 channels = [0, 1]
 sample_format = "int16"
-[output.gain]
-volts_per_unit = 20.0
+shared = true
+{gain}
 [output.load]
 kind = "piezo"
 capacitance_f = "1 nF"
 displacement_m_per_v = [1e-6]
 [limits]
 voltage_peak_v = 20.0
+duration_s = 10.0
 current_peak_a = "10 mA"
 displacement_peak_m = "1 mm"
 duty = 1.0
@@ -240,7 +243,7 @@ kind = "audio"
 device = "monitor"
 rate_hz = 48000
 n_channels = 2
-"""
+""".format(gain=gain_toml_of("audio pulse, int16", 20.0, 1.0, system_volume=1.0))
 
 
 def calibrate_with(env, cwd, *arguments, answers=""):
@@ -268,6 +271,9 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
     arguments += ["--quantity", "displacement", "--voltage-v", 10.0, "--band-hz", 200, 20000, "--sequence-order", 14]
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
+    refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
+    assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)
+    arguments.append("--hands-off")
     result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert result.returncode == 0, result.stderr
     assert "learnt.npz: 1 responses of 0.01 s at 48000 Hz" in result.stdout
@@ -332,15 +338,17 @@ def test_a_sensor_that_sends_nothing_is_not_calibrated(calibrate, tmp_path, monk
 
 
 def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
-    text = '[output]\nkind = "file"\nfolder = "played"\nrate_hz = 8000\n[output.gain]\namplifier_gain = 50.0\n'
+    gain = "[output.gain]\nvolts_per_unit = 1.0\namplifier_gain = 50.0\nmax_age_days = 20\n"
+    text = '[output]\nkind = "file"\nfolder = "played"\nrate_hz = 8000\n' + gain
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     base = ["gain", "--bench", "bench.toml", "--by", "ZG"]
     done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9", "--json")
     assert json.loads(done.stdout)["volts_per_unit"] == pytest.approx((1.01 + 3.98) / 0.05)
     done = calibrate(*base, "--parts", "0.1,0.2", "--measured-v", "10.1,19.9")
-    assert (
-        parse_bench(tomllib.loads(text[: text.index("[output.gain]")] + done.stdout)).output.gain.amplifier_gain == 50
-    )
+    measured = parse_bench(tomllib.loads(text[: text.index("[output.gain]")] + done.stdout)).output.gain
+    assert measured.load_volts_per_unit == pytest.approx((1.01 + 3.98) / 0.05)
+    said = (measured.amplifier_gain, measured.max_age_days, measured.measured_by, measured.measured_with)
+    assert said == (50.0, 20, "ZG", "file played")
     refused = calibrate(*base)
     assert "limits: found none in the bench file" in refused.stderr
     assert not (tmp_path / "played").exists()
@@ -349,15 +357,15 @@ def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
 def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):  # noqa: F811
     bench = LOOPBACK.replace('"pulse"', '"tofile"')
-    too_old = "[output.gain]\nmeasured_on = 2020-01-01\nmax_age_days = 1\n"
-    (tmp_path / "bench.toml").write_text(bench.replace("[output.gain]\n", too_old), encoding="utf-8")
+    too_old = gain_toml_of("audio another, int16", 20.0, 1.0, date(2020, 1, 1), max_age_days=1)
+    gain = bench[bench.index("[output.gain]") : bench.index("[output.load]")]
+    (tmp_path / "bench.toml").write_text(bench.replace(gain, too_old), encoding="utf-8")
     arguments = ["--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--tone-s", "0.2"]
     done = calibrate_with(alsa, tmp_path, "gain", *arguments, "--json", answers="y\n2.1\ny\n4.2\n")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["volts_per_unit"] == pytest.approx(21.0)
     played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
     assert np.abs(played).max() / 32767 == pytest.approx(0.2, rel=0.02)
-    (tmp_path / "bench.toml").write_text(bench.replace("[output.gain]\nvolts_per_unit = 20.0\n", ""), encoding="utf-8")
     refused = calibrate("gain", *arguments, "--measured-v", "1,x")
     assert "--measured-v: found '1,x', expected numbers" in refused.stderr
 
@@ -399,11 +407,17 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
             "--band-hz: found up to 70000 Hz, expected at most 500 Hz, half the rate of 'hand'",
         ),
         (["gain", "--bench", "s.toml", "--by", " "], "--by: found nothing, expected who measures"),
+        (["gain", "--bench", "b.toml", "--by", "Z"], r"output\.gain: found none, expected volts_per_unit and"),
+        (
+            ["gain", "--bench", "s.toml", "--by", "Z", "--measured-v", "4.1,20.2,20.1"],
+            "found 20.2 V at 0.05 of full scale, 68% off the line through zero, expected at most 5%; measure again",
+        ),
     ],
 )
 def test_a_bad_calibration_is_one_sentence(calibrate, tmp_path, arguments, message):
     (tmp_path / "b.toml").write_text("", encoding="utf-8")
     sensor = (
+        "[output.gain]\nvolts_per_unit = 1.0\namplifier_gain = 1.0\n"
         '[sensors.hand]\nkind = "lsl"\nstream = "force"\nrate_hz = 1000\nn_channels = 3\n[limits]\nvoltage_peak_v = 1\n'
     )
     (tmp_path / "s.toml").write_text(sensor, encoding="utf-8")

@@ -1,6 +1,7 @@
 """`tactometry check`: what is fine and what is not, with real devices in other processes."""
 
 import importlib.util
+import io
 import json
 import os
 import socket
@@ -13,20 +14,24 @@ from datetime import date
 
 import numpy as np
 import pytest
+from benches import gain_table, gain_toml
 from conftest import LONGEST_WAIT_S
 from test_device_audio import alsa  # noqa: F401  # a fixture
 from test_device_sensors import Emulator, available
 
 from tactometry.cli.check import _table
+from tactometry.cli.hands_off import hands_are_off
 from tactometry.experiments.bench_file import load_bench, parse_bench
 from tactometry.experiments.checking import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
+from tactometry.experiments.study import load as load_numbers
+from tactometry.experiments.wiring import wire
 from tactometry.limits import Limits
 from tactometry.rigs.page import Page
 
-LIMITS = '[limits]\nvoltage_peak_v = 80.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
+LIMITS = '[limits]\nvoltage_peak_v = 80.0\nduration_s = 10.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
 LOAD = '[output.load]\nkind = "electrode"\ncapacitance_f = "1 nF"\n'
 AUDIO = '[output]\nkind = "audio"\ndevice = "tofile"\nrate_hz = 48000\nsample_format = "int16"\n'
-GAIN = "[output.gain]\nvolts_per_unit = 2.0\namplifier_gain = 50.0\n"
+GAIN = gain_toml("audio tofile, int16")
 SCREEN = "[screen]\nfullscreen = false\n"
 SERIAL = '[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nn_channels = 3\nport = "{port}"\n'
 FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
@@ -34,7 +39,7 @@ FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
 
 def checked(tmp_path, bench, *more, env=None):
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json"]
+    command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json", "--hands-off"]
     result = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False)
     assert result.stdout, result.stderr
     findings = {(each["part"], each["what"]): each for each in json.loads(result.stdout)["findings"]}
@@ -81,7 +86,10 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     assert findings["output", "test tone"]["found"] == "8 V, 0.5 s"
     played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
     assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(8.0, abs=0.01)
-    assert findings["output", "failed"]["found"].startswith("output 'audio tofile': found a signal with rate_hz")
+    strongest = [each["found"] for (_, what), each in findings.items() if what.startswith("strongest")]
+    assert len(strongest) == 2
+    assert all(" of touch " in each or "level 34 of " in each for each in strongest)
+    assert all("found a signal with rate_hz 20000, expected 48000; state that rate_hz in" in each for each in strongest)
 
 
 def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, participant, hands, in_background):
@@ -113,17 +121,58 @@ def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_
     assert _pressed(watched, "en", tmp_path / "none").fine is False
 
 
+def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):  # noqa: F811
+    bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
+    found = {each.what: each for each in _devices(bench, Limits(80.0), None, hands_off=False)}
+    assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
+    assert found["caution"].found.startswith("bench file, [output]: ungated = true: nothing stops the output")
+    assert "opened" not in found
+
+
+@pytest.mark.parametrize(
+    ("typed", "sure"), [("hands off", True), (" Hands Off ", True), ("yes", False), ("", False), (None, False)]
+)
+def test_hands_are_off_where_somebody_types_it_at_a_terminal(monkeypatch, capsys, typed, sure):
+    terminal = io.StringIO("" if typed is None else f"{typed}\n")
+    terminal.isatty = lambda: typed is not None
+    monkeypatch.setattr("sys.stdin", terminal)
+    assert hands_are_off() is sure
+    said = capsys.readouterr()
+    assert ("Type 'hands off' when no hand is on the surface" in said.err) is (typed is not None)
+
+
+def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
+    bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
+    failed = [each for each in _devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
+    assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
+    assert exit_status(failed) == 1
+
+
+def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
+    study = wire(load_numbers("tutorial")[0], "tutorial")
+    bench = load(tmp_path, '[output]\nkind = "file"\nfolder = "x"\n[limits]\nvoltage_peak_v = 10.0\n')
+    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    names = list(study.bank)
+    assert [each.what for each in found] == [f"strongest {name}" for name in names]
+    for each, name in zip(found, names, strict=True):
+        assert each.found.startswith(f"level 34 of {name}: limits.voltage_peak_v: found a peak of 47.6")
+        assert (each.fine, each.device) == (False, True)
+
+
+def load(folder, text):
+    (folder / "bench.toml").write_text(text, encoding="utf-8")
+    return load_bench(folder / "bench.toml")
+
+
 @pytest.mark.parametrize(
     ("bench", "part", "message"),
     [
-        (AUDIO + GAIN + LIMITS, "output", "output 'audio tofile': found no load"),
+        ("[output]\nungated = true\n" + AUDIO[9:] + GAIN + LIMITS, "output", "output 'audio tofile': found no load"),
         (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
     ],
 )
 def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
-    path = tmp_path / "bench.toml"
-    path.write_text(bench, encoding="utf-8")
-    findings = list(_devices(load_bench(path), Limits(80.0), None))
+    findings = list(_devices(load(tmp_path, bench), Limits(80.0), None, hands_off=True))
     [failed] = [each for each in findings if each.fine is False]
     assert failed.part == part
     assert failed.found.startswith(message)
@@ -137,7 +186,7 @@ def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
         port = silent.getsockname()[1]
         sensor = {"kind": "udp", "address": "127.0.0.1", "port": port, "rate_hz": 1000}
         bench = parse_bench({"sensors": {"hand": sensor}, **tomllib.loads(FORCE)})
-        failed = [each for each in _devices(bench, None, None) if each.fine is False]
+        failed = [each for each in _devices(bench, None, None, hands_off=False) if each.fine is False]
     said = [(each.part, each.what, each.found, each.expected) for each in failed]
     assert said == [
         ("sensor hand", "samples", "0 in 0.1 s", "a sensor that sends"),
@@ -163,8 +212,9 @@ def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():
     [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}],
 )
 def test_the_test_tone_keeps_the_limits(output):
-    bench = parse_bench({"output": {**output, "gain": {"volts_per_unit": 30.0}}, "limits": {"voltage_peak_v": 80.0}})
-    tone = tone_of(bench.devices(Limits(50.0), date(2026, 1, 1)).output)
+    gain = gain_table("packed x", 30.0, 1.0)
+    bench = parse_bench({"output": {**output, "gain": gain}, "limits": {"voltage_peak_v": 80.0}})
+    tone = tone_of(bench.devices(Limits(50.0), date.today(), touched=False).output)
     assert tone.peak <= 50.0
     if output["kind"] == "file":
         assert tone.peak == pytest.approx(5.0, rel=1e-3)

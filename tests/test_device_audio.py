@@ -9,16 +9,21 @@ import signal
 import subprocess
 import sys
 import time
+from datetime import date
 from pathlib import Path
 
 import numpy as np
 import player
 import pytest
+from benches import gain_table
 from hard_cases import hard_case
 
 from tactometry.devices.audio import AudioOutput, AudioSettings
 from tactometry.devices.course import Course
 from tactometry.devices.gain import Gain
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.bench_file import parse_bench
+from tactometry.limits import Limits
 from tactometry.signal import Signal
 
 ALSA = Path("/usr/share/alsa/alsa.conf")
@@ -93,7 +98,7 @@ def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
     build = f"AudioSettings(48e3, **{settings})"
     script = (
         "from tactometry.devices.audio import AudioSettings; from tactometry.devices.gain import Gain\n"
-        f"try: {build}.driver(Gain()).open()\nexcept Exception as error: print(type(error).__name__, error)"
+        f"try: {build}.driver(Gain(1.0, 1.0)).open()\nexcept Exception as error: print(type(error).__name__, error)"
     )
     result = subprocess.run([sys.executable, "-c", script], env=alsa, capture_output=True, text=True, check=True)
     assert result.stdout.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
@@ -104,7 +109,7 @@ def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
 def test_rounding_never_raises_a_sample():
     signal = Signal(np.random.default_rng(0).uniform(-1, 1, (1, 10_000)), 48e3, "V")
     for sample_format in ("int16", "int32", "float32"):
-        final = AudioOutput(AudioSettings(48e3, sample_format=sample_format), Gain()).final(signal)
+        final = AudioOutput(AudioSettings(48e3, "card", sample_format=sample_format), Gain(1.0, 1.0)).final(signal)
         assert np.all(np.abs(final.samples) <= np.abs(signal.samples))
         hard_case("samples of 16 bits", final.samples, signal.samples, 6.2e-5, against="the signal", floor=1)
 
@@ -120,6 +125,64 @@ def test_a_stop_falls_to_zero_within_a_block():
     assert last[-1, 0] <= 1000 / 48 + 1
     assert course.finished
     assert len(course.take(240)) == 0
+
+
+OPEN = """
+import sys
+from tactometry.devices.audio import AudioSettings
+from tactometry.devices.gain import Gain
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.bench_file import parse_bench
+from tactometry.limits import Limits
+try:
+    AudioSettings(48e3, sys.argv[1], sample_format="int16").driver(Gain(1.0, 1.0)).open()
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+
+
+def test_what_other_programs_play_to_is_refused_unless_the_bench_file_allows_it(sink):
+    """The other tests at this sound server say `shared`."""
+    opened = subprocess.run(
+        [sys.executable, "-c", OPEN, "pulse"], env=sink.env, capture_output=True, text=True, check=True
+    )
+    assert opened.stdout.startswith(
+        "DeviceFailed output audio: found 'pulse' (ALSA), where other programs may play too"
+    )
+    assert opened.stdout.endswith("expected a card of its own, or shared = true in [output]; nothing was played\n")
+    for device in ("tofile", "nothing"):
+        opened = subprocess.run(
+            [sys.executable, "-c", OPEN, device], env=sink.env, capture_output=True, text=True, check=True
+        )
+        assert "other programs" not in opened.stdout
+
+
+def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measured(sink, monkeypatch):
+    monkeypatch.setenv("PULSE_SERVER", sink.env["PULSE_SERVER"])
+    table = {"kind": "audio", "device": "pulse", "rate_hz": 48e3, "shared": True, "ungated": True}
+    limits = {"voltage_peak_v": 1.0}
+
+    def devices(**more):
+        gain = gain_table("audio pulse, int32", **more)
+        return parse_bench({"output": {**table, "gain": gain}, "limits": limits}).devices(Limits(1.0), date.today())
+
+    def set_volume(words):
+        subprocess.run(["pactl", "set-sink-volume", "finger", words], env=sink.env, check=True)
+
+    assert devices(system_volume=1.0).output.name == "audio pulse"
+    with pytest.raises(
+        DeviceFailed, match=r"system_volume: found a gain of a volume that is not known, .* of 100 %, as"
+    ):
+        devices()
+    try:
+        set_volume("40%")
+        with pytest.raises(
+            DeviceFailed, match=r"a volume of 100 %, expected one of a volume of 40 %, as it is now; set it"
+        ):
+            devices(system_volume=1.0)
+        assert devices(system_volume=0.4).output.name == "audio pulse"
+    finally:
+        set_volume("100%")
 
 
 # --- in real time

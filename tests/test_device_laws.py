@@ -15,15 +15,17 @@ from tactometry.limits import Limits
 from tactometry.signal import Signal
 
 STUDY = Limits(1000.0)
-LIMITS = {"voltage_peak_v": 40.0, "current_peak_a": 10.0, "displacement_peak_m": 1e-3, "duty": 1.0, "session_s": 60.0}
+LIMITS = {"voltage_peak_v": 40.0, "duration_s": 1.0, "current_peak_a": 10.0, "displacement_peak_m": 1e-3}
+LIMITS |= {"duty": 1.0, "session_s": 60.0}
 LOAD = {"kind": "piezo", "capacitance_f": 1e-9, "displacement_m_per_v": [1e-6]}
 per_output = pytest.mark.parametrize("name", catalogue.OUTPUTS)
 per_sensor = pytest.mark.parametrize("name", catalogue.SENSORS)
 
 
 def output_of(name, limits=None):
-    tables = {"output": {**catalogue.OUTPUTS[name], "load": LOAD}, "limits": LIMITS if limits is None else limits}
-    return parse_bench(tables).devices(STUDY, date(2026, 11, 21)).output
+    output = {**catalogue.OUTPUTS[name], "load": LOAD}
+    bench = parse_bench({"output": output, "limits": LIMITS if limits is None else limits})
+    return bench.devices(STUDY, date.today(), touched=False).output
 
 
 def one_bit(output, voltage_v=30.0):

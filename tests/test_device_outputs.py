@@ -2,7 +2,7 @@
 
 import importlib.util
 import inspect
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import date
 from typing import ClassVar
 from unittest.mock import create_autospec
@@ -27,7 +27,8 @@ from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
 FINGER = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e7)
-LIMITS = Limits(50.0, current_peak_a=1e-4, duty=0.5, duty_window_s=1.0, session_s=10.0)
+ONE = Gain(1.0, 1.0)
+LIMITS = Limits(50.0, 60.0, current_peak_a=1e-4, duty=0.5, duty_window_s=1.0, session_s=10.0)
 
 samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), elements=st.floats(-100, 100))
 gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
@@ -42,7 +43,7 @@ def volts(values):
 class SixteenBits:
     """A driver that emits into a list, in 16-bit steps, what its gain makes of them."""
 
-    gain: Gain = field(default_factory=Gain)
+    gain: Gain = ONE
     connected: bool = True
     one_bit: bool = False
     name: str = "sixteen bits"
@@ -90,7 +91,7 @@ class Clock:
 @given(samples, gains, st.floats(0.5, 100), st.floats(1e-7, 1e-3))
 def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, gain, voltage_peak_v, current_peak_a):
     driver = SixteenBits(gain)
-    limits = Limits(voltage_peak_v, current_peak_a=current_peak_a, duty=1.0, session_s=1e9)
+    limits = Limits(voltage_peak_v, 60.0, current_peak_a=current_peak_a, duty=1.0, session_s=1e9)
     try:
         Guarded(driver, limits, FINGER).play(volts(values))
     except (LimitExceeded, DeviceFailed):
@@ -113,14 +114,16 @@ class Overshooting(SixteenBits):
 
 def test_the_final_samples_are_held_against_the_limits_of_any_load():
     driver = Overshooting()
-    guard = Guarded(driver, Limits(50.0, current_peak_a=1.0, duty=1.0, session_s=1e9), FINGER)
+    guard = Guarded(driver, Limits(50.0, 60.0, current_peak_a=1.0, duty=1.0, session_s=1e9), FINGER)
     with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: found a peak of 60 V, the limit is 50 V"):
         guard.play(volts([[30.0]]))
     assert driver.emitted == []
 
 
 def test_each_signal_is_checked_by_itself_whatever_was_checked_before():
-    guard = Guarded(SixteenBits(Gain(100.0)), Limits(50.0, current_peak_a=3e-5, duty=1.0, session_s=1e9), FINGER)
+    guard = Guarded(
+        SixteenBits(Gain(100.0, 1.0)), Limits(50.0, 60.0, current_peak_a=3e-5, duty=1.0, session_s=1e9), FINGER
+    )
     guard.play(volts([[0.0, 10.0, 20.0, 10.0, 0.0]]))
     with pytest.raises(LimitExceeded, match=r"limits\.current_peak_a"):
         guard.play(volts([[0.0, 20.0, -20.0, 20.0, 0.0]]))
@@ -165,10 +168,10 @@ def test_a_stop_and_a_close_are_those_of_the_driver():
 
 
 def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
-    assert Gain(10.0).to_units(volts([[10.0 * (1 + 5e-13)]])).max() == 1.0
+    assert Gain(10.0, 1.0).to_units(volts([[10.0 * (1 + 5e-13)]])).max() == 1.0
     with pytest.raises(DeviceFailed, match="found a peak of 10.005 V, expected at most 10 V"):
-        Gain(10.0).to_units(volts([[10.005]]))
-    board = PackedSettings(str(tmp_path / "board"), n_channels=1, rate_hz=RATE_HZ).driver(Gain(30.0))
+        Gain(10.0, 1.0).to_units(volts([[10.005]]))
+    board = PackedSettings(str(tmp_path / "board"), n_channels=1, rate_hz=RATE_HZ).driver(Gain(30.0, 1.0))
     assert board.final(volts([[30.0 * (1 + 1e-10)]])).peak == 30.0
     with pytest.raises(DeviceFailed, match="found a signal of 30.0003 V, expected the 30 V of the supply"):
         board.final(volts([[30.0003]]))
@@ -187,7 +190,7 @@ def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
 def test_the_load_is_checked_on_the_final_samples():
     driver = SixteenBits()
     driver.final = lambda signal: volts([[0.0, 49.0, -49.0, 0.0]])
-    limits = Limits(50.0, current_peak_a=5e-5, duty=1.0, session_s=1.0)
+    limits = Limits(50.0, 60.0, current_peak_a=5e-5, duty=1.0, session_s=1.0)
     with pytest.raises(LimitExceeded, match="limits.current_peak_a: found a peak of .*nothing was played"):
         Guarded(driver, limits, FINGER).play(volts([[0.0, 0.1, 0.0]]))
     assert driver.emitted == []
@@ -197,7 +200,7 @@ def test_the_load_is_checked_on_the_final_samples():
     ("limits", "load", "message"),
     [
         (None, FINGER, "found no limits, expected those of what is connected"),
-        (Limits(1.0), FINGER, "limits: found no current_peak_a or charge_peak_c, no duty"),
+        (Limits(1.0), FINGER, "limits: found no current_peak_a or charge_peak_c, no duration_s, no duty"),
         (LIMITS, None, "found no load, expected what is connected to it"),
     ],
 )
@@ -210,7 +213,7 @@ def test_without_a_stated_limit_the_device_is_not_even_opened(limits, load, mess
 
 
 def test_duty_and_session_count_what_was_played_and_what_was_stopped():
-    driver, clock = SixteenBits(Gain(50.0)), Clock()
+    driver, clock = SixteenBits(Gain(50.0, 1.0)), Clock()
     output = Guarded(driver, LIMITS, FINGER, clock)
     output.open()
     half = volts(np.zeros((1, 400)))
@@ -229,7 +232,7 @@ def test_duty_and_session_count_what_was_played_and_what_was_stopped():
 
 
 def test_another_signal_is_checked_anew_after_one_that_was_fine():
-    driver, limits = SixteenBits(Gain(100.0)), Limits(50.0, current_peak_a=1.0, duty=1.0, session_s=9.0)
+    driver, limits = SixteenBits(Gain(100.0, 1.0)), Limits(50.0, 60.0, current_peak_a=1.0, duty=1.0, session_s=9.0)
     output = Guarded(driver, limits, FINGER)
     fine = volts([[0.0, 10.0, 0.0]])
     for _ in range(2):
@@ -268,10 +271,10 @@ def test_a_calibration_holds_on_the_last_day_of_its_age():
 @given(values=samples)
 def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, values):
     folder = tmp_path_factory.mktemp("played")
-    output = FileSettings(str(folder), form).driver(Gain())
+    output = FileSettings(str(folder), form).driver(Gain(1.0, 1.0))
     output.open()
     output.play(volts(values))
-    again = FileSettings(str(folder), form).driver(Gain())
+    again = FileSettings(str(folder), form).driver(Gain(1.0, 1.0))
     again.open()
     again.play(volts(-values))
     assert [path.name for path in sorted(folder.iterdir())] == [f"0001.{form}", f"0002.{form}"]
@@ -280,14 +283,14 @@ def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, value
 
 
 def test_a_wav_file_needs_a_whole_rate(tmp_path):
-    output = FileSettings(str(tmp_path), "wav").driver(Gain())
+    output = FileSettings(str(tmp_path), "wav").driver(Gain(1.0, 1.0))
     with pytest.raises(DeviceFailed, match="found a rate of 0.5 Hz, expected a whole number for WAV"):
         output.final(Signal(np.zeros((1, 2)), 0.5, "V"))
 
 
 def test_files_are_numbered_and_never_written_over(tmp_path):
     folder = tmp_path / "new" / "played"
-    output = FileSettings(str(folder)).driver(Gain())
+    output = FileSettings(str(folder)).driver(Gain(1.0, 1.0))
     output.open()
     for voltage_v in (1.0, 2.0):
         output.play(Signal(np.array([[voltage_v]]), 44_100.5, "V"))
@@ -387,4 +390,4 @@ def test_the_calls_fit_the_signatures_of_the_library(task):
 @needs_nidaqmx
 def test_without_the_driver_one_sentence_says_so():
     with pytest.raises(DeviceFailed, match="NI-DAQmx refused .*nothing was played"):
-        NI.driver(Gain()).open()
+        NI.driver(Gain(1.0, 1.0)).open()

@@ -95,7 +95,7 @@ def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
     os.mkfifo(pipe)
     board = threading.Thread(target=lambda: got.append(pipe.read_bytes()))
     board.start()
-    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0))
+    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0, 1.0))
     output.open()
     signal = Signal(np.where(np.random.default_rng(0).random((32, 7000)) < 0.5, 30.0, -30.0), 1e6, "V")
     output.play(signal)
@@ -125,7 +125,7 @@ def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
 
     board = threading.Thread(target=take)
     board.start()
-    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0))
+    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0, 1.0))
     output.open()
     sent = Signal(np.where(np.random.default_rng(0).random((32, 100_000)) < 0.5, 30.0, -30.0), 1e6, "V")
     usual = signal.signal(signal.SIGALRM, lambda number, frame: None)
@@ -142,7 +142,7 @@ def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
 
 
 def test_a_supply_cannot_be_scaled_by_one_bit():
-    output = PackedSettings("nowhere", 1, RATE_HZ).driver(Gain(30.0))
+    output = PackedSettings("nowhere", 1, RATE_HZ).driver(Gain(30.0, 1.0))
     assert output.final(volts([[30.0, -30.0]])).samples.tolist() == [[30.0, -30.0]]
     with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
         output.final(volts([[20.0, -20.0]]))
@@ -153,6 +153,6 @@ def test_a_supply_cannot_be_scaled_by_one_bit():
 
 
 def test_a_board_that_is_not_there_is_named(tmp_path):
-    output = PackedSettings(str(tmp_path / "no" / "board"), 1, RATE_HZ).driver(Gain())
+    output = PackedSettings(str(tmp_path / "no" / "board"), 1, RATE_HZ).driver(Gain(1.0, 1.0))
     with pytest.raises(DeviceFailed, match="board: cannot open the board .*nothing was played"):
         output.open()

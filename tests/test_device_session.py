@@ -7,9 +7,11 @@ import json
 import os
 import signal
 import threading
+from datetime import date
 
 import numpy as np
 import pytest
+from benches import gain_toml
 from conftest import SOAK
 from test_device_audio import alsa, server, sink, wait_for  # noqa: F401  # fixtures
 from test_device_sensors import Emulator
@@ -36,16 +38,13 @@ kind = "audio"
 device = "tofile"
 rate_hz = 48000
 sample_format = "int16"
-[output.gain]
-volts_per_unit = 2.0
-amplifier_gain = 50.0
-measured_on = 2026-11-01
-measured_by = "ZG"
+{gain}
 [output.load]
 kind = "electrode"
 capacitance_f = "1 nF"
 [limits]
 voltage_peak_v = 80.0
+duration_s = 30.0
 current_peak_a = "1 mA"
 duty = 0.8
 session_s = "1 h"
@@ -82,7 +81,9 @@ def study_in(folder, n_trials=N_TRIALS):
 def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):  # noqa: F811
     """The experimenter sits at a real terminal, remarks on it, pauses and repeats."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
-    (tmp_path / "bench.toml").write_text(BENCH.format(stream=device.name), encoding="utf-8")
+    (tmp_path / "bench.toml").write_text(
+        BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16")), encoding="utf-8"
+    )
     command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     terminal, process_end = os.openpty()
     env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
@@ -116,7 +117,7 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
     for fact in (
         '"audio tofile"',
         f'"lsl {device.name}"',
-        '"2026-11-01 ZG"',
+        f'"{date.today()} ZG"',
         '"electrode"',
         '"hand_clock_offset_s"',
     ):
@@ -147,8 +148,10 @@ kind = "electrode"
 capacitance_f = "1 nF"
 [output.gain]
 volts_per_unit = 100.0
+amplifier_gain = 1.0
 [limits]
 voltage_peak_v = 80.0
+duration_s = 30.0
 current_peak_a = "1 mA"
 duty = 0.8
 session_s = "1 h"
@@ -231,7 +234,7 @@ def check_events(data, rows):
 def played_signals(folder):
     """How many signals the file behind the card holds, and whether each is the study's, to the last bit."""
     [stimulus] = wire(load(str(folder / "short.toml"))[0], "short").bank.values()
-    output = AudioSettings(48e3, sample_format="int16").driver(Gain(2.0, 50.0))
+    output = AudioSettings(48e3, "tofile", sample_format="int16").driver(Gain(2.0, 50.0))
     wanted = np.trim_zeros(output._numbers(stimulus.at(34.0))[0])
     raw = np.frombuffer((folder / "played.raw").read_bytes(), "<i2")
     busy = np.flatnonzero(raw)
@@ -250,7 +253,8 @@ def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink,
     """In the middle of a stimulus of 20 s that a real sound server hears."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
-    bench = BENCH.format(stream=device.name).replace("tofile", "pulse")
+    gain = gain_toml("audio pulse, int16", system_volume=1.0)
+    bench = BENCH.format(stream=device.name, gain=gain).replace('"tofile"', '"pulse"\nshared = true')
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.limits import Exposure, Limits
+from tactometry.limits import LONGEST_SIGNAL_S, Exposure, Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
 FINGER = Load("electrode", capacitance_f=2e-9, leak_resistance_ohm=5e6)
 PATCHES = Load("piezo", capacitance_f=1e-8, displacement_m_per_v=(1e-7, 3e-7))
-LIMITS = Limits(100.0, current_peak_a=1.0, charge_peak_c=1.0, displacement_peak_m=1.0, duty=1.0, session_s=1e6)
+LIMITS = Limits(100.0, 60.0, current_peak_a=1.0, charge_peak_c=1.0, displacement_peak_m=1.0, duty=1.0, session_s=1e6)
 
 volts = arrays(np.float64, st.tuples(st.just(2), st.integers(1, 40)), elements=st.floats(-100, 100))
 limits_of = st.floats(1e-12, 1e3)
@@ -182,17 +182,26 @@ def test_charge_turns_between_samples_where_the_current_does():
 @pytest.mark.parametrize(
     ("load", "limits", "message"),
     [
-        (FINGER, Limits(1.0), "no current_peak_a or charge_peak_c, no duty, no session_s, expected"),
-        (FINGER, Limits(1.0, current_peak_a=1.0, session_s=1.0), "no duty, expected"),
-        (FINGER, Limits(1.0, charge_peak_c=1.0, duty=1.0), "no session_s, expected"),
-        (FINGER, Limits(1.0, duty=1.0, session_s=1.0), "no current_peak_a or charge_peak_c, expected"),
-        (PATCHES, Limits(1.0, current_peak_a=1.0, duty=1.0, session_s=1.0), "no displacement_peak_m, expected"),
+        (FINGER, Limits(1.0), "no current_peak_a or charge_peak_c, no duration_s, no duty, no session_s, expected"),
+        (FINGER, Limits(1.0, 1.0, current_peak_a=1.0, session_s=1.0), "no duty, expected"),
+        (FINGER, Limits(1.0, 1.0, charge_peak_c=1.0, duty=1.0), "no session_s, expected"),
+        (FINGER, Limits(1.0, 1.0, duty=1.0, session_s=1.0), "no current_peak_a or charge_peak_c, expected"),
+        (FINGER, replace(LIMITS, duration_s=None), "found no duration_s, expected"),
+        (PATCHES, replace(LIMITS, duration_s=None), "found no duration_s, expected"),
+        (PATCHES, Limits(1.0, 1.0, current_peak_a=1.0, duty=1.0, session_s=1.0), "no displacement_peak_m, expected"),
         (FINGER, LIMITS, "no displacement_m_per_v of the load"),
     ],
 )
 def test_a_load_whose_limits_nobody_stated_gets_nothing(load, limits, message):
     with pytest.raises(LimitExceeded, match=message + ".*nothing was played"):
         limits.check_load(in_volts(np.zeros((2, 4))), load)
+
+
+def test_without_a_load_a_signal_is_as_long_as_a_default():
+    Limits(1.0).check(in_volts(np.zeros((1, round(LONGEST_SIGNAL_S * RATE_HZ)))))
+    assert refused(
+        lambda: Limits(1.0).check(in_volts(np.zeros((1, round(LONGEST_SIGNAL_S * RATE_HZ) + 1)))), "duration_s"
+    )
 
 
 def test_samples_that_are_no_volts_are_refused():
@@ -241,6 +250,7 @@ def test_a_displacement_per_volt_is_told_for_each_channel():
 some_limits = st.builds(
     Limits,
     voltage_peak_v=st.floats(1, 200),
+    duration_s=st.none() | st.floats(1, 100),
     current_peak_a=st.none() | st.floats(1e-6, 1),
     duty=st.none() | st.floats(0.01, 1.0),
     duty_window_s=st.floats(1, 100),
@@ -266,7 +276,7 @@ def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
 @given(some_limits, some_limits)
 def test_the_tighter_limits_are_stated_where_one_is(one, other):
     both = one.tighter(other)
-    for name in ("voltage_peak_v", "current_peak_a", "session_s"):
+    for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s"):
         stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
         assert getattr(both, name) == min(stated, default=None)
 

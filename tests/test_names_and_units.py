@@ -35,6 +35,7 @@ BARE = {
     "lapse_rates": "probabilities",
     "rate_correct": "a share of trials",
     "speed_tolerance": "relative to a speed",
+    "system_volume": "of a sound server, 1 for 100 %",
     "width_low": "the lower bound of that width",
     "width_high": "the upper bound of that width",
     "z_width": "of a standard shape: a number",

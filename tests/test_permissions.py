@@ -108,7 +108,7 @@ def test_a_sensor(folder, settings, message):
 def test_an_output(folder, settings):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
-    output = settings(inner).driver(Gain())
+    output = settings(inner).driver(Gain(1.0, 1.0))
 
     def played():
         output.open()

@@ -2,15 +2,18 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from tactometry.cli.hands_off import hands_off_option
 from tactometry.cli.output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
+    from tactometry.devices.gain import Gain
     from tactometry.devices.reader import Reader
     from tactometry.experiments.bench_file import BenchFile
     from tactometry.experiments.calibrating import ForceFit
@@ -48,18 +51,22 @@ def command() -> None:
 def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, *, as_json: bool) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
-    The limits and the gain that the bench file states hold while it plays. With --measured-v nothing is played.
+    The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
+    sheets. With --measured-v nothing is played.
     """
+    from tactometry.devices.gain import measured_anew, stated
     from tactometry.experiments.bench_file import load_bench
     from tactometry.experiments.calibrating import fit_gain, gain_toml
 
     bench = load_bench(bench_path)
+    before = stated(bench.output.gain, "output.gain")
+    new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     units = _parts(parts)
-    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, units, tone_s))
+    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, new, units, tone_s))
     fit = fit_gain(units, volts)
-    table = gain_toml(fit.volts_per_unit, bench.output.gain.amplifier_gain, TODAY(), by)
-    stated = bench.output.gain.load_volts_per_unit
-    text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {stated:.6g} V per unit at the load"
+    table = gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
+    was = before.load_volts_per_unit
+    text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}, as_json=as_json)
 
 
@@ -73,7 +80,7 @@ def _parts(text: str) -> list[float]:
     return units
 
 
-def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator[float]:
+def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: float) -> Iterator[float]:
     import math
     import time
 
@@ -82,7 +89,8 @@ def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
-    output = _however_old(bench).devices(bench.limits, TODAY()).output
+    measured = replace(bench, force=None, output=replace(bench.output, gain=gain))
+    output = measured.devices(bench.limits, TODAY(), touched=False).output
     if not math.isfinite(output.full_scale_v):
         raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
     with ExitStack() as last_first:
@@ -94,13 +102,6 @@ def _played_v(bench: "BenchFile", units: list[float], tone_s: float) -> Iterator
             output.play(tone)
             time.sleep(tone.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
-
-
-def _however_old(bench: "BenchFile") -> "BenchFile":
-    """Without the age that a calibration may have: this one is measured again."""
-    from dataclasses import replace
-
-    return replace(bench, force=None, output=replace(bench.output, gain=replace(bench.output.gain, max_age_days=None)))
 
 
 @command.command(epilog="Example: tactometry calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2")
@@ -247,6 +248,7 @@ def _shown_bar_m() -> float:
 @click.option("--duration-s", type=float, default=0.03, show_default=True, help="Of a response.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="NPZ file to write.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Write response and spectra as PNG, PDF or SVG.")
+@hands_off_option
 @json_option
 def responses(**asked: object) -> None:
     """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.

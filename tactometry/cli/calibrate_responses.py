@@ -6,6 +6,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from tactometry.cli.hands_off import hands_are_off
 from tactometry.cli.output import check_figure, progress, say, writing
 
 
@@ -26,7 +27,7 @@ def run(asked: Mapping[str, Any]) -> None:
         )
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
-    devices = bench.devices(bench.limits, date.today())
+    devices = bench.devices(bench.limits, date.today(), touched=False)
     reader = devices.readers[asked["sensor"]]
     rate_hz, order = reader.source.rate_hz, asked["sequence_order"]
     low_hz, high_hz = asked["band_hz"]
@@ -47,6 +48,7 @@ def run(asked: Mapping[str, Any]) -> None:
     learning = Learning(
         excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], asked["reference_output"]
     )
+    _check_hands(asked["hands_off"], connected=bench.output.settings.connected)
     with ExitStack() as last_first:
         reader.open()
         last_first.callback(reader.close)
@@ -74,6 +76,13 @@ def run(asked: Mapping[str, Any]) -> None:
             responses_figure(found, asked["figure"])
     words = f"{asked['out']}: {found.n_channels} responses of {found.duration_s:g} s at {found.rate_hz:g} Hz"
     say(words, {"file": str(asked["out"]), "n_channels": found.n_channels, **provenance}, as_json=asked["as_json"])
+
+
+def _check_hands(said: bool, *, connected: bool) -> None:
+    from tactometry.errors import InvalidParameter
+
+    if connected and not (said or hands_are_off()):
+        raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
 
 
 def _check_out(path: Path) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tactometry.cli.hands_off import hands_are_off, hands_off_option
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
@@ -22,18 +23,24 @@ MARKS = {True: "ok", False: "NOT FINE", None: ""}
 @click.option(
     "--out", type=click.Path(path_type=Path), default=Path(), help="Where data would be written; default here."
 )
+@hands_off_option
 @json_option
 @click.pass_context
-def command(ctx: click.Context, study: str | None, bench_path: Path | None, out: Path, *, as_json: bool) -> None:
+def command(
+    ctx: click.Context, study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool, as_json: bool
+) -> None:
     """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
 
-    The tone stays at a tenth of the voltage limit; lift fingers off the surface. Exit status 1 if something is not
-    fine, 3 if that is a device.
+    The tone stays at a tenth of the voltage limit. An output that leads to an amplifier plays it only after somebody
+    said that hands are off: with --hands-off, or in words at the terminal. Exit status 1 if something is not fine, 3 if
+    that is a device.
     """
     from tactometry.experiments.bench_file import load_bench
     from tactometry.experiments.checking import check, exit_status
 
-    findings = check(study, load_bench(bench_path), out)
+    bench = load_bench(bench_path)
+    sure = hands_off or (bench.output.settings.connected and hands_are_off())
+    findings = check(study, bench, out, hands_off=sure)
     status = exit_status(findings)
     say(_table(findings), {"fine": status == 0, "findings": [asdict(each) for each in findings]}, as_json=as_json)
     ctx.exit(status)

@@ -79,6 +79,8 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
         devices = bench.devices(study.limits, date.today())
+        for caution in bench.cautions:
+            click.echo(caution, err=True)
         bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
         for name, stimulus in bank.items():
             check_format(stimulus.at(experiment.highest_level(name)), devices.output)

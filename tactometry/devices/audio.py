@@ -3,15 +3,16 @@
 import time
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.course import Course
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.devices.reader import Block
+from tactometry.devices.volume import system_volume
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.require import not_negative, positive
 from tactometry.signal import Signal
@@ -20,24 +21,32 @@ FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
 LONGEST_START_S = 2.0
+DEFAULTS: Final = ("default", "sysdefault")
+"""Names of whatever device the system's settings choose."""
+SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
+SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
+"""PortAudio's devices and interfaces that mix in what other programs play."""
 
 
 @dataclass(frozen=True)
 class AudioSettings:
-    """The sound card by name, or the default one; `channels` are its outlets, from 0, in the order of the signal's.
+    """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
 
     `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
-    latency. Both are unverified defaults.
+    latency. Both are unverified defaults. `shared` allows a device that other programs play to as well.
     """
 
+    connected: ClassVar[bool] = True
     rate_hz: float
+    device: str
     channels: tuple[int, ...] = (0,)
-    device: str | int | None = None
     sample_format: Literal["int16", "int32", "float32"] = "int32"
     block_s: float = 0.005
     latency_s: float = 0.05
+    shared: bool = False
 
     def __post_init__(self) -> None:
+        _named("AudioSettings", self.device)
         positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
         not_negative("AudioSettings", latency_s=self.latency_s)
         if not self.channels or min(self.channels) < 0 or len(set(self.channels)) < len(self.channels):
@@ -46,8 +55,11 @@ class AudioSettings:
                 "named once"
             )
 
-    def driver(self, gain: Gain) -> "AudioOutput":
-        return AudioOutput(self, gain)
+    def driver(self, gain: Gain | None) -> "AudioOutput":
+        return AudioOutput(self, stated(gain, "output.gain"))
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"audio {self.device}, {self.sample_format}", system_volume(self.device))
 
 
 class AudioOutput:
@@ -57,7 +69,7 @@ class AudioOutput:
     one_bit = False
 
     def __init__(self, settings: AudioSettings, gain: Gain) -> None:
-        self.name = f"audio {'default' if settings.device is None else settings.device}"
+        self.name = f"audio {settings.device}"
         self.n_channels: int = len(settings.channels)
         self.rate_hz: float = settings.rate_hz
         self.limits = None
@@ -83,9 +95,12 @@ class AudioOutput:
         Raises
         ------
         DeviceFailed
-            If there is no PortAudio or no such device, or it does not take the channels or the rate.
+            If there is no PortAudio or no such device, it does not take the channels or the rate, or other programs
+            share it and nobody said that they may.
         """
         sounddevice, settings = _library(), self._settings
+        if not settings.shared:
+            _check_own(sounddevice, settings.device)
         self._n_frames, self._clocks = 0, ClockMap()
         try:
             self._stream = sounddevice.OutputStream(
@@ -183,13 +198,15 @@ class AudioOutput:
 class AudioInputSettings:
     """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
 
+    live: ClassVar[bool] = True
     rate_hz: float
+    device: str
     n_channels: int = 1
-    device: str | int | None = None
     block_s: float = 0.02
     latency_s: float = 0.1
 
     def __post_init__(self) -> None:
+        _named("AudioInputSettings", self.device)
         positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
         not_negative("AudioInputSettings", latency_s=self.latency_s)
 
@@ -201,7 +218,7 @@ class AudioInput:
     """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
 
     def __init__(self, settings: AudioInputSettings) -> None:
-        self.name = f"audio {'default' if settings.device is None else settings.device}"
+        self.name = f"audio {settings.device}"
         self.rate_hz: float = settings.rate_hz
         self.n_channels: int = settings.n_channels
         self._settings = settings
@@ -250,6 +267,29 @@ class AudioInput:
             stream.close()
 
 
+def _named(owner: str, device: str) -> None:
+    """Refuse what is another device after a change of the system's settings."""
+    if not device.strip() or device.strip().casefold() in DEFAULTS:
+        raise InvalidParameter(
+            f"{owner}.device: found {device!r}, expected the name of a card, as tactometry check lists them: a default "
+            "may be another one tomorrow"
+        )
+
+
+def _check_own(sounddevice: Any, device: str) -> None:
+    """Refuse a device that other programs play to as well; one that is not there is refused as it is opened."""
+    try:
+        found = sounddevice.query_devices(device, "output")
+        interface = str(sounddevice.query_hostapis(found["hostapi"])["name"])
+    except (sounddevice.PortAudioError, ValueError):
+        return
+    if found["name"] in SHARED or interface.startswith(SHARED_INTERFACES):
+        raise DeviceFailed(
+            f"output audio: found {found['name']!r} ({interface}), where other programs may play too and change the "
+            "volume, expected a card of its own, or shared = true in [output]; nothing was played"
+        )
+
+
 def _library() -> ModuleType:
     try:
         import sounddevice
@@ -272,6 +312,6 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
         known = ""
     found = f"the devices are {known}" if known else "there is no output device"
     return (
-        f"output audio: cannot open {settings.device or 'the default device'} with {wanted} "
+        f"output audio: cannot open {settings.device} with {wanted} "
         f"({' '.join(str(error).split())}); {found}; nothing was played"
     )

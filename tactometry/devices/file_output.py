@@ -4,11 +4,11 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Literal
+from typing import IO, ClassVar, Literal
 
 import numpy as np
 
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.signal import Signal
 
@@ -20,14 +20,18 @@ class FileSettings:
     A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
     """
 
+    connected: ClassVar[bool] = False
     folder: str
     format: Literal["npz", "wav"] = "npz"
     n_channels: int | None = None
     rate_hz: float | None = None
 
-    def driver(self, gain: Gain) -> "FileOutput":
+    def driver(self, gain: Gain | None) -> "FileOutput":
         del gain
         return FileOutput(self)
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"file {self.folder}")
 
 
 class FileOutput:

@@ -1,9 +1,9 @@
 """Every kind of device, by the name that a bench file uses: what its table holds, imported when it is named."""
 
 from collections.abc import Mapping
-from typing import Any, Final, Protocol
+from typing import Any, ClassVar, Final, Protocol
 
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain
 from tactometry.devices.guarded import Driver
 from tactometry.devices.reader import Source
 from tactometry.errors import InvalidParameter, nearest
@@ -28,13 +28,21 @@ SENSORS: Final = {
 
 
 class OutputSettings(Protocol):
-    """The table of an output."""
+    """The table of an output; `connected` if that leads out of the computer, to an amplifier."""
 
-    def driver(self, gain: Gain) -> Driver: ...
+    connected: ClassVar[bool]
+
+    def driver(self, gain: Gain | None) -> Driver:
+        """Raises `InvalidParameter` for a connected output without a gain."""
+
+    def chain(self) -> SignalChain:
+        """What its gain holds for."""
 
 
 class SensorSettings(Protocol):
-    """The table of a sensor."""
+    """The table of a sensor; `live` if its samples are of now."""
+
+    live: ClassVar[bool]
 
     def source(self) -> Source: ...
 

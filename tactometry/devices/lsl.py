@@ -5,7 +5,7 @@ import functools
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 class LslSettings:
     """The outlet by its name; `rate_hz` is what its head must state."""
 
+    live: ClassVar[bool] = True
     stream: str
     rate_hz: float
     n_channels: int = 1

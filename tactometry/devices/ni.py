@@ -10,12 +10,12 @@ others need a watchdog of their own, or an amplifier that is switched off by han
 
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.require import positive
 from tactometry.signal import Signal
@@ -27,6 +27,7 @@ FloatArray = NDArray[np.float64]
 class NiSettings:
     """`channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the device's, V, of either sign."""
 
+    connected: ClassVar[bool] = True
     channels: tuple[str, ...]
     rate_hz: float
     range_v: float = 10.0
@@ -40,8 +41,11 @@ class NiSettings:
                 f"NiSettings.channels: found {list(self.channels)}, expected at least one, each named once"
             )
 
-    def driver(self, gain: Gain) -> "NiOutput":
-        return NiOutput(self, gain)
+    def driver(self, gain: Gain | None) -> "NiOutput":
+        return NiOutput(self, stated(gain, "output.gain"))
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"ni {','.join(self.channels)}, {self.range_v:g} V")
 
 
 @dataclass(frozen=True, eq=False)

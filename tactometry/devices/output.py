@@ -3,11 +3,11 @@
 import math
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain
 from tactometry.errors import DeviceFailed, LimitExceeded
 from tactometry.limits import Limits
 from tactometry.require import not_negative
@@ -88,9 +88,14 @@ class NullOutput:
 class NullSettings:
     """Nothing to set."""
 
-    def driver(self, gain: Gain) -> NullOutput:
+    connected: ClassVar[bool] = False
+
+    def driver(self, gain: Gain | None) -> NullOutput:
         del gain
         return NullOutput()
+
+    def chain(self) -> SignalChain:
+        return SignalChain("null")
 
 
 def check_playable(signal: Signal, output: Output) -> None:
@@ -112,6 +117,12 @@ def check_playable(signal: Signal, output: Output) -> None:
     check_format(signal, output)
 
 
+REMEDIES = {
+    "n_channels": "name one outlet of the output for each channel of the stimulus",
+    "rate_hz": "state that rate_hz in the study's [stimulus], or another one in [output]",
+}
+
+
 def check_format(signal: Signal, output: Output) -> None:
     """Refuse a signal that is not of the channels or the rate that `output` has.
 
@@ -126,7 +137,7 @@ def check_format(signal: Signal, output: Output) -> None:
         if expected is not None and value != expected:
             raise DeviceFailed(
                 f"output {output.name!r}: found a signal with {name} {value:g}, expected {expected:g}; "
-                "nothing was played"
+                f"{REMEDIES[name]}; nothing was played"
             )
 
 

@@ -3,11 +3,11 @@
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, ClassVar
 
 import numpy as np
 
-from tactometry.devices.gain import Gain
+from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.devices.packed import decode, encode, stop_stream
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.require import positive
@@ -21,6 +21,7 @@ class PackedSettings:
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
     """
 
+    connected: ClassVar[bool] = True
     path: str
     n_channels: int
     rate_hz: float
@@ -28,8 +29,11 @@ class PackedSettings:
     def __post_init__(self) -> None:
         positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
 
-    def driver(self, gain: Gain) -> "PackedOutput":
-        return PackedOutput(self, gain)
+    def driver(self, gain: Gain | None) -> "PackedOutput":
+        return PackedOutput(self, stated(gain, "output.gain"))
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"packed {self.path}")
 
 
 class PackedOutput:

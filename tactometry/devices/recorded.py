@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ STEP_S = 0.005
 class RecordedSettings:
     """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts."""
 
+    live: ClassVar[bool] = False
     path: str
     rate_hz: float
     n_channels: int = 1

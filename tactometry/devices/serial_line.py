@@ -3,7 +3,7 @@
 import os
 import select
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from tactometry.devices.counted import CountedSamples
 from tactometry.devices.framing import Framing
@@ -18,6 +18,7 @@ LARGEST_READ = 65_536
 class SerialSettings:
     """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states."""
 
+    live: ClassVar[bool] = True
     port: str
     rate_hz: float
     n_channels: int = 1

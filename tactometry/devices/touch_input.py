@@ -10,7 +10,7 @@ import select
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -32,6 +32,7 @@ HELD_S = 0.01
 class TouchSettings:
     """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units."""
 
+    live: ClassVar[bool] = True
     path: str
     rate_hz: float = 100.0
 

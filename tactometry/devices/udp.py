@@ -10,7 +10,7 @@ import contextlib
 import socket
 import struct
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 from tactometry.devices.counted import CountedSamples
 from tactometry.devices.reader import SAY_S, Block, now_s
@@ -30,6 +30,7 @@ SILENT_S = 0.5
 class UdpSettings:
     """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th."""
 
+    live: ClassVar[bool] = True
     address: str
     rate_hz: float
     sensor_rate_hz: float = 7000.0

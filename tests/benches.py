@@ -1,0 +1,22 @@
+"""What benches of tests have in common."""
+
+from datetime import date
+
+
+def gain_table(measured_with, volts_per_unit=2.0, amplifier_gain=50.0, measured_on=None, **more):
+    """The table of a gain that was measured today, unless on another day."""
+    return {
+        "volts_per_unit": volts_per_unit,
+        "amplifier_gain": amplifier_gain,
+        "measured_on": measured_on or date.today(),
+        "measured_by": "ZG",
+        "measured_with": measured_with,
+        **more,
+    }
+
+
+def gain_toml(measured_with, *values, **more):
+    """It as text of a bench file."""
+    table = gain_table(measured_with, *values, **more)
+    rows = (f'{name} = "{value}"' if isinstance(value, str) else f"{name} = {value}" for name, value in table.items())
+    return "\n".join(["[output.gain]", *rows, ""])
