@@ -150,7 +150,7 @@ def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
 
 def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
     study = wire(load_numbers("tutorial")[0], "tutorial")
-    bench = load(tmp_path, '[output]\nkind = "file"\nfolder = "x"\n[limits]\nvoltage_peak_v = 10.0\n')
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 10.0\n')
     found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
     names = list(study.bank)
     assert [each.what for each in found] == [f"strongest {name}" for name in names]
