@@ -5,7 +5,8 @@ The times of each scene are medians of processor time over interleaved rounds; t
 
 import statistics
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
@@ -86,6 +87,41 @@ def compare(title: str, plans: Sequence[Plan], named: Sequence[str]) -> None:
         )
 
 
+UNASKED: Mapping[str, tuple[tuple[str, dict[str, object]], ...]] = {
+    "body_resistance": (("body_resistance", {"resistance_ohm": 1e5}),),
+    "skin_leakage": (("skin_leakage", {}),),
+    "contact_area": (("contact_area", {}),),
+    "friction_lag": (("friction_lag", {}),),
+    "finger_dynamics": (("finger_dynamics", {}),),
+    "sensitivity": (("sensitivity", {}),),
+    "receptors": (("receptors", {}),),
+    "sensitivity, masking": (("sensitivity", {}), ("masking", {"level_db_re_threshold": 25.0})),
+    "receptors, summation": (("receptors", {}), ("summation", {})),
+}
+N_AT_ONCE = 20
+
+
+def resolved_and_run(scene: Scene) -> float:
+    """Time (s) from a scene to its outputs."""
+    start_s = time.process_time()
+    for _ in range(N_AT_ONCE):
+        plan = scene.resolve()
+        plan.run({name: GIVEN[name] for name in plan.given})
+    return (time.process_time() - start_s) / N_AT_ONCE
+
+
+def unasked() -> None:
+    """Print what effects that no output needs add to resolving and running a scene of one second."""
+    print("electrovibration, resolve and run: friction alone, and with effects beside it that voltage_v does not need")
+    law, friction = effect("force_law", law="sc_layer"), effect("friction")
+    bare = Scene(Electrovibration(240.0), (law, friction), ("voltage_v",), 1e-2, (Touch(1.0, 0.05),))
+    for name, kinds in UNASKED.items():
+        fuller = replace(bare, effects=(*bare.effects, *(effect(kind, **values) for kind, values in kinds)))
+        rounds = [(resolved_and_run(bare), resolved_and_run(fuller)) for _ in range(3 * N_ROUNDS)]
+        alone_s, beside_s = (statistics.median(column) for column in zip(*rounds, strict=True))
+        print(f"  {name:<24}{alone_s * 1e3:8.3f} ms, {beside_s / alone_s:6.3f} x")
+
+
 def built_in(name: str) -> None:
     """Print predicted and measured time of a built-in scene as a whole."""
     found = load_scene(path_of(name))
@@ -112,6 +148,7 @@ def main() -> None:
     compare("electrovibration: effects that an output needs", panels, growing)
     compare("time reversal: effects that no output needs", [focus_of(n, asked=False) for n in range(5)], later)
     compare("time reversal: effects that an output needs", [focus_of(n, asked=True) for n in range(6)], focusing)
+    unasked()
     print("built-in scenes")
     for name in names():
         built_in(name)

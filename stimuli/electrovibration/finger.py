@@ -14,11 +14,8 @@ from tactometry.stimuli.electrovibration.driven import Timing, plan_of, stacked
 from tactometry.stimuli.electrovibration.force import ForceForm
 from tactometry.stimuli.electrovibration.friction import CoulombFriction
 from tactometry.stimuli.electrovibration.lift import LinearSystem
+from tactometry.stimuli.electrovibration.pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 from tactometry.stimuli.electrovibration.pieces import Pieces
-
-MASS_KG_PER_M_PER_S = 3.23e-2
-STIFFNESS_N_S_PER_M2 = 4_040.0
-CUTOFF_HZ_S_PER_M = 13_800.0
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.sampling import n_samples
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.sampling import per_sample
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.force import ForceForm
@@ -15,29 +15,28 @@ if TYPE_CHECKING:
 NEEDS = ("t_s", "unit_voltage", "form")
 
 
-def divider_stage(scene: Surroundings, budget: Budget) -> Stage:
+def divider_stage() -> Stage:
     """The layer's share of the voltage: what holds without losses."""
-    n_operations = 700.0 * n_samples(scene, budget.error)
-    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divided", n_operations=n_operations)
+    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divided", size=per_sample(700.0))
 
 
-def circuit_stage(scene: Surroundings, budget: Budget, effect: str) -> Stage:
-    """The exact relaxations of the layers, for an effect with a loss in it.
+def circuit_stage(effect: str) -> Stage:
+    """The exact relaxations of the layers, for an effect with a loss in it; see `check_ramp`."""
 
-    Raises
-    ------
-    InvalidParameter
-        If the tone sets in without a ramp: what then relaxes is faster than the tone that the sampling is chosen for.
-    """
-    if not scene.surface.ramp_s:  # type: ignore[attr-defined]
+    def size(demand: Demand) -> Size:
+        check_ramp(demand, effect)
+        return per_sample(1500.0)(demand)
+
+    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", effect=effect, size=size)
+
+
+def check_ramp(demand: Demand, effect: str) -> None:
+    """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
+    if not demand.surface.ramp_s:  # type: ignore[attr-defined]
         raise InvalidParameter(
             f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the surface a "
             "ramp_s above 0"
         )
-    n_operations = 1500.0 * n_samples(scene, budget.error)
-    return Stage(
-        "circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", n_operations=n_operations, effect=effect
-    )
 
 
 def divided() -> "Callable[[Real, Pieces, ForceForm], Real]":

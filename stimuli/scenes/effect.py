@@ -2,17 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.stage import Stage
 
-
-@dataclass(frozen=True)
-class Budget:
-    """What a stage may spend: the relative error it may add."""
-
-    error: float
+if TYPE_CHECKING:
+    from tactometry.stimuli.scenes.demand import Demand
 
 
 @dataclass(frozen=True)
@@ -75,6 +71,9 @@ class Effect(Protocol):
     `kind` is its name in a scene file. `slot` is its place in the order in which effects act; two effects in one slot
     are refused. `requires` names what must be in the scene beside it: a slot, ``contact``, ``sliding contact`` or
     ``resting contact``. `excludes` names kinds that contradict it, with the reason and the cure.
+
+    `stages` says what the effect needs and gives, and no more: what its stages compute, refuse or predict stands in
+    their `size`, which is asked for if an output needs them.
     """
 
     kind: ClassVar[str]
@@ -82,7 +81,7 @@ class Effect(Protocol):
     requires: ClassVar[tuple[str, ...]]
     excludes: ClassVar[Mapping[str, str]]
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]: ...
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]: ...
 
 
 class Surface(Protocol):
@@ -98,7 +97,7 @@ class Surface(Protocol):
     given: ClassVar[tuple[str, ...]]
     cures: ClassVar[Mapping[str, str]]
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]: ...
+    def stages(self, scene: "Demand") -> tuple[Stage, ...]: ...
 
-    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
         """The stages of an effect on this surface."""

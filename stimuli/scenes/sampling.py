@@ -21,18 +21,15 @@ from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
+from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.pieces import Pieces, Real
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""
-THROUGH_SKIN = frozenset(
-    ("electrostatic_force_n", "peak_force_n", "friction_force_n", "skin_displacement_m", "slip_events_s", "channels_db",
-     "sensation_db", "sliding_sensation_db")
-)  # fmt: skip
-"""Outputs of which a skin changes the course."""
 VACUUM_F_PER_M = 8.8541878128e-12
 
 
@@ -67,6 +64,22 @@ def n_samples(scene: Surroundings, error: float) -> int:
     square, linear = _terms(scene)
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
     return min(max(FEWEST, ceil(duration_s / step_s) + 1), MOST)
+
+
+def per_sample(n_operations: float) -> Callable[[Demand], Size]:
+    """The size of a stage that does as many operations with each sample of the record."""
+    return lambda demand: Size(n_operations=n_operations * demand.once(samples))
+
+
+def samples(demand: Demand) -> int:
+    """Samples of the record of a scene."""
+    return n_samples(demand, demand.error)
+
+
+def record(demand: Demand) -> Size:
+    """The size of the sampling itself."""
+    n = demand.once(samples)
+    return Size({"n_samples": n}, chord_error(demand, n), float(n))
 
 
 def chord_error(scene: Surroundings, n: int) -> float:
@@ -140,9 +153,9 @@ def _swing_rad_per_s(scene: Surroundings) -> float:
 
 
 def _leak_per_s(scene: Surroundings) -> float:
-    """``1/tau`` of a leaky corneum, 0 of one without losses, or that no output is behind."""
+    """``1/tau`` of a leaky corneum, 0 of one without losses."""
     leakage, gap, skin = scene.find("leakage"), scene.find("gap"), scene.surface
-    if leakage is None or THROUGH_SKIN.isdisjoint(scene.outputs):
+    if leakage is None:
         return 0.0
     insulator_m: float = skin.insulator_thickness_m / skin.insulator_permittivity  # type: ignore[attr-defined]
     if gap is not None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.stimuli.scenes.chain import needed
 from tactometry.stimuli.scenes.compatibility import check_effects
-from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Touch
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import unit_of
 from tactometry.stimuli.scenes.stage import Setting, Stage
@@ -74,10 +75,12 @@ class Scene:
         InvalidParameter
             If an output is not to be had, or not so accurately, or the settings name no stage of the plan.
         """
-        rough = self._plan(Budget(self.accuracy))
+        unsized = self._unsized()
         self._check_outputs()
+        called_for = self._called_for(unsized)
+        rough = _sized(unsized, self._demand(called_for, self.accuracy))
         share = self.accuracy / max(1, sum(stage.error > 0 for stage in rough))
-        stages = rough if share == self.accuracy else self._plan(Budget(share))
+        stages = rough if share == self.accuracy else _sized(unsized, self._demand(called_for, share))
         for stage in stages:
             _check_kept(stage, share)
         given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
@@ -85,8 +88,8 @@ class Scene:
 
     def off(self) -> tuple[Effect, ...]:
         """Effects of the scene of which no output needs a stage."""
-        on = {stage.effect for stage in self._plan(Budget(self.accuracy))}
-        return tuple(effect for effect in self.effects if effect.kind not in on)
+        on = self._called_for(self._unsized())
+        return tuple(effect for effect in self.effects if effect not in on)
 
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
@@ -100,12 +103,22 @@ class Scene:
                     "unit in its name; remove it"
                 )
 
-    def _plan(self, budget: Budget) -> tuple[Stage, ...]:
-        ordered = sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot))
-        stages = [*self.surface.stages(self, budget)]
+    def _unsized(self) -> tuple[Stage, ...]:
+        """The stages that the outputs need, before any of them is asked for its settings."""
+        ordered = tuple(sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot)))
+        demand = self._demand(ordered, self.accuracy)
+        stages = [*self.surface.stages(demand)]
         for effect in ordered:
-            stages += self.surface.stages_of(effect, self, budget)
+            stages += self.surface.stages_of(effect, demand)
         return needed(self.outputs, stages, self.surface.given, self.surface.cures)
+
+    def _called_for(self, stages: Sequence[Stage]) -> tuple[Effect, ...]:
+        """The effects that have a stage among these."""
+        on = {stage.effect for stage in stages}
+        return tuple(effect for effect in self.effects if effect.kind in on)
+
+    def _demand(self, effects: tuple[Effect, ...], error: float) -> Demand:
+        return Demand(self.surface, effects, self.outputs, self.contacts, error)
 
     def _overridden(self, stages: Sequence[Stage]) -> Sequence[Stage]:
         by_name = {stage.name: stage for stage in stages}
@@ -116,6 +129,10 @@ class Scene:
                 _check_known(where, key, list(chosen), f"setting of {name}")
                 _check_like(where, settings[key], chosen[key])
         return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
+
+
+def _sized(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:
+    return [stage.sized(demand) for stage in stages]
 
 
 def _check_kept(stage: Stage, error: float) -> None:

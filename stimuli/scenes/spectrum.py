@@ -9,9 +9,9 @@ from collections.abc import Callable
 from math import log, pi, sin
 from typing import TYPE_CHECKING
 
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.sampling import n_samples
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.sampling import samples
+from tactometry.stimuli.scenes.stage import Size
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.pieces import Real
@@ -49,23 +49,13 @@ def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STE
     return next((padding for padding in fits if peak_error(padding, duration_s, steepest_db_per_hz) <= error), fits[-1])
 
 
-def spectrum_stage(
-    scene: Surroundings, budget: Budget, effect: str, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ
-) -> Stage:
-    """The components of friction, as finely as a threshold of that slope asks for."""
-    duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
-    n = n_samples(scene, budget.error)
-    padding = padding_for(budget.error, duration_s, steepest_db_per_hz, n)
-    return Stage(
-        "spectrum",
-        ("t_s", "friction_force_n"),
-        "components",
-        f"{__name__}:components_of",
-        {"padding": padding},
-        error=peak_error(padding, duration_s, steepest_db_per_hz),
-        n_operations=300.0 * padding * n,
-        effect=effect,
-    )
+def size(demand: Demand, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> Size:
+    """How finely the components of friction are read off, for a threshold of that slope."""
+    duration_s: float = demand.surface.duration_s  # type: ignore[attr-defined]
+    n = demand.once(samples)
+    padding = padding_for(demand.error, duration_s, steepest_db_per_hz, n)
+    error = peak_error(padding, duration_s, steepest_db_per_hz)
+    return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
 
 
 def components_of(padding: int) -> "Callable[[Real, Real], Components]":

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from tactometry.stimuli.scenes.plan import Plan
     from tactometry.stimuli.scenes.result import Result
 
-FILM_ACCURACY = 0.05
+FILM_ACCURACY = 0.1
 
 
 @click.command(epilog="Example: tactometry scene electrovibration-panel --explain")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ class AirGap:
     def __post_init__(self) -> None:
         require.positive("AirGap", gap_m=self.gap_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         return (Stage("air_gap", ("skin",), "skin", f"{__name__}:parted", {"gap_m": self.gap_m}, effect=self.kind),)
 
 

@@ -6,8 +6,9 @@ from math import inf, log10
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -36,24 +37,22 @@ class AirborneSound:
     def __post_init__(self) -> None:
         require.positive("AirborneSound", distance_m=self.distance_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
-        lost = remainder(scene) ** 2 * surface.band_max_hz / AUDIBLE_MAX_HZ
-        ratio = max(FEWEST_MORE, (1.01 * lost / budget.error) ** (1 / 3))
-        modes_to_hz = ratio * AUDIBLE_MAX_HZ
-        n = n_modes(scene, modes_to_hz) * n_frequencies_of_sound(scene)
-        sound = Stage(
-            "airborne_sound",
-            ("screen", "emission"),
-            "level_at_1v_dba",
-            f"{__name__}:heard",
-            {"modes_to_hz": modes_to_hz, "distance_m": self.distance_m},
-            error=lost / ratio**3,
-            n_operations=n * (0.2 * surface.n_transducers + 30),
-            effect=self.kind,
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
+        made, raised = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")
+        return (
+            Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:heard", effect=self.kind, size=self._size),
+            Stage("sound_level", raised, "sound_level_dba", f"{__name__}:raised", effect=self.kind),
         )
-        needs = ("level_at_1v_dba", "voltage_v")
-        return sound, Stage("sound_level", needs, "sound_level_dba", f"{__name__}:raised", effect=self.kind)
+
+    def _size(self, demand: Demand) -> Size:
+        surface: Any = demand.surface
+        lost = remainder(demand) ** 2 * surface.band_max_hz / AUDIBLE_MAX_HZ
+        ratio = max(FEWEST_MORE, (1.01 * lost / demand.error) ** (1 / 3))
+        modes_to_hz = ratio * AUDIBLE_MAX_HZ
+        n = n_modes(demand, modes_to_hz) * n_frequencies_of_sound(demand)
+        settings = {"modes_to_hz": modes_to_hz, "distance_m": self.distance_m}
+        return Size(settings, lost / ratio**3, n * (0.2 * surface.n_transducers + 30))
 
 
 def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission], float]":

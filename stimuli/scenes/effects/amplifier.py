@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ class Amplifier:
     def __post_init__(self) -> None:
         require.positive("Amplifier", cutoff_hz=self.cutoff_hz, order=self.order)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"cutoff_hz": self.cutoff_hz, "order": self.order}
         return (
             Stage("amplifier_in", ("learnt",), "learnt", f"{__name__}:heard_through", settings, effect=self.kind),

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ class Attenuation:
         require.positive("Attenuation", tau_s=self.tau_s, reference_hz=self.reference_hz)
         require.not_negative("Attenuation", exponent=self.exponent)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"tau_s": self.tau_s, "exponent": self.exponent, "reference_hz": self.reference_hz}
         return (Stage("attenuation", ("screen",), "screen", f"{__name__}:damped", settings, effect=self.kind),)
 

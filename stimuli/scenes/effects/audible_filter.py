@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ class AudibleFilter:
     def __post_init__(self) -> None:
         require.positive("AudibleFilter", cutoff_hz=self.cutoff_hz, flank_hz=self.flank_hz)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"cutoff_hz": self.cutoff_hz, "flank_hz": self.flank_hz}
         return (Stage("audible_filter", ("learnt",), "learnt", f"{__name__}:silenced", settings, effect=self.kind),)
 

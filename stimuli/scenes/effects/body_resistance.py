@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.stimuli.scenes.circuit import circuit_stage
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -31,7 +31,8 @@ class BodyResistance:
     def __post_init__(self) -> None:
         require.positive("BodyResistance", resistance_ohm=self.resistance_ohm)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         body = Stage(
             "body_resistance",
             ("skin",),
@@ -40,7 +41,7 @@ class BodyResistance:
             {"resistance_ohm": self.resistance_ohm},
             effect=self.kind,
         )
-        return body, circuit_stage(scene, budget, self.kind)
+        return body, circuit_stage(self.kind)
 
 
 def in_series(resistance_ohm: float) -> "Callable[[Skin], Skin]":

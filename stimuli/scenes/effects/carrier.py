@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ class Carrier:
         require.positive("Carrier", carrier_hz=self.carrier_hz)
         require.one_of("Carrier.modulation", self.modulation, get_args(Modulation))
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"carrier_hz": self.carrier_hz, "modulation": self.modulation}
         return (Stage("carrier", ("waveform",), "waveform", f"{__name__}:carried", settings, effect=self.kind),)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 
@@ -29,8 +29,7 @@ class ContactArea:
         require.positive("ContactArea", area_at_1n_m2=self.area_at_1n_m2)
         require.not_negative("ContactArea", exponent=self.exponent)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {
             "area_at_1n_m2": self.area_at_1n_m2,
             "exponent": self.exponent,

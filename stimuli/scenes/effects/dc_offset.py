@@ -6,8 +6,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.offset import Waveform, WithOffset
@@ -35,15 +36,18 @@ class DcOffset:
                 "the effect out"
             )
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
-        if not scene.surface.ramp_s:  # type: ignore[attr-defined]
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
+        target = f"{__name__}:shifted"
+        return (Stage("dc_offset", ("waveform",), "waveform", target, effect=self.kind, size=self._size),)
+
+    def _size(self, demand: Demand) -> Size:
+        if not demand.surface.ramp_s:  # type: ignore[attr-defined]
             raise InvalidParameter(
                 "dc_offset: found a constant that is switched on at once (ramp_s = 0), expected ramps; give the "
                 "surface a ramp_s above 0"
             )
-        settings = {"ratio": self.ratio}
-        return (Stage("dc_offset", ("waveform",), "waveform", f"{__name__}:shifted", settings, effect=self.kind),)
+        return Size({"ratio": self.ratio})
 
 
 def shifted(ratio: float) -> "Callable[[Waveform], WithOffset]":

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 from tactometry.stimuli.scenes.time_reversal.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -35,34 +36,30 @@ class DriveEnergy:
     def __post_init__(self) -> None:
         require.positive("DriveEnergy", capacitance_f=self.capacitance_f)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
-        lost = 4 * remainder(scene) ** 2
-        ratio = max(4.0, 1.01 * lost / budget.error)
-        static_to_hz = ratio * surface.band_max_hz
-        if n_modes(scene, static_to_hz) > MOST_MODES and "energy_j" in scene.outputs:
-            raise InvalidParameter(
-                f"energy_j: found an error of {budget.error:.2g} left, which takes {n_modes(scene, static_to_hz):.2g} "
-                f"modes, expected at most {MOST_MODES:.2g}; loosen the accuracy"
-            )
-        strain = Stage(
-            "strain_energy",
-            ("motion",),
-            "energy_at_1v_j",
-            f"{__name__}:strained",
-            {"static_to_hz": static_to_hz},
-            error=lost / ratio,
-            n_operations=4.0 * n_modes(scene, static_to_hz) * surface.n_transducers,
-            effect=self.kind,
-        )
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         switching = {"capacitance_f": self.capacitance_f}
-        draws = Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", switching, effect=self.kind)
+        strained, drawn = f"{__name__}:strained", f"{__name__}:drawn"
         return (
-            strain,
+            Stage("strain_energy", ("motion",), "energy_at_1v_j", strained, effect=self.kind, size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            draws,
+            Stage("switching", ("emission",), "power_at_1v_w", drawn, switching, effect=self.kind),
             _squared("power", "power_at_1v_w", "power_w"),
         )
+
+
+def _strain_size(demand: Demand) -> Size:
+    surface: Any = demand.surface
+    lost = 4 * remainder(demand) ** 2
+    ratio = max(4.0, 1.01 * lost / demand.error)
+    static_to_hz = ratio * surface.band_max_hz
+    n = n_modes(demand, static_to_hz)
+    if n > MOST_MODES:
+        raise InvalidParameter(
+            f"energy_j: found an error of {demand.error:.2g} left, which takes {n:.2g} modes, expected at most "
+            f"{MOST_MODES:.2g}; loosen the accuracy"
+        )
+    return Size({"static_to_hz": static_to_hz}, lost / ratio, 4.0 * n * surface.n_transducers)
 
 
 def _squared(name: str, at_1v: str, gives: str) -> Stage:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ class DryFriction:
                 f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
             )
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"static": self.static, "kinetic": self.kinetic}
         return (Stage("friction_law", (), "friction_law", f"{__name__}:law", settings, effect=self.kind),)
 

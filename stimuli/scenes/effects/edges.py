@@ -11,8 +11,9 @@ from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.plate import Plate
@@ -49,16 +50,19 @@ class Edges:
                 "the effect out"
             )
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        error = self.error(scene)
-        if error > budget.error:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
+        return (Stage("edges", ("plate",), "plate", f"{__name__}:held", effect=self.kind, size=self._size),)
+
+    def _size(self, demand: Demand) -> Size:
+        error = self.error(demand)
+        if error > demand.error:
             raise InvalidParameter(
-                f"accuracy: found an error of {budget.error:.2g} left for modes of edges {self.boundary}, "
+                f"accuracy: found an error of {demand.error:.2g} left for modes of edges {self.boundary}, "
                 f"expected at least {error:.2g}, which their polynomials have; loosen the accuracy, shorten "
                 "reversal_s, or remove 'edges'"
             )
-        settings = {"boundary": self.boundary}
-        return (Stage("edges", ("plate",), "plate", f"{__name__}:held", settings, error=error, effect=self.kind),)
+        return Size({"boundary": self.boundary}, error)
 
     @property
     def singular(self) -> bool:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.sampling import per_sample
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 class FingerDynamics:
     """Mass and stiffness as published per sliding speed; the damping is an unverified choice.
 
-    With `friction` the finger slides all the time, with `dry_friction` it sticks and slips.
+    With `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it
+    sticks and slips.
 
     >>> FingerDynamics().slot
     'dynamics'
@@ -39,11 +40,11 @@ class FingerDynamics:
         >>> round(FingerDynamics().natural_rad_per_s)
         354
         """
-        from tactometry.stimuli.electrovibration.finger import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
+        from tactometry.stimuli.electrovibration.pad import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 
         return sqrt(STIFFNESS_N_S_PER_M2 / MASS_KG_PER_M_PER_S)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         friction, touch = scene.find("friction"), scene.contacts[0]
         sticks = friction is not None and friction.kind == "dry_friction"
         settings = {"force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
@@ -53,8 +54,8 @@ class FingerDynamics:
             "motion",
             f"{__name__}:{'sticking' if sticks else 'slipping'}",
             settings,
-            n_operations=(500.0 if sticks else 250.0) * n_samples(scene, budget.error),
             effect=self.kind,
+            size=per_sample(500.0 if sticks else 250.0),
         )
         return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)))
 
@@ -67,7 +68,7 @@ def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
             ("stretch_m", "skin_displacement_m"),
             ("events_s", "slip_events_s"),
         )
-    return ("lateral_n", "friction_force_n"), ("deflection_m", "skin_displacement_m")
+    return (("deflection_m", "skin_displacement_m"),)  # in full slip friction knows no motion
 
 
 def _read(name: str, quantity: str) -> Stage:

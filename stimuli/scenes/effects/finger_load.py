@@ -6,9 +6,10 @@ from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Setting, Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import cut, n_frequencies, n_modes
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Setting, Size, Stage
+from tactometry.stimuli.scenes.time_reversal.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.time_reversal.contact import FloatArray, Numbers
@@ -43,18 +44,17 @@ class FingerLoad:
         require.not_negative("FingerLoad", **vars(self))
         require.positive("FingerLoad", load=self.resistance_n_s_per_m + self.mass_kg + self.stiffness_n_per_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        settings = self._settings(scene)
-        place = {"x_m": settings["x_m"], "y_m": settings["y_m"]}
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        x_m, y_m = zip(*self.places_m(scene), strict=True)
+        place: dict[str, Setting] = {"x_m": x_m, "y_m": y_m}
         return (
             Stage(
                 "finger_load",
                 ("motion",),
                 "motion",
                 f"{__name__}:borne",
-                settings,
-                n_operations=self._n_operations(scene, budget),
                 effect=self.kind,
+                size=self._size,
             ),
             Stage(
                 "contacts",
@@ -111,9 +111,10 @@ class FingerLoad:
         far = (surface.plate.modal_density_s * surface.band_max_hz) ** 0.5 if away and read else 1.0
         return float(far * (2.0 if "contact_force_n" in scene.outputs else 1.0))
 
-    def _n_operations(self, scene: Surroundings, budget: Budget) -> float:
-        found = cut(scene, budget.error)
-        return 60.0 * len(self.at_rest(scene)) * n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
+    def _size(self, demand: Demand) -> Size:
+        found = demand.once(cut_of)
+        moved = n_modes(demand, found.modes_to_hz) * n_frequencies(demand, found)
+        return Size(self._settings(demand), n_operations=60.0 * len(self.at_rest(demand)) * moved)
 
     def _settings(self, scene: Surroundings) -> dict[str, Setting]:
         x_m, y_m = zip(*self.places_m(scene), strict=True)

@@ -6,7 +6,7 @@ from math import sqrt
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -41,8 +41,7 @@ class Foci:
         """How many foci there are with that of the surface."""
         return len(self.x_m) + 1
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface: Any = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
         return (

@@ -6,7 +6,7 @@ from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -34,8 +34,7 @@ class FocusDetection:
     def __post_init__(self) -> None:
         require.positive("FocusDetection", reference_m=self.reference_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         loaded = scene.find("load") is not None
         needs = ("t_s", "per_volt_contacts" if loaded else "per_volt_course")
         target = f"{__name__}:{'under_finger' if loaded else 'felt'}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -36,8 +36,7 @@ class ForceLaw:
     def __post_init__(self) -> None:
         require.one_of("ForceLaw.law", self.law, get_args(Law))
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         self._check_terms(scene)
         needs, target = ("skin", "area_m2"), f"{__name__}:form"
         return (Stage("force_law", needs, "form", target, {"law": self.law}, effect=self.kind),)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ class Friction:
     def __post_init__(self) -> None:
         require.not_negative("Friction", coefficient=self.coefficient)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         law = {"coefficient": self.coefficient, "load_exponent": self.load_exponent}
         settings = {**law, "force_n": scene.contacts[0].force_n}
         return (

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.sampling import n_samples
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.sampling import per_sample
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class FrictionLag:
             "FrictionLag", slope_hz_per_m_per_s=self.slope_hz_per_m_per_s, intercept_hz=self.intercept_hz
         )
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         touch = scene.contacts[0]
         settings = {
             "slope_hz_per_m_per_s": self.slope_hz_per_m_per_s,
@@ -54,8 +54,8 @@ class FrictionLag:
                 "friction_force_n",
                 f"{__name__}:lagging",
                 settings,
-                n_operations=280.0 * n_samples(scene, budget.error),
                 effect=self.kind,
+                size=per_sample(280.0),
             ),
         )
 

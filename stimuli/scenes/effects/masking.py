@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 
@@ -30,8 +30,8 @@ class Masking:
     def __post_init__(self) -> None:
         require.positive("Masking", level_db_re_threshold=self.level_db_re_threshold, slope=self.slope)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"elevation_db": self.slope * self.level_db_re_threshold}
         return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:masked", settings, effect=self.kind),)
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.time_reversal.map import FloatArray
@@ -37,43 +38,53 @@ class Movie:
         if self.n_frames < 2:
             raise InvalidParameter(f"Movie.n_frames: found {self.n_frames}, expected at least 2")
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
-        self._check_span(surface)
-        n_x, n_y = surface.grid(scene, budget.error)
-        n_numbers = float(self.n_frames * n_x * n_y)
-        if n_numbers > MOST_NUMBERS and "movie_m" in scene.outputs:
-            raise InvalidParameter(
-                f"movie: found {self.n_frames} frames of {n_x} x {n_y} points, expected at most {MOST_NUMBERS:.2g} "
-                "numbers; loosen the accuracy or lower n_frames"
-            )
-        times = {"n_frames": self.n_frames, "span_s": self.span_s}
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         return (
             Stage(
                 "frames",
                 (),
                 "frames_s",
                 "tactometry.stimuli.scenes.time_reversal.map:frame_times",
-                times,
                 effect=self.kind,
+                size=self._frames_size,
             ),
             Stage(
                 "movie",
                 ("motion", "frames_s", "x_m", "y_m"),
                 "per_volt_movie",
                 f"{__name__}:drawn",
-                n_operations=100 * n_numbers,
                 effect=self.kind,
+                size=self._movie_size,
             ),
             Stage(
                 "movie_at_voltage",
                 ("per_volt_movie", "voltage_v"),
                 "movie_m",
                 "tactometry.stimuli.scenes.surfaces.time_reversal:multiplied",
-                n_operations=n_numbers,
                 effect=self.kind,
+                size=lambda demand: Size(n_operations=float(self._n_numbers(demand))),
             ),
         )
+
+    def _frames_size(self, demand: Demand) -> Size:
+        self._check_span(demand.surface)
+        return Size({"n_frames": self.n_frames, "span_s": self.span_s})
+
+    def _movie_size(self, demand: Demand) -> Size:
+        surface: Any = demand.surface
+        return Size(error=surface.grid_error(demand), n_operations=100.0 * self._n_numbers(demand))
+
+    def _n_numbers(self, demand: Demand) -> int:
+        surface: Any = demand.surface
+        n_x, n_y = demand.once(surface.grid)
+        n_numbers: int = self.n_frames * n_x * n_y
+        if n_numbers > MOST_NUMBERS:
+            raise InvalidParameter(
+                f"movie: found {self.n_frames} frames of {n_x} x {n_y} points, expected at most {MOST_NUMBERS:.2g} "
+                "numbers; loosen the accuracy or lower n_frames"
+            )
+        return n_numbers
 
     def _check_span(self, surface: Any) -> None:
         longest_s = 2 * min(surface.reversal_s, surface.after_s)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.plate import Plate
@@ -33,9 +34,12 @@ class Patches:
     def __post_init__(self) -> None:
         require.positive("Patches", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
-        surface: Any = scene.surface
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
+        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", effect=self.kind, size=self._size),)
+
+    def _size(self, demand: Demand) -> Size:
+        surface: Any = demand.surface
         if self.side_m > 2 * surface.inset_m:
             raise InvalidParameter(
                 f"patches: found a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}, expected "
@@ -47,7 +51,7 @@ class Patches:
             "side_m": self.side_m,
             "moment_n_per_v": self.moment_n_per_v,
         }
-        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", settings, effect=self.kind),)
+        return Size(settings)
 
 
 def bonded(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ class Polarity:
     def __post_init__(self) -> None:
         require.not_negative("Polarity", positive_share=self.positive_share)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         needs = ("electrostatic_force_n", "layer_voltage_v")
         settings = {"positive_share": self.positive_share}
         return (Stage("polarity", needs, "electrostatic_force_n", f"{__name__}:weighted", settings, effect=self.kind),)

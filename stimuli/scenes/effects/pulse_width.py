@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ class PulseWidth:
     def __post_init__(self) -> None:
         require.positive("PulseWidth", carrier_hz=self.carrier_hz, scale=self.scale)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         rate_hz: float = scene.surface.rate_hz  # type: ignore[attr-defined]
         if 4 * self.carrier_hz > rate_hz:
             raise InvalidParameter(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.spectrum import spectrum_stage
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.pieces import Real
@@ -37,13 +37,22 @@ class Receptors:
     def __post_init__(self) -> None:
         require.positive("Receptors", reference_force_n=self.reference_force_n)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"reference_force_n": self.reference_force_n}
+        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.spectrum:components_of"
         return (
-            spectrum_stage(scene, budget, self.kind, STEEPEST_DB_PER_HZ),
+            Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum),
             Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings, effect=self.kind),
             Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest", effect=self.kind),
         )
+
+
+def fine_spectrum(demand: Demand) -> Size:
+    """Components as finely as the steepest channel asks for."""
+    from tactometry.stimuli.scenes.spectrum import size
+
+    return size(demand, STEEPEST_DB_PER_HZ)
 
 
 def levels(reference_force_n: float) -> "Callable[[Components], Real]":

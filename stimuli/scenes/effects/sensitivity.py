@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
-from tactometry.stimuli.scenes.spectrum import spectrum_stage
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
     from tactometry.stimuli.perception.detection import Components
@@ -35,11 +35,20 @@ class Sensitivity:
     def __post_init__(self) -> None:
         require.positive("Sensitivity", reference_force_n=self.reference_force_n)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        spectrum = spectrum_stage(scene, budget, self.kind)
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
+        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.spectrum:components_of"
+        spectrum = Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum)
         settings = {"reference_force_n": self.reference_force_n}
         level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings, effect=self.kind)
         return spectrum, level
+
+
+def fine_spectrum(demand: Demand) -> Size:
+    """Components as finely as the threshold asks for."""
+    from tactometry.stimuli.scenes.spectrum import size
+
+    return size(demand)
 
 
 def level(reference_force_n: float) -> "Callable[[Components], float]":

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -31,8 +31,8 @@ class Shear:
     def __post_init__(self) -> None:
         require.positive("Shear", factor=self.factor)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"factor": self.factor}
         return (Stage("shear", ("screen",), "screen", f"{__name__}:sheared", settings, effect=self.kind),)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ class SigmaDelta:
             raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
         require.positive("SigmaDelta", scale=self.scale)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         settings = {"order": self.order, "scale": self.scale}
         return (Stage("sigma_delta", (), "quantiser", f"{__name__}:rule", settings, effect=self.kind),)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.stimuli.scenes.circuit import circuit_stage
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -31,7 +31,8 @@ class SkinLeakage:
     def __post_init__(self) -> None:
         require.positive("SkinLeakage", corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         leaking = Stage(
             "skin_leakage",
             ("skin",),
@@ -40,7 +41,7 @@ class SkinLeakage:
             {"corneum_resistivity_ohm_m": self.corneum_resistivity_ohm_m},
             effect=self.kind,
         )
-        return leaking, circuit_stage(scene, budget, self.kind)
+        return leaking, circuit_stage(self.kind)
 
 
 def leaking(corneum_resistivity_ohm_m: float) -> "Callable[[Skin], Skin]":

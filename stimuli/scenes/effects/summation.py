@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ class Summation:
     def __post_init__(self) -> None:
         require.positive("Summation", reference_m2=self.reference_m2)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del scene, budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        del scene
         needs, settings = ("channels_db", "area_m2"), {"reference_m2": self.reference_m2}
         return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings, effect=self.kind),)
 

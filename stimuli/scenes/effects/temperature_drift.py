@@ -6,7 +6,7 @@ from math import isfinite, pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -40,8 +40,7 @@ class TemperatureDrift:
                     "leave the effect out"
                 )
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface: Any = scene.surface
         learning = {name: getattr(surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
         settings = {"kelvin": self.kelvin, "shift_per_k": self.shift_per_k, **learning}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Surroundings
+from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ class Texture:
     def __post_init__(self) -> None:
         require.positive("Texture", period_m=self.period_m)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        del budget
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"frequency_hz": self.frequency_hz(scene)}
         needs, target = ("unit_voltage",), f"{__name__}:met"
         return (Stage("texture", needs, "unit_voltage", target, settings, effect=self.kind),)

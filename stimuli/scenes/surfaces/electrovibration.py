@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry import require
 from tactometry.stimuli.scenes.circuit import divider_stage
-from tactometry.stimuli.scenes.effect import Budget, Effect, Surroundings
-from tactometry.stimuli.scenes.sampling import chord_error, n_samples
+from tactometry.stimuli.scenes.effect import Effect
+from tactometry.stimuli.scenes.sampling import per_sample, record
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from tactometry.stimuli.electrovibration.offset import Waveform
     from tactometry.stimuli.electrovibration.pieces import Pieces, Real
     from tactometry.stimuli.electrovibration.skin import Skin
+    from tactometry.stimuli.scenes.demand import Demand
 
 
 @dataclass(frozen=True)
@@ -73,46 +74,38 @@ class Electrovibration:
         require.positive("Electrovibration", **values)
         require.not_negative("Electrovibration", ramp_s=self.ramp_s)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        n = n_samples(scene, budget.error)
+    def stages(self, scene: "Demand") -> tuple[Stage, ...]:
+        del scene
         return (
             Stage("waveform", (), "waveform", f"{__name__}:tone", self._tone()),
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
             Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
             Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
-            Stage(
-                "sampling",
-                ("unit_voltage",),
-                "t_s",
-                "tactometry.stimuli.scenes.sampling:grid",
-                {"n_samples": n},
-                error=chord_error(scene, n),
-                n_operations=float(n),
-            ),
-            Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", n_operations=700.0 * n),
+            Stage("sampling", ("unit_voltage",), "t_s", "tactometry.stimuli.scenes.sampling:grid", size=record),
+            Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", size=per_sample(700.0)),
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
-            divider_stage(scene, budget),
+            divider_stage(),
             Stage(
                 "layer_voltage",
                 ("unit_layer_voltage_v", "peak_voltage_v"),
                 "layer_voltage_v",
                 f"{__name__}:multiplied",
-                n_operations=float(n),
+                size=per_sample(1.0),
             ),
             Stage(
                 "attraction",
                 ("layer_voltage_v", "form"),
                 "electrostatic_force_n",
                 f"{__name__}:attraction",
-                n_operations=3.0 * n,
+                size=per_sample(3.0),
             ),
-            Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", n_operations=float(n)),
+            Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", size=per_sample(1.0)),
         )
 
-    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
         """The stages of an effect, as it brings them."""
-        return effect.stages(scene, budget)
+        return effect.stages(scene)
 
     def _tone(self) -> dict[str, float]:
         return {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}

@@ -1,12 +1,13 @@
 """Both on one plate at once: a focus by time reversal, and electrovibration under a finger that slides."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Effect, Surface, Surroundings, Touch
-from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Effect, Touch
+from tactometry.stimuli.scenes.stage import Size, Stage
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 
@@ -14,22 +15,6 @@ SLIDING = "sliding_"
 """In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
 OF_BOTH = ("t_s", "motion", "sensation_db")
 ELECTRODE_V = "electrode_voltage_v"
-
-
-@dataclass(frozen=True)
-class Part:
-    """What of a hybrid scene one of its surfaces looks at."""
-
-    scene: Surroundings
-    surface: Surface
-    contacts: tuple[Touch, ...]
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        return self.scene.outputs
-
-    def find(self, slot: str) -> Effect | None:
-        return self.scene.find(slot)
 
 
 @dataclass(frozen=True)
@@ -63,24 +48,36 @@ class Hybrid:
     electrovibration: Electrovibration
     time_reversal: TimeReversal = field(default_factory=TimeReversal)
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        slides, rests = self._sliding(scene), self._resting(scene)
-        panel = (_renamed(stage) for stage in self.electrovibration.stages(slides, budget))
-        return (*self.time_reversal.stages(rests, budget), *panel)
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        plate = self.time_reversal.stages(self._resting(scene))
+        panel = self.electrovibration.stages(self._sliding(scene))
+        return (*self._on(plate, self._resting), *map(_renamed, self._on(panel, self._sliding)))
 
-    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
         """The stages of an effect, on the side where it acts."""
         if effect.slot in TimeReversal.order:
-            return effect.stages(self._resting(scene), budget)
-        return tuple(_renamed(stage) for stage in effect.stages(self._sliding(scene), budget))
+            return self._on(effect.stages(self._resting(scene)), self._resting)
+        return tuple(map(_renamed, self._on(effect.stages(self._sliding(scene)), self._sliding)))
 
-    def _sliding(self, scene: Surroundings) -> Part:
-        return Part(scene, self.electrovibration, tuple(touch for touch in scene.contacts if touch.slides))
+    def _on(self, stages: tuple[Stage, ...], side: Callable[[Demand], Demand]) -> tuple[Stage, ...]:
+        """Stages that are sized by what one side asks for."""
+        return tuple(
+            stage if stage.size is None else replace(stage, size=_of_side(stage.size, side)) for stage in stages
+        )
 
-    def _resting(self, scene: Surroundings) -> Part:
+    def _sliding(self, scene: Demand) -> Demand:
+        sliding = tuple(touch for touch in scene.contacts if touch.slides)
+        return replace(scene, surface=self.electrovibration, contacts=sliding)
+
+    def _resting(self, scene: Demand) -> Demand:
         _check_places(scene.contacts)
         touches = sorted(scene.contacts, key=lambda touch: touch.slides)
-        return Part(scene, self.time_reversal, tuple(replace(touch, speed_m_per_s=0.0) for touch in touches))
+        contacts = tuple(replace(touch, speed_m_per_s=0.0) for touch in touches)
+        return replace(scene, surface=self.time_reversal, contacts=contacts)
+
+
+def _of_side(size: Callable[[Demand], Size], side: Callable[[Demand], Demand]) -> Callable[[Demand], Size]:
+    return lambda demand: size(demand.once(side))
 
 
 def _check_places(contacts: tuple[Touch, ...]) -> None:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Budget, Effect, Surroundings
-from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import Cut, cut, n_frequencies, n_modes
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Effect, Surroundings
+from tactometry.stimuli.scenes.stage import Size, Stage
+from tactometry.stimuli.scenes.time_reversal.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
     from tactometry.stimuli.time_reversal.plate import Plate
@@ -117,18 +118,13 @@ class TimeReversal:
         """How far an emission is followed outside of itself when it is limited to the band."""
         return MARGIN_FLANKS / self.flank_hz
 
-    def stages(self, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
-        found = cut(scene, budget.error)
-        return (
-            *self._emission(),
-            *self._motion(scene, found),
-            *self._courses(scene, found, budget),
-            *self._map(scene, found, budget),
-        )
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        del scene
+        return (*self._emission(), *self._motion(), *self._courses(), *self._map())
 
-    def stages_of(self, effect: Effect, scene: Surroundings, budget: Budget) -> tuple[Stage, ...]:
+    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
         """The stages of an effect, as it brings them."""
-        return effect.stages(scene, budget)
+        return effect.stages(scene)
 
     def _emission(self) -> tuple[Stage, ...]:
         learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
@@ -149,65 +145,66 @@ class TimeReversal:
             Stage("band", ("emission",), "in_band", f"{EMISSION}:in_band", band, n_operations=200 * n_samples),
         )
 
-    def _motion(self, scene: Surroundings, found: Cut) -> tuple[Stage, ...]:
-        modes, n = n_modes(scene, found.modes_to_hz), n_frequencies(scene, found)
+    def _motion(self) -> tuple[Stage, ...]:
+        read = f"{MOTION}:focus_value"
+        return (
+            Stage("motion", ("screen", "in_band"), "motion", f"{MOTION}:driven", size=self._motion_size),
+            Stage("instant", ("motion", "foci_m"), "per_volt_peaks", read, size=_per_moved(4.0)),
+            Stage("peak", ("per_volt_peaks", "voltage_v"), "peak_m", f"{__name__}:first_magnitude"),
+        )
+
+    def _motion_size(self, demand: Demand) -> Size:
+        found = demand.once(cut_of)
         settings = {
             "modes_to_hz": found.modes_to_hz,
             "static_to_hz": found.static_to_hz,
             "heard_to_hz": found.heard_to_hz,
             "after_s": self.after_s,
         }
-        return (
-            Stage(
-                "motion",
-                ("screen", "in_band"),
-                "motion",
-                f"{MOTION}:driven",
-                settings,
-                error=found.error,
-                n_operations=modes * n * (PRODUCT * self.n_transducers + DIVISION),
-            ),
-            Stage(
-                "instant", ("motion", "foci_m"), "per_volt_peaks", f"{MOTION}:focus_value", n_operations=4 * modes * n
-            ),
-            Stage("peak", ("per_volt_peaks", "voltage_v"), "peak_m", f"{__name__}:first_magnitude"),
-        )
+        work = demand.once(_moved) * (PRODUCT * self.n_transducers + DIVISION)
+        return Size(settings, found.error, work)
 
-    def _courses(self, scene: Surroundings, found: Cut, budget: Budget) -> tuple[Stage, ...]:
-        step_rad = 2 * pi * self.band_max_hz / self.rate_hz
-        factor = ceil(step_rad / sqrt(8 * budget.error))
-        n = n_frequencies(scene, found) * self.rate_hz / found.heard_to_hz * factor
-        sampling = {"factor": factor}
+    def _courses(self) -> tuple[Stage, ...]:
         needs = ("motion", "foci_m", "oversampling")
         return (
-            Stage("sampling", (), "oversampling", f"{MOTION}:sampling", sampling, error=(step_rad / factor) ** 2 / 8),
+            Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
             Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:course_times"),
-            Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", n_operations=100 * n),
-            _times_voltage("focus_signal", "per_volt_course", "focus_displacement_m", n),
+            Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", size=_per_sample(100.0)),
+            _times_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
         )
 
-    def _map(self, scene: Surroundings, found: Cut, budget: Budget) -> tuple[Stage, ...]:
-        if {"field_m", "movie_m", "x_m", "y_m"}.isdisjoint(scene.outputs):
-            return ()
-        n_x, n_y = self.grid(scene, budget.error)
-        still = n_modes(scene, found.static_to_hz)
-        drawn = PRODUCT * 4 * sqrt(still) * n_x * n_y + 4.0 * still * self.n_transducers
-        step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
+    def _sampling_size(self, demand: Demand) -> Size:
+        factor = demand.once(_oversampling)
+        return Size({"factor": factor}, (self.step_rad / factor) ** 2 / 8)
+
+    @property
+    def step_rad(self) -> float:
+        """How far the top of the band turns in a sample."""
+        return 2 * pi * self.band_max_hz / self.rate_hz
+
+    def _map(self) -> tuple[Stage, ...]:
+        needs = ("motion", "x_m", "y_m")
         return (
-            Stage("grid_x", ("plate",), "x_m", f"{MAP}:along_x", {"n": n_x}),
-            Stage("grid_y", ("plate",), "y_m", f"{MAP}:along_y", {"n": n_y}),
-            Stage(
-                "field",
-                ("motion", "x_m", "y_m"),
-                "per_volt_field",
-                f"{MAP}:focus_field",
-                error=(self._wavenumber_rad_per_m(scene) * step_m) ** 2 / 8,
-                n_operations=drawn,
-            ),
-            _times_voltage("field_at_focus", "per_volt_field", "field_m", n_x * n_y),
+            Stage("grid_x", (), "x_m", f"{MAP}:along", {"side_m": self.length_m}, size=self._along(0)),
+            Stage("grid_y", (), "y_m", f"{MAP}:along", {"side_m": self.width_m}, size=self._along(1)),
+            Stage("field", needs, "per_volt_field", f"{MAP}:focus_field", size=self._field_size),
+            _times_voltage("field_at_focus", "per_volt_field", "field_m", self._per_point),
         )
 
-    def grid(self, scene: Surroundings, error: float) -> tuple[int, int]:
+    def _along(self, axis: int) -> Callable[[Demand], Size]:
+        return lambda demand: Size({"n": demand.once(self.grid)[axis]})
+
+    def _per_point(self, demand: Demand) -> Size:
+        n_x, n_y = demand.once(self.grid)
+        return Size(n_operations=float(n_x * n_y))
+
+    def _field_size(self, demand: Demand) -> Size:
+        n_x, n_y = demand.once(self.grid)
+        still = n_modes(demand, demand.once(cut_of).static_to_hz)
+        drawn = PRODUCT * 4 * sqrt(still) * n_x * n_y + 4.0 * still * self.n_transducers
+        return Size(error=self.grid_error(demand), n_operations=drawn)
+
+    def grid(self, demand: Demand) -> tuple[int, int]:
         """Points along both sides, for an error of straight lines between them.
 
         Raises
@@ -215,14 +212,20 @@ class TimeReversal:
         InvalidParameter
             If they are too many.
         """
-        step_m = sqrt(8 * error) / self._wavenumber_rad_per_m(scene)
+        step_m = sqrt(8 * demand.error) / self._wavenumber_rad_per_m(demand)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
         if n_x * n_y > MOST_POINTS:
             raise InvalidParameter(
-                f"field_m: found an error of {error:.2g} left for a grid, which takes {n_x} x {n_y} points, expected "
-                f"at most {MOST_POINTS:.2g} in all; loosen the accuracy or ask for focus_displacement_m"
+                f"field_m: found an error of {demand.error:.2g} left for a grid, which takes {n_x} x {n_y} points, "
+                f"expected at most {MOST_POINTS:.2g} in all; loosen the accuracy or ask for focus_displacement_m"
             )
         return n_x, n_y
+
+    def grid_error(self, demand: Demand) -> float:
+        """Of straight lines between the points, relative to the largest of a map."""
+        n_x, n_y = demand.once(self.grid)
+        step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
+        return (self._wavenumber_rad_per_m(demand) * step_m) ** 2 / 8
 
     def _wavenumber_rad_per_m(self, scene: Surroundings) -> float:
         """Of the shortest wave in the band."""
@@ -232,8 +235,36 @@ class TimeReversal:
         return sqrt(2 * pi * self.band_max_hz / self.plate.wave_constant_m2_per_s)
 
 
-def _times_voltage(name: str, per_volt: str, gives: str, n: float) -> Stage:
-    return Stage(name, (per_volt, "voltage_v"), gives, f"{__name__}:multiplied", n_operations=float(n))
+def _moved(demand: Demand) -> float:
+    """Numbers of the motion: modes that move, at every frequency."""
+    found = demand.once(cut_of)
+    return n_modes(demand, found.modes_to_hz) * n_frequencies(demand, found)
+
+
+def _oversampling(demand: Demand) -> int:
+    """How many times finer than the clock straight lines between samples must be."""
+    step_rad: float = demand.surface.step_rad  # type: ignore[attr-defined]
+    return ceil(step_rad / sqrt(8 * demand.error))
+
+
+def _per_moved(n_operations: float) -> Callable[[Demand], Size]:
+    return lambda demand: Size(n_operations=n_operations * demand.once(_moved))
+
+
+def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
+    """The size of a stage that does as many operations with each sample of a course."""
+
+    def size(demand: Demand) -> Size:
+        surface: Any = demand.surface
+        found, factor = demand.once(cut_of), demand.once(_oversampling)
+        n = n_frequencies(demand, found) * surface.rate_hz / found.heard_to_hz * factor
+        return Size(n_operations=n_operations * n)
+
+    return size
+
+
+def _times_voltage(name: str, per_volt: str, gives: str, size: Callable[[Demand], Size]) -> Stage:
+    return Stage(name, (per_volt, "voltage_v"), gives, f"{__name__}:multiplied", size=size)
 
 
 def first_magnitude() -> Callable[[Any, float], float]:

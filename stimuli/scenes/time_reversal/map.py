@@ -6,19 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.stimuli.scenes.time_reversal.motion import Motion
-from tactometry.stimuli.time_reversal.plate import Plate
 
 FloatArray = NDArray[np.float64]
 
 
-def along_x(n: int) -> Callable[[Plate], FloatArray]:
-    """Places along the length, from edge to edge."""
-    return lambda plate: np.linspace(0.0, plate.length_m, n)
-
-
-def along_y(n: int) -> Callable[[Plate], FloatArray]:
-    """Places along the width, from edge to edge."""
-    return lambda plate: np.linspace(0.0, plate.width_m, n)
+def along(side_m: float, n: int) -> Callable[[], FloatArray]:
+    """Places along a side, from edge to edge."""
+    return lambda: np.linspace(0.0, side_m, n)
 
 
 def focus_field() -> Callable[[Motion, FloatArray, FloatArray], FloatArray]:

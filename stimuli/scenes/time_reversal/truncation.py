@@ -17,6 +17,7 @@ from math import exp, hypot, inf, pi, sqrt
 from typing import Any
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
@@ -64,6 +65,11 @@ def remainder(scene: Surroundings) -> float:
     surface: Any = scene.surface
     tau_s = _effective_tau_s(scene)
     return _weakening(scene) * sqrt(2 / (pi * 2 * pi * surface.band_max_hz * tau_s))
+
+
+def cut_of(demand: Demand) -> Cut:
+    """The cut for the error that a stage may add; see `cut`."""
+    return cut(demand, demand.error)
 
 
 def cut(scene: Surroundings, error: float) -> Cut:
