@@ -19,6 +19,7 @@ from tactometry.analysis.column_map import ColumnMap, translated
 from tactometry.analysis.fast_text import plain_cells, plain_numbers
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.formats import ADDED
 from tactometry.rows import RESPONSES, TASKS, Rule
 
 REQUIRED = ("participant", "level", "task", "response")
@@ -34,9 +35,10 @@ NUMBERS = (
     "speed_target_m_per_s",
     "speed_mean_m_per_s",
     "standard_level",
+    "speed_in_band",
 )
 FLAGS = ("correct", "valid", "catch", "practice")
-WHOLE = ("session", "block", "trial", "attempt", "target")
+WHOLE = ("session", "block", "trial", "attempt", "target", "n_gaps")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 NUMBERED = frozenset({"same_different", "preference", "adjustment", "magnitude"})
 """Tasks whose answers are read as numbers by the rule that a data set's check has of them."""
@@ -76,7 +78,7 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
         If `within` names a column that is not there.
     """
     files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
-    tables = [_one_file(file, column_map or ColumnMap()) for file in files]
+    tables = _alike([_one_file(file, column_map or ColumnMap()) for file in files])
     headers = [list(table.columns) for table in tables]
     for file, header in zip(files, headers, strict=True):
         if header != headers[0]:
@@ -90,6 +92,19 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
         rows[name] = _factor_values(rows, name)
     factors = named if within else tuple(name for name in named if _is_filled(rows[name]))
     return Trials(rows, factors, path, len(files))
+
+
+def _alike(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
+    """Tables that were recorded before there were the columns `ADDED` get them, empty, beside later ones."""
+    fullest = max(tables, key=lambda table: len(ADDED.intersection(table.columns)))
+    return [_with_added(table, list(fullest.columns)) for table in tables]
+
+
+def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
+    missing = [name for name in header if name in ADDED and name not in table.columns]
+    if not missing or set(header) != {*table.columns, *missing}:
+        return table
+    return table.assign(**{name: np.nan if name in (*NUMBERS, *WHOLE) else "" for name in missing})[header]
 
 
 def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:

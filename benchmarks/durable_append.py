@@ -57,7 +57,9 @@ def timed(action, n: int) -> np.ndarray:
 
 def recorded(folder: Path) -> np.ndarray:
     study, toml = load("tutorial")
-    session = OpenSession(folder, wire(study, "tutorial").design(toml), Session("P01", 1, study.name), resume=False)
+    session = OpenSession(
+        folder, wire(study, "tutorial").design(toml), Session("P01", 1, study.name), "console", resume=False
+    )
     times_s = timed(lambda n: session.append(Record(trial(n + 1)), Done(float(n))), N_TRIALS)
     session.close()
     return times_s

@@ -13,6 +13,8 @@ TEXT = (
     "item",
     "item_b",
     "response",
+    "rig",
+    "invalid_reason",
 )
 SCRIPT = """# Reads trials.csv with its types. Written by tactometry export --to r.
 trials <- read.csv("trials.csv", na.strings = "NA", stringsAsFactors = FALSE,

@@ -2,11 +2,13 @@
 
 import secrets
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from tactometry.dataset import Design, OpenSession, Session
+from tactometry.dataset import OpenSession, Session
+from tactometry.description import Design
 from tactometry.errors import InvalidParameter
 from tactometry.event import EventLog, Fact
 from tactometry.experiments.wiring import Experiment
@@ -15,6 +17,7 @@ from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
 from tactometry.rigs.rig import Rig
 from tactometry.run import run
+from tactometry.sittings import differences
 
 
 @dataclass(frozen=True)
@@ -78,9 +81,16 @@ def simulated(experiment: Experiment, who: Who) -> RigKind:
 
 
 def record(
-    experiment: Experiment, study_toml: bytes, root: Path, who: Who, kind: RigKind, *, resume: bool = False
+    experiment: Experiment,
+    study_toml: bytes,
+    root: Path,
+    who: Who,
+    kind: RigKind,
+    *,
+    resume: bool = False,
+    tell: Callable[[str], None] = lambda sentence: None,
 ) -> Recorded:
-    """Record a session, or the rest of it.
+    """Record a session, or the rest of it; `tell` says what a person should know before it begins.
 
     Raises
     ------
@@ -91,17 +101,26 @@ def record(
     """
     design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
     number = who.counterbalancing_number
-    keeper = OpenSession(root, design, session, resume=resume)
+    keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
-        seed = _agreed(keeper.head, who, kind)
-        n_resumed, rig = keeper.n_trials, kind.make(seed, keeper)
-        if keeper.head is None:
-            keeper.begin(_head(design, who, seed, kind, rig))
-        course = experiment.course(who.participant, who.session, number, seed)
-        tracks = run(course, rig, keeper)
+        seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials
+        with closing(kind.make(seed, keeper)) as rig:
+            _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
+            course = experiment.course(who.participant, who.session, number, seed)
+            tracks = run(course, rig, keeper)
     finally:
         keeper.close()
     return Recorded(keeper.trials, keeper.n_trials, n_resumed, tracks, keeper.repaired)
+
+
+def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
+    """Write the head of a sitting, and tell what is not as it was in the last one."""
+    if keeper.complete:
+        return
+    changed = [phrase for last in keeper.sittings[-1:] for phrase in differences(last, head)]
+    if changed:
+        tell(f"this sitting is not as the last one: {'; '.join(changed)}")
+    keeper.begin(head)
 
 
 def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
@@ -120,7 +139,7 @@ def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
     return head.seed
 
 
-def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig) -> Head:
+def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig, keeper: OpenSession) -> Head:
     started = None if kind.simulated_time else datetime.now(UTC).isoformat(timespec="milliseconds")
     return Head(
         study=design.study,
@@ -134,4 +153,6 @@ def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig) -> Head:
         facts=rig.facts(),
         observer=kind.observer(seed),
         started_utc=started,
+        begun_s=keeper.replay.elapsed_s,
+        format=keeper.format,
     )

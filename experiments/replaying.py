@@ -10,8 +10,8 @@ from tactometry.experiments.validation import derived_csv, first_difference, n_r
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.journal import read
 from tactometry.provenance import sha256
-from tactometry.rigs.replay import Replay
 from tactometry.run import replay
+from tactometry.sittings import changes
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Replayed:
     journal: str
     n_trials: int
     complete: bool
+    changes: tuple[str, ...] = ()
 
 
 def replay_data_set(path: Path) -> list[Replayed]:
@@ -55,10 +56,9 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
-    recorded = Replay(recording.entries, str(journal), recording.lines)
-    replay(course, recorded, complete=recording.complete)
+    replay(course, recording.replay(str(journal)), complete=recording.complete)
     found = trials.read_bytes() if trials.is_file() else b""
-    row = first_difference(found, derived_csv(root, recording, experiment))
+    row = first_difference(found, derived_csv(recording, experiment))
     if row is not None:
         raise Diverged(f"{trials}, row {row}: found another row than the replayed session gives, expected the same")
-    return Replayed(journal.name, len(recording.trials), recording.complete)
+    return Replayed(journal.name, len(recording.trials), recording.complete, tuple(changes(recording.sittings)))

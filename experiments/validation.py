@@ -6,15 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tactometry.columns import Column
-from tactometry.dataset import Session, recorded_columns, sessions, trials_csv
+from tactometry.dataset import Session, sessions, trials_csv
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import Experiment, wire
+from tactometry.formats import ADDED, columns_in
 from tactometry.journal import Recording, read
 from tactometry.provenance import sha256
 from tactometry.rows import Defect, defects
+from tactometry.sittings import changes
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -88,7 +89,8 @@ def _description(root: Path) -> Iterator[Defect]:
     for key in (*wrong, *missing):
         yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
     for file in _csv_files(root):
-        for column in sorted(set(_header(file)) ^ described):
+        header = set(_header(file))
+        for column in sorted(header - described | described - header - ADDED):
             where = "has no such column" if column in described else "has a column"
             yield Defect(name, None, f"variableMeasured: {file.name} {where} {column!r}, expected both to agree")
 
@@ -141,6 +143,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if recording.head is None:
         yield from _not_begun(root, journal, notes)
         return
+    notes += [f"{name}: {change}" for change in changes(recording.sittings)]
     if not recording.complete:
         notes.append(f"{name}: the session is not finished ({len(recording.trials)} trials); go on with --resume")
     if experiment is None:
@@ -176,7 +179,7 @@ def _agreement(root: Path, journal: Path, recording: Recording, experiment: Expe
     if not file.is_file():
         yield Defect(f"data/{file.name}", None, "found no such file, expected the trials of the journal; use --resume")
         return
-    row = first_difference(_content(file), derived_csv(root, recording, experiment))
+    row = first_difference(_content(file), derived_csv(recording, experiment))
     if row is not None:
         yield Defect(f"data/{file.name}", row, "found another row than the journal holds, expected the same")
 
@@ -196,21 +199,12 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         yield Defect(name, None, "found no description of its columns beside it, expected a JSON file; use --resume")
 
 
-def derived_csv(root: Path, recording: Recording, experiment: Experiment) -> bytes:
-    """The trials file that a journal of a data set stands for."""
+def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
+    """The trials file that a journal stands for."""
     assert recording.head is not None
     head = recording.head
-    session = Session(head.participant, head.session, head.study)
-    return trials_csv(recording.trials, session, _columns(root, experiment))
-
-
-def _columns(root: Path, experiment: Experiment) -> tuple[Column, ...]:
-    """The columns of a data set; where its description is none, which is a defect of its own, those of today."""
-    columns = experiment.design(b"").columns
-    try:
-        return recorded_columns(root, columns)
-    except InvalidFile:
-        return columns
+    columns = columns_in(experiment.design(b"").columns, head.format)
+    return trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)
 
 
 def first_difference(found: bytes, expected: bytes) -> int | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.columns import Column, table_columns
-from tactometry.dataset import Design
+from tactometry.description import Design
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.experiments.cells import Cell, Wiring
 from tactometry.experiments.procedures import practice_of
@@ -100,8 +100,10 @@ class Experiment:
             "item_b": kind == "preference",
             "practice": bool(study.practice),
             "level_measured": kind == "measurement",
+            "speed_in_band": slides,
         }
-        return ["attempt", "level_delivered", "speed_mean_m_per_s", *(name for name, yes in applies.items() if yes)]
+        always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")
+        return [*always, *(name for name, yes in applies.items() if yes)]
 
 
 def _factor_column(name: str) -> Column:

@@ -360,4 +360,7 @@ def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: Ou
         standard_level=outcome.standard_level,
         item_b=reply.item_b,
         practice=block.practice,
+        speed_in_band=felt.speed_in_band if felt else None,
+        invalid_reason=outcome.invalid_reason,
+        n_gaps=outcome.n_gaps,
     )

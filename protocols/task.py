@@ -9,6 +9,7 @@ import numpy as np
 from tactometry.protocols.touch import Touch
 from tactometry.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
 from tactometry.run import Course
+from tactometry.trial import Reason
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class Reply:
     item: str | None = None
     item_b: str | None = None
     level_measured: float | None = None
+    invalid_reason: Reason | None = None
+    n_gaps: int | None = None
 
 
 def reply(
@@ -53,17 +56,20 @@ def reply(
     item: str | None = None,
     item_b: str | None = None,
 ) -> Reply:
-    """The reply of an answer; one that the experimenter declared invalid is not scored."""
-    valid = answer.valid if isinstance(answer, Chosen) else True
+    """The reply of an answer; one that the experimenter declared invalid, or whose stimulus had gaps, is not scored."""
+    n_gaps = answer.n_gaps if isinstance(answer, Adjusted) else None
+    reason: Reason = "output_gap" if n_gaps else "experimenter"
     return Reply(
         response,
-        correct if valid else None,
+        correct if answer.valid else None,
         answer.onset_s,
         answer.latency_s,
         answer.timestamp_utc,
-        valid,
+        answer.valid,
         item,
         item_b,
+        invalid_reason=None if answer.valid else reason,
+        n_gaps=n_gaps,
     )
 
 
@@ -90,6 +96,21 @@ class Outcome:
         """Whether every touch held its conditions and every answer counts."""
         asked = bool(self.replies) and all(each.valid for each in self.replies)
         return asked and all(touch.valid for touch in self.touches)
+
+    @property
+    def _parts(self) -> tuple[Touched | Reply, ...]:
+        return (*self.touches, *self.replies)
+
+    @property
+    def invalid_reason(self) -> Reason | None:
+        """Why the first touch or answer that does not count does not."""
+        return next((each.invalid_reason for each in self._parts if not each.valid), None)
+
+    @property
+    def n_gaps(self) -> int | None:
+        """Gaps of the output in all stimuli; None where it tells of none."""
+        known = [each.n_gaps for each in self._parts if each.n_gaps is not None]
+        return sum(known) if known else None
 
     @property
     def onset_s(self) -> float:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tactometry.trial import REASONS
+
 
 @dataclass(frozen=True)
 class Column:
@@ -59,7 +61,12 @@ OPTIONAL = (
     Column("standard_level", "Level of the standard, in level_unit"),
     Column("item_b", "Second item of a pair"),
     Column("practice", "1: practice, 0: not"),
+    Column("rig", "What answered: bench (window), console (terminal), simulated (no person took part)"),
+    Column("speed_in_band", "Part (0 to 1) of the stimulus in which the speed was in the target band"),
+    Column("invalid_reason", f"Why the trial is not valid: one of {', '.join(REASONS)}; empty: it is"),
+    Column("n_gaps", "Gaps of the output during the stimuli of the trial; empty where the output cannot tell"),
 )
+RIGS = ("bench", "console", "simulated")
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
     "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "
@@ -70,7 +77,7 @@ DERIVED = frozenset(_DERIVED.split())
 """Columns that an analysis adds."""
 RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
 """Names that no factor may have."""
-MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure"))
+MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure", "rig"))
 """Reserved names that an analysis may all the same be asked to take as factors."""
 
 

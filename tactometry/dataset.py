@@ -13,30 +13,19 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import msgspec
-
 from tactometry.columns import FIRST, Column
+from tactometry.description import NAME, SIMULATED, Design, describe, is_marked, read_description, sidecar_json
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.event import COLUMNS, Event, events_tsv
 from tactometry.files import make_folder, read_file, replaced, write_atomically, write_first, write_whole
+from tactometry.formats import FORMAT, as_kept, columns_in
 from tactometry.journal import Head, Journal
 from tactometry.request import Record, Request
 from tactometry.rigs.replay import Replay
+from tactometry.sittings import heads
 from tactometry.trial import Trial, Value
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
-DESCRIPTION = "dataset_description.json"
-
-
-@dataclass(frozen=True)
-class Design:
-    """What the files of a data set say of its study: `study_toml` are the bytes that ran."""
-
-    study: str
-    title: str
-    description: str
-    columns: tuple[Column, ...]
-    study_toml: bytes
 
 
 @dataclass(frozen=True)
@@ -97,10 +86,11 @@ def cell(value: Value) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def row(trial: Trial, session: Session, columns: Sequence[Column]) -> list[str]:
+def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
     """The cells of a trial."""
     known: dict[str, Value] = {
         **asdict(session),
+        "rig": rig,
         **{name: value for name, value in vars(trial).items() if name not in ("factors", "extra")},
         **trial.factors,
         **trial.extra,
@@ -114,74 +104,19 @@ def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:
     return text.getvalue().encode()
 
 
-def trials_csv(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> bytes:
+def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:
     """The trials file of a session."""
     header = [column.name for column in columns]
-    return csv_bytes([header, *(row(trial, session, columns) for trial in trials)])
-
-
-def _pretty(value: object) -> bytes:
-    return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"
-
-
-class _Variable(msgspec.Struct):
-    name: str
-
-
-class _Description(msgspec.Struct):
-    variableMeasured: tuple[_Variable, ...]  # noqa: N815
-
-
-def description_json(design: Design) -> bytes:
-    """`dataset_description.json`, as Psych-DS asks for it."""
-    return _pretty(
-        {
-            "@context": "https://schema.org/",
-            "@type": "Dataset",
-            "name": design.title,
-            "description": design.description,
-            "schemaVersion": "Psych-DS 1.5.0",
-            "variableMeasured": [
-                {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
-                for c in design.columns
-            ],
-        }
-    )
-
-
-def sidecar_json(design: Design) -> bytes:
-    """The description of every column of a trials file."""
-    return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in design.columns})
+    return csv_bytes([header, *(row(trial, session, rig, columns) for trial in trials)])
 
 
 def events_json() -> bytes:
     """The description of every column of an events file."""
-    return _pretty({c.name: {"Description": c.description, "Units": c.unit} for c in COLUMNS})
+    return sidecar_json(COLUMNS)
 
 
-def recorded_columns(root: Path, columns: Sequence[Column]) -> tuple[Column, ...]:
-    """Those of `columns` that a data set has: where an earlier version began it, those that its description names.
-
-    Raises
-    ------
-    InvalidFile
-        If its description is none.
-    """
-    path = root / DESCRIPTION
-    if not path.exists():
-        return tuple(columns)
-    try:
-        told = msgspec.json.decode(read_file(path, "the description of a data set"), type=_Description)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InvalidFile(
-            f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
-        ) from None
-    names = {variable.name for variable in told.variableMeasured}
-    return tuple(column for column in columns if column.name in names)
-
-
-def prepare(root: Path, design: Design) -> Design:
-    """Make the folders and the files that all sessions share; gives the design with the columns that they have.
+def prepare(root: Path, design: Design) -> None:
+    """Make the folders and the files that all sessions share.
 
     Raises
     ------
@@ -191,15 +126,39 @@ def prepare(root: Path, design: Design) -> Design:
     for folder in (root, root / "data", root / "journals"):
         make_folder(folder)
     path = root / "study.toml"
+    if (root / NAME).exists() and not path.exists():
+        raise InvalidFile(
+            f"{root / NAME}: found the description of a data set without its study.toml, expected both or none; give "
+            "another --out folder"
+        )
     write_first(path, design.study_toml)
     if read_file(path, "the study that ran") != design.study_toml:
         raise InvalidFile(
             f"{path}: found another study or other numbers than those that are to run, expected the same bytes; give "
             "another --out folder, or run the study.toml of this one"
         )
-    design = replace(design, columns=recorded_columns(root, design.columns))
-    write_first(root / DESCRIPTION, description_json(design))
-    return design
+
+
+def refuse_mixing(root: Path, rig: str) -> None:
+    """Refuse simulated participants beside people, and people beside simulated participants.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder holds the other kind.
+    """
+    path = root / NAME
+    if path.exists() and is_marked(read_description(path)):
+        held = {SIMULATED}
+    else:
+        held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
+    for other in sorted(held):
+        if (other == SIMULATED) != (rig == SIMULATED):
+            whom = "simulated participants" if other == SIMULATED else "people"
+            raise InvalidFile(
+                f"{root}: found sessions of {whom}, expected none beside those of the rig {rig!r}, as real and "
+                "simulated data never share a folder; give another --out"
+            )
 
 
 class OpenSession:
@@ -210,14 +169,22 @@ class OpenSession:
     `repaired`.
     """
 
-    def __init__(self, root: Path, design: Design, session: Session, *, resume: bool) -> None:
-        self._design = prepare(root, design)
+    def __init__(self, root: Path, design: Design, session: Session, rig: str, *, resume: bool) -> None:
+        own = session.journal(root)
+        if not own.is_file() or own.stat().st_size == 0:  # one that has begun is held against its own head
+            refuse_mixing(root, rig)
+        prepare(root, design)
         self._root, self._session = root, session
         self._file = self._events_file = -1
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         self.journal = Journal(session.journal(root), resume=resume)
         try:
+            self._rig = rig if self.head is None else self.head.rig
+            self.format = FORMAT if self.head is None else self.head.format
+            self._columns = columns_in(design.columns, self.format)
+            told = replace(design, columns=self._columns)
+            describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
             self.n_trials = len(self.journal.recording.trials)
             self.repaired = self._repaired()
             self._rebuild()
@@ -228,6 +195,11 @@ class OpenSession:
     @property
     def head(self) -> Head | None:
         return self.journal.head
+
+    @property
+    def sittings(self) -> tuple[Head, ...]:
+        """The heads of the sittings before."""
+        return self.journal.recording.sittings
 
     @property
     def replay(self) -> Replay:
@@ -254,10 +226,11 @@ class OpenSession:
         write_whole(self._events_file, line, self._session.events(self._root), durable=False)
 
     def append(self, request: Request, answer: object) -> None:
+        request = as_kept(request, self.format)
         self.journal.append(request, answer)
         if isinstance(request, Record):
             self.recorded_s = time.perf_counter()
-            line = csv_bytes([row(request.trial, self._session, self._design.columns)])
+            line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
             write_whole(self._file, line, self._trials, durable=False)
             self.n_trials += 1
 
@@ -274,8 +247,9 @@ class OpenSession:
 
     def _rebuild(self) -> None:
         self._trials, recording = self._session.trials(self._root), self.journal.recording
-        write_atomically(self._session.sidecar(self._root), sidecar_json(self._design))
-        self._file = replaced(self._trials, trials_csv(recording.trials, self._session, self._design.columns))
+        write_atomically(self._session.sidecar(self._root), sidecar_json(self._columns))
+        table = trials_csv(recording.trials, self._session, self._rig, self._columns)
+        self._file = replaced(self._trials, table)
         if recording.events:
             self._events_file = self._new_events(recording.events)
 

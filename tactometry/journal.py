@@ -1,5 +1,8 @@
 """The journal of a session: every request with its answer, and every event, in order, append-only, one JSON line each.
 
+The first line is the head of the first sitting; each later sitting, from which the session goes on, has one of its own
+where it begins.
+
 Each line ends with the CRC-32 of all that stands before it in the file, so that a damaged line, and a missing one, is
 found and named. A trial (a `Record`) is
 flushed and fsynced before `append` returns; an unfinished last line is what a crash leaves, and is cut off on resume.
@@ -8,8 +11,9 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 import math
 import os
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,17 +23,20 @@ import portalocker
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
 from tactometry.event import Event, Fact, decode_event
 from tactometry.files import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from tactometry.formats import FORMAT
 from tactometry.request import REQUESTS, Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.trial import Trial
 
-FORMAT = 1
 Entry = tuple[Request, Any]
 
 
 @dataclass(frozen=True)
 class Head:
-    """The first line: what is needed to ask the same again, and where and on what it was asked."""
+    """Of a sitting: what is needed to ask the same again, and where and on what it was asked.
+
+    `begun_s` is the time of the session at which the sitting began.
+    """
 
     study: str
     study_sha256: str
@@ -42,6 +49,7 @@ class Head:
     facts: dict[str, Fact] = field(default_factory=dict)
     observer: dict[str, Fact] = field(default_factory=dict)
     started_utc: str | None = None
+    begun_s: float = 0.0
     format: int = FORMAT
 
 
@@ -49,7 +57,8 @@ class Head:
 class Recording:
     """A journal as it was read: `entries` up to the last whole line; `n_torn_bytes` of an unfinished last line.
 
-    `lines` are the numbers of the entries' lines, `events` what happened unasked, `event_lines` their lines.
+    `lines` are the numbers of the entries' lines, `events` what happened unasked, `event_lines` their lines; `head` is
+    that of the first sitting, `resumed` those of later ones, `resumed_lines` their lines.
     """
 
     head: Head | None
@@ -59,6 +68,22 @@ class Recording:
     lines: tuple[int, ...] = ()
     events: tuple[Event, ...] = ()
     event_lines: tuple[int, ...] = ()
+    resumed: tuple[Head, ...] = ()
+    resumed_lines: tuple[int, ...] = ()
+
+    @property
+    def sittings(self) -> tuple[Head, ...]:
+        """The heads of all sittings, in order."""
+        return () if self.head is None else (self.head, *self.resumed)
+
+    @property
+    def format(self) -> int:
+        return FORMAT if self.head is None else self.head.format
+
+    def replay(self, where: str) -> Replay:
+        """The rig that answers as recorded; `where` names the journal."""
+        lasted_s = max((event.at_s for event in self.events), default=0.0)
+        return Replay(self.entries, where, self.lines, self.format, lasted_s)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -92,6 +117,11 @@ def encode_event(event: Event, before: int = 0) -> bytes:
     """One line of an event."""
     told: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
     return encode({**told, "facts": event.facts}, before)
+
+
+def encode_sitting(head: Head, before: int = 0) -> bytes:
+    """One line of the head of a later sitting."""
+    return encode({"sitting": asdict(head)}, before)
 
 
 def _reads_back(line: bytes, request: Request, answer: object) -> bool:
@@ -142,6 +172,7 @@ def _decoded(content: bytes, path: Path) -> Recording:
     head: Head | None = None
     entries: dict[int, Entry] = {}
     events: dict[int, Event] = {}
+    resumed: dict[int, Head] = {}
     complete = False
     for number, value in _lines(whole, path):
         where = f"{path}, line {number}"
@@ -149,9 +180,11 @@ def _decoded(content: bytes, path: Path) -> Recording:
             raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
         try:
             if number == 1:
-                head = msgspec.convert(value, Head)
+                head = head_of(value)
             elif "end" in value:
                 complete = True
+            elif "sitting" in value:
+                resumed[number] = head_of(value["sitting"])
             elif "event" in value:
                 events[number] = decode_event(value)
             else:
@@ -162,8 +195,24 @@ def _decoded(content: bytes, path: Path) -> Recording:
                 f"of format {FORMAT}; read it with the version that wrote it"
             ) from None
     return Recording(
-        head, tuple(entries.values()), complete, len(torn), tuple(entries), tuple(events.values()), tuple(events)
+        head,
+        tuple(entries.values()),
+        complete,
+        len(torn),
+        tuple(entries),
+        tuple(events.values()),
+        tuple(events),
+        tuple(resumed.values()),
+        tuple(resumed),
     )
+
+
+def head_of(value: object) -> Head:
+    """A head from its line. Raises `msgspec.ValidationError`."""
+    head = msgspec.convert(value, Head)
+    if head.format > FORMAT:
+        raise msgspec.ValidationError(f"the format {head.format}")
+    return head
 
 
 def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
@@ -206,9 +255,9 @@ class Journal:
         cut = content[n_bytes:]
         if cut:
             self._keep(cut, len(kept.trials))
-            self._exchange(content[:n_bytes], recording.events[len(kept.events) :])
+            self._exchange(content[:n_bytes], _unasked(recording)[len(kept.events) + len(kept.resumed) :])
         os.lseek(self._file, 0, os.SEEK_END)
-        return replace(kept, events=recording.events), cut
+        return replace(kept, events=recording.events, resumed=recording.resumed), cut
 
     def _keep(self, cut: bytes, n_trials: int) -> None:
         told = {"after_trials": n_trials, "cut": cut.decode("utf-8", "backslashreplace")}
@@ -219,11 +268,11 @@ class Journal:
         finally:
             os.close(file)
 
-    def _exchange(self, kept: bytes, events: Sequence[Event]) -> None:
-        """Put what is kept, and the events behind it, in the place of the journal; it stays locked."""
+    def _exchange(self, kept: bytes, behind: Sequence[Callable[[int], bytes]]) -> None:
+        """Put what is kept, and the lines behind it, in the place of the journal; it stays locked."""
         lines = []
-        for event in events:
-            lines.append(encode_event(event, self._before))
+        for line in behind:
+            lines.append(line(self._before))
             self._before = checksum(lines[-1])
         with draft(self.path, kept + b"".join(lines)) as (file, beside):
             _lock(file, self.path)
@@ -233,13 +282,17 @@ class Journal:
 
     @property
     def replay(self) -> Replay:
-        return Replay(self.recording.entries, str(self.path), self.recording.lines)
+        return self.recording.replay(str(self.path))
 
     def begin(self, head: Head) -> None:
-        """Write the first line of a new journal."""
-        self._write(encode(asdict(head), self._before), durable=True)
-        sync_folder(self.path.parent)
-        self.head = head
+        """Write the head of a sitting; one that says nothing new (a simulated one knows no time) is not written."""
+        last = self.recording.sittings[-1:]
+        if not last:
+            self._write(encode(asdict(head), self._before), durable=True)
+            sync_folder(self.path.parent)
+            self.head = head
+        elif head != replace(last[0], begun_s=head.begun_s):
+            self._write(encode_sitting(head, self._before), durable=True)
 
     def append(self, request: Request, answer: object) -> None:
         self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
@@ -269,6 +322,7 @@ def _until_last_trial(recording: Recording) -> Recording:
     n_kept = max((n for n, (request, _) in enumerate(recording.entries, 1) if isinstance(request, Record)), default=0)
     end = recording.lines[n_kept] if n_kept < len(recording.lines) else math.inf
     n_events = sum(line < end for line in recording.event_lines)
+    n_resumed = sum(line < end for line in recording.resumed_lines)
     return Recording(
         recording.head,
         recording.entries[:n_kept],
@@ -276,12 +330,21 @@ def _until_last_trial(recording: Recording) -> Recording:
         lines=recording.lines[:n_kept],
         events=recording.events[:n_events],
         event_lines=recording.event_lines[:n_events],
+        resumed=recording.resumed[:n_resumed],
+        resumed_lines=recording.resumed_lines[:n_resumed],
     )
 
 
+def _unasked(recording: Recording) -> list[Callable[[int], bytes]]:
+    """Every line that answers no request, events and heads of sittings in their order: a line makes itself anew behind
+    lines of another checksum."""
+    events = zip(recording.event_lines, (partial(encode_event, event) for event in recording.events), strict=True)
+    heads = zip(recording.resumed_lines, (partial(encode_sitting, head) for head in recording.resumed), strict=True)
+    return [line for _, line in sorted([*events, *heads], key=lambda numbered: numbered[0])]
+
+
 def _n_lines(recording: Recording) -> int:
-    head = recording.head is not None
-    return head + len(recording.entries) + len(recording.events) + recording.complete
+    return len(recording.sittings) + len(recording.entries) + len(recording.events) + recording.complete
 
 
 def _open_locked(path: Path) -> int:

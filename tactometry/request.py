@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from tactometry.trial import Trial
+from tactometry.trial import Reason, Trial
 
 if TYPE_CHECKING:
     from tactometry.rigs.rig import Rig
@@ -27,19 +27,21 @@ class Done:
 
 @dataclass(frozen=True)
 class Played:
-    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples."""
+    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it."""
 
     onset_s: float
     level_delivered: float | None
     digest: str
+    n_gaps: int | None = None
 
 
 @dataclass(frozen=True)
 class Touched:
     """What a finger did while a stimulus played, and what was emitted.
 
-    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band. `valid` is false if the
-    touch broke its conditions or the experimenter asked for a repetition: the protocol then asks again.
+    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band, `speed_in_band` that of
+    the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
+    `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
     """
 
     onset_s: float
@@ -50,11 +52,17 @@ class Touched:
     force_in_band: float | None = None
     speed_mean_m_per_s: float | None = None
     valid: bool = True
+    speed_in_band: float | None = None
+    invalid_reason: Reason | None = None
+    n_gaps: int | None = None
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """One of the options that were offered; `latency_s` from the onset of the question."""
+    """One of the options that were offered; `latency_s` from the onset of the question.
+
+    An answer is not `valid` if the experimenter asked for a repetition meanwhile.
+    """
 
     option: int
     onset_s: float
@@ -71,6 +79,7 @@ class Rated:
     onset_s: float
     latency_s: float
     timestamp_utc: str | None = None
+    valid: bool = True
 
 
 @dataclass(frozen=True)
@@ -81,6 +90,7 @@ class Filled:
     onset_s: float
     latency_s: float
     timestamp_utc: str | None = None
+    valid: bool = True
 
 
 @dataclass(frozen=True)
@@ -91,6 +101,8 @@ class Adjusted:
     onset_s: float
     latency_s: float
     timestamp_utc: str | None = None
+    valid: bool = True
+    n_gaps: int | None = None
 
 
 class Request(Protocol):
@@ -298,9 +310,13 @@ class Show:
 
 @dataclass(frozen=True)
 class Record:
-    """A finished trial. Once it is answered, the row is on the disk."""
+    """A finished trial. Once it is answered, the row is on the disk.
+
+    `aborted` says why what was under way ends unfinished with it.
+    """
 
     trial: Trial
+    aborted: str | None = None
 
     answer: ClassVar[type] = Done
 

@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-from tactometry.columns import ALWAYS, FIRST
+from tactometry.columns import ALWAYS, FIRST, RIGS
 from tactometry.dataset import PARTICIPANT
 from tactometry.errors import nearest
+from tactometry.trial import REASONS
 
 TASKS = (
     "yes_no",
@@ -78,12 +79,15 @@ RULES: Mapping[str, Rule] = {
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
     **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
-    "force_in_band": Rule("a number from 0 to 1", _number(0, 1)),
+    **dict.fromkeys(("force_in_band", "speed_in_band"), Rule("a number from 0 to 1", _number(0, 1))),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
     "task": Rule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
     "timestamp_utc": Rule("a time in ISO 8601", _is_time),
+    "rig": Rule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
+    "invalid_reason": Rule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
+    "n_gaps": Rule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
 }
-MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task"}
+MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task", "rig"}
 RESPONSES: Mapping[str, Rule] = {
     "yes_no": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
     "comparison": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
@@ -136,6 +140,9 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
             yield Defect(file, number, f"column {name!r}: found {text!r}, expected {rule.words}")
     if row.get("catch") == "1" and row.get("level"):
         yield Defect(file, number, f"column 'level': found {row['level']!r} in a catch trial, expected nothing")
+    if row.get("valid") == "1" and row.get("invalid_reason"):
+        reason = row["invalid_reason"]
+        yield Defect(file, number, f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing")
 
 
 def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:

@@ -50,7 +50,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
         request = _advance(course, None)
         while recorded.n_left:
             request = _advance(course, request.put_to(recorded))
-        if recorded.n_trials:
+        if recorded.elapsed_s:
             rig.resume(recorded.n_trials, recorded.elapsed_s)
         while True:
             answer = request.put_to(rig)

@@ -1,9 +1,24 @@
 """One row of the trials table."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Final, Literal, get_args
 
 Value = str | int | float | bool | None
+Reason = Literal[
+    "too_light",
+    "too_heavy",
+    "stopped",
+    "too_slow",
+    "too_fast",
+    "lifted",
+    "timeout",
+    "sensor_lost",
+    "output_gap",
+    "experimenter",
+]
+"""Why a touch or an answer does not count."""
+REASONS: Final[tuple[str, ...]] = get_args(Reason)
 
 
 @dataclass(frozen=True)
@@ -42,4 +57,27 @@ class Trial:
     standard_level: float | None = None
     item_b: str | None = None
     practice: bool | None = None
+    speed_in_band: float | None = None
+    invalid_reason: Reason | None = None
+    n_gaps: int | None = None
     extra: Mapping[str, Value] = field(default_factory=dict)
+
+    @property
+    def is_form(self) -> bool:
+        """Whether it is an answer to a questionnaire on its own, which is no trial: nothing was to be felt.
+
+        >>> Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1").is_form
+        True
+        """
+        return self.task == "rating" and self.level is None
+
+
+def n_presented(trials: Iterable[Trial]) -> int:
+    """How many trials there were: the rows of one are one, and those of questionnaires on their own are none.
+
+    >>> from dataclasses import replace
+    >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
+    >>> n_presented([item, replace(item, item="SUS2"), replace(item, trial=2, level=None)])
+    1
+    """
+    return len({(trial.block, trial.trial, trial.attempt) for trial in trials if not trial.is_form})

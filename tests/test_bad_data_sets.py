@@ -41,7 +41,7 @@ DEFECTS = {
     "cell": (lambda root: edit(trials_of(root), b",yes_no,", b",yes,"), "column 'task': found 'yes', expected one of"),
     "row": (
         lambda root: edit(trials_of(root), b"P01,1,tutorial,1,2,", b"P01,1,tutorial,1,2,9,"),
-        "row 3: found 25 cells",
+        "row 3: found 29 cells",
     ),
     "header": (lambda root: edit(trials_of(root), b"latency_s", b"latenz_s"), "found no column 'latency_s'"),
     "bytes": (lambda root: edit(trials_of(root), b"tutorial", b"\xff"), "found no CSV in UTF-8"),

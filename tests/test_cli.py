@@ -69,7 +69,7 @@ def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
     call(capsys, "new", "tutorial", "--out", "mine.toml")
     call(capsys, "run", "mine.toml", "--participant", "P01", "--rig", "simulated", "--out", "d")
     assert "sound" in call(capsys, "validate", "d")
-    assert "trials agree" in call(capsys, "replay", "d")
+    assert "rows agree" in call(capsys, "replay", "d")
 
 
 def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_session(capsys):

@@ -47,7 +47,7 @@ def test_the_trials_file_is_derived_from_the_journal(lived):
     recording = read(journal_of(lived))
     columns = EXPERIMENT.design(TOML).columns
     trials = next((lived / "data").glob("*.csv")).read_bytes()
-    assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), columns)
+    assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), "simulated", columns)
 
 
 def test_a_recorded_session_is_not_overwritten(lived):

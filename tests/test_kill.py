@@ -23,6 +23,7 @@ SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N_MOMENTS = {"simulate": 350 if SOAK else 12, "console": 150 if SOAK else 4}
 SIGNALS = [signal.SIGKILL, signal.SIGTERM]
 TIMES = re.compile(rb'"(at_s|onset_s|latency_s|timestamp_utc|started_utc|crc32)":("[^"]*"|[-0-9.e]+|null)')
+SITTING = re.compile(rb'^{"sitting":.*\n', re.MULTILINE)
 TIME_COLUMNS = ("onset_s", "latency_s", "timestamp_utc")
 
 
@@ -64,12 +65,12 @@ def files(root):
 
 
 def timeless(content, name):
-    """A file without its time stamps."""
+    """A file without its time stamps, and without the heads of sittings that a person had to begin."""
     if name.endswith(".csv"):
         header, *rows = [line.split(",") for line in content.decode().splitlines()]
         keep = [n for n, column in enumerate(header) if column not in TIME_COLUMNS]
         return [[row[n] for n in keep] for row in (header, *rows)]
-    return TIMES.sub(b"", content) if name.endswith(".jsonl") else content
+    return TIMES.sub(b"", SITTING.sub(b"", content)) if name.endswith(".jsonl") else content
 
 
 def timeless_files(root):

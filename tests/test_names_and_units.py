@@ -29,6 +29,7 @@ BARE = {
     "lapse_rate": "a probability",
     "catch_rate": "a share of trials",
     "force_in_band": "a share of samples; the pinned name of a column",
+    "speed_in_band": "a share of samples; the pinned name of a column",
     "width": "of a psychometric function, in the unit of its level; a pinned name",
     "widths": "of psychometric functions, in the unit of their level",
     "guess_rates": "probabilities",

@@ -76,9 +76,9 @@ def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
     trials.unlink()
     trials.mkdir()
     with pytest.raises(DeviceFailed):
-        OpenSession(lived, EXPERIMENT.design(TOML), session, resume=True)
+        OpenSession(lived, EXPERIMENT.design(TOML), session, "simulated", resume=True)
     trials.rmdir()
-    OpenSession(lived, EXPERIMENT.design(TOML), session, resume=True).close()
+    OpenSession(lived, EXPERIMENT.design(TOML), session, "simulated", resume=True).close()
     assert trials.read_bytes() == content
 
 

@@ -16,11 +16,13 @@ def command(path: Path, *, as_json: bool) -> None:
 
     Exit status 1, with the line or row, at the first divergence.
     """
+    from tactometry.experiments.planning import counted
     from tactometry.experiments.replaying import replay_data_set
 
     replayed = replay_data_set(path)
-    lines = [
-        f"{session.journal}: {session.n_trials} trials agree{'' if session.complete else ', session not finished'}"
-        for session in replayed
-    ]
+    lines: list[str] = []
+    for session in replayed:
+        unfinished = "" if session.complete else ", session not finished"
+        lines.append(f"{session.journal}: {counted(session.n_trials, 'row')} agree{unfinished}")
+        lines += [f"{session.journal}: {change}" for change in session.changes]
     say("\n".join(lines), [asdict(session) for session in replayed], as_json=as_json)

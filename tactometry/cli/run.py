@@ -59,8 +59,13 @@ def command(
         _print_plan(experiment, who, as_json=as_json)
         return 0
     root = out or Path(f"{numbers.name}-data")
-    recorded = record(experiment, content, root, who, RIGS[rig](experiment, who, bench), resume=resume)
+    kind = RIGS[rig](experiment, who, bench)
+    recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded, as_json=as_json)
+
+
+def _tell(sentence: str) -> None:
+    click.echo(sentence, err=True)
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":

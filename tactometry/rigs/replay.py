@@ -5,6 +5,7 @@ from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tactometry.errors import Diverged
+from tactometry.formats import FORMAT, as_kept
 
 if TYPE_CHECKING:
     from tactometry.request import (
@@ -35,7 +36,8 @@ A = TypeVar("A")
 class Replay:
     """A rig that answers from `entries`, pairs of (request, answer) in their order.
 
-    `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ...
+    `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
+    `journal_format` says how it keeps requests. The session lasted `lasted_s` at least, s.
 
     Raises
     ------
@@ -44,9 +46,15 @@ class Replay:
     """
 
     def __init__(
-        self, entries: Sequence[tuple["Request", Any]], where: str = "recording", lines: Sequence[int] = ()
+        self,
+        entries: Sequence[tuple["Request", Any]],
+        where: str = "recording",
+        lines: Sequence[int] = (),
+        journal_format: int = FORMAT,
+        lasted_s: float = 0.0,
     ) -> None:
         self._entries = entries
+        self._format, self._lasted_s = journal_format, lasted_s
         self._where = where
         self._lines = lines or range(1, len(entries) + 1)
         self._next = 0
@@ -61,9 +69,9 @@ class Replay:
 
     @property
     def elapsed_s(self) -> float:
-        """The time of the last recorded trial, 0 where there is none."""
+        """When the session stopped: the time of the last recorded trial, or of what happened after it."""
         times_s = [answer.at_s for request, answer in self._entries if type(request).__name__ == "Record"]
-        return float(times_s[-1]) if times_s else 0.0
+        return float(max([self._lasted_s, *times_s[-1:]]))
 
     def refuse_rest(self) -> None:
         """Raise if the recording holds more than was asked."""
@@ -85,9 +93,10 @@ class Replay:
                 "the session is not complete: go on with --resume"
             )
         recorded, answer = self._entries[self._next]
-        if request != recorded:
+        asked = as_kept(request, self._format)
+        if asked != recorded:
             raise Diverged(
-                f"{self._where}, line {self._line}: {difference(recorded, request)}; use the study, the seed and the "
+                f"{self._where}, line {self._line}: {difference(recorded, asked)}; use the study, the seed and the "
                 "version of the recording"
             )
         self._next += 1
