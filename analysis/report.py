@@ -14,8 +14,10 @@ from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.printing import print_pdf
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.report_figures import NAMES, Figure, Place, figures_of
+from tactometry.analysis.table_files import write_tables
 from tactometry.analysis.together import Together
 from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.safe_text import file_text
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,7 @@ def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         page = render(found)
-        for name, table in found.tables.items():
-            (folder / f"{name}.csv").write_text(table.to_csv(index=False, lineterminator="\n"), encoding="utf-8")
+        write_tables(found.tables, folder)
         path.write_text(page, encoding="utf-8")
     except OSError as failure:
         raise DeviceFailed(f"{failure.filename or path}: cannot be written ({failure.strerror})") from None
@@ -74,10 +75,10 @@ def write_figures(found: Analysis, folder: Path) -> Analysis:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for figure in figures_of(found):
-            (folder / f"{figure.name}.svg").write_text(figure.drawing.svg, encoding="utf-8")
-            (folder / f"{figure.name}.png").write_bytes(figure.drawing.png())
-            table = figure.rows(found.tables[figure.table])
-            (folder / f"{figure.name}.csv").write_text(table.to_csv(index=False, lineterminator="\n"), encoding="utf-8")
+            stem = file_text(figure.name)
+            (folder / f"{stem}.svg").write_text(figure.drawing.svg, encoding="utf-8")
+            (folder / f"{stem}.png").write_bytes(figure.drawing.png())
+            write_tables({figure.name: figure.rows(found.tables[figure.table])}, folder)
     except OSError as failure:
         raise DeviceFailed(f"{failure.filename or folder}: cannot be written ({failure.strerror})") from None
     return replace(found, figures_folder=folder)

@@ -3,8 +3,6 @@
 Every refusal is one sentence with the file, the row (the header is row 1) and the column.
 """
 
-import csv
-import io
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,7 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tactometry.analysis.column_map import ColumnMap, translated
-from tactometry.analysis.fast_text import plain_cells, plain_numbers
+from tactometry.analysis.fast_text import plain_numbers
+from tactometry.analysis.text_table import text_cells
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.formats import ADDED
@@ -134,7 +133,7 @@ def _difference(header: list[str], first: list[str]) -> str:
 
 
 def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
-    raw = translated(_raw(file, column_map), column_map, file)
+    raw = translated(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
         if name not in raw.columns:
             hint = nearest(name, [str(column) for column in raw.columns])
@@ -142,103 +141,6 @@ def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     if raw.empty:
         raise InvalidFile(f"{file}: found no row below the header, expected trials")
     return _checked(raw, file)
-
-
-def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
-    """All cells as text, with the number of their row in the column `row`."""
-    text = _text(file)
-    header = text[: text.find("\n")] if "\n" in text else text
-    separator = column_map.separator or ("\t" if file.suffix == ".tsv" else ",")
-    if not column_map.separator and separator == "," and "," not in header and (";" in header or "\t" in header):
-        raise InvalidFile(
-            f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
-            "named .tsv with tabs); save it as comma-separated values with decimal points, or say so in a column map"
-        )
-    cells = plain_cells(text, separator)
-    if cells is None:
-        cells = _any_cells(text, separator, file)
-    return _with_header(cells, file)
-
-
-def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
-    try:
-        cells = pd.read_csv(
-            io.StringIO(text),
-            sep=separator,
-            header=None,
-            dtype=str,
-            keep_default_na=False,
-            na_filter=False,
-            skip_blank_lines=False,
-            index_col=False,
-        )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
-        raise InvalidFile(f"{file}{_plainly(str(damage))}") from None
-    _refuse_short_rows(text, separator, cells.shape[1], file)
-    return cells
-
-
-def _refuse_short_rows(text: str, separator: str, n_columns: int, file: Path) -> None:
-    """The reader fills short rows up in silence: count the cells where there are not enough."""
-    try:
-        counts = _cell_counts(text, separator)
-    except csv.Error as damage:
-        raise InvalidFile(
-            f"{file}: found something that is no table ({damage}), expected comma-separated values"
-        ) from None
-    for row, n in enumerate(counts, start=1):
-        if 0 < n < n_columns:
-            raise InvalidFile(f"{file}, row {row}: found {n} cells, expected {n_columns} as in the header")
-
-
-def _cell_counts(text: str, separator: str) -> list[int]:
-    if '"' in text:
-        return [len(cells) for cells in csv.reader(io.StringIO(text), delimiter=separator)]
-    return [line.count(separator) + 1 if line.strip() else 0 for line in text.split("\n")]
-
-
-def _text(file: Path) -> str:
-    try:
-        content = file.read_bytes()
-    except OSError as failure:
-        raise InvalidFile(f"{file}: cannot be read ({failure.strerror})") from None
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as damage:
-        row = content.count(b"\n", 0, damage.start) + 1
-        raise InvalidFile(
-            f"{file}, row {row}: found the byte 0x{content[damage.start]:02x}, expected UTF-8 text; save the table as "
-            "UTF-8"
-        ) from None
-    if "\0" in text:
-        raise InvalidFile(
-            f"{file}, row {text.count(chr(10), 0, text.index(chr(0))) + 1}: found a zero byte, expected text"
-        )
-    if not text.strip():
-        raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
-    return text
-
-
-def _plainly(message: str) -> str:
-    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
-    if found:
-        return f", row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
-    if "EOF inside string" in message:
-        return ": found a quotation mark that is never closed, expected it in pairs"
-    return f": found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
-
-
-def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
-    names = [str(name).strip() for name in cells.iloc[0]]
-    for place, name in enumerate(names):
-        if not name:
-            raise InvalidFile(f"{file}, row 1: found no name for column {place + 1}, expected one for each")
-        if name in names[:place]:
-            raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
-    body = cells.iloc[1:].set_axis(names, axis=1)
-    blank = (body == "").all(axis=1) if len(names) > 1 else pd.Series(False, index=body.index)
-    body = body[~blank]
-    return body.assign(row=body.index + 1)
 
 
 def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:

@@ -1,7 +1,7 @@
 """A data set in the form of the Brain Imaging Data Structure (BIDS), for behaviour.
 
-Trials with an onset become `events.tsv`; answers to questionnaires and rows without an onset become `beh.tsv`, and the
-scores of questionnaires a table in `phenotype/`.
+Trials with an onset become `events.tsv`; rows without an onset and answers to questionnaires, with the touches that led
+to none, become `beh.tsv`, and the scores of questionnaires a table in `phenotype/`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from tactometry.columns import Column
 from tactometry.dataset import cell
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.export_source import Row, Source, pretty, separated
-from tactometry.questionnaire import Questionnaire, load, shipped
+from tactometry.questionnaire import Questionnaire
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")
@@ -39,21 +39,15 @@ def bids_files(source: Source, authors: Sequence[str] = ()) -> dict[str, bytes]:
     files = _heading(source, authors)
     for participant, session, rows in source.sessions():
         stem = f"sub-{participant}/ses-{session}/beh/sub-{participant}_ses-{session}"
-        forms = sorted({row["procedure"] for row in rows if _is_form(row)})
-        for form in forms:
-            answers = [row for row in rows if _is_form(row) and row["procedure"] == form]
-            files |= _table(f"{stem}_task-{_label(form)}_beh", answers, source, f"Questionnaire {form}.", timed=False)
-        trials = [row for row in rows if not _is_form(row)]
-        timed = bool(trials) and all(row.get("onset_s") for row in trials)
-        task = _label(source.text("study") or "trials")
-        if trials:
-            stem += f"_task-{task}" + ("_run-01_events" if timed else "_beh")
-            files |= _table(stem, trials, source, source.description, timed=timed)
+        for name in source.forms:
+            asked = [row for row in rows if source.form(row) == name]
+            files |= _table(f"{stem}_task-{_label(name)}_beh", asked, source, f"Questionnaire {name}.", timed=False)
+        stem += f"_task-{_label(source.text('study') or 'trials')}"
+        trials = [row for row in rows if not source.form(row)]
+        for timed, name in ((True, f"{stem}_run-01_events"), (False, f"{stem}_beh")):
+            part = [row for row in trials if bool(row.get("onset_s")) is timed]
+            files |= _table(name, part, source, source.description, timed=timed)
     return files | _phenotypes(source)
-
-
-def _is_form(row: Row) -> bool:
-    return row.get("task") == "rating" and row.get("procedure") in shipped()
 
 
 def _label(text: str) -> str:
@@ -104,19 +98,20 @@ def _readme(source: Source) -> str:
         f"# {source.title}\n\n{source.description}\n\n"
         "Psychophysics on touch, recorded or simulated with Tactometry and exported from its data set. Each row of an\n"
         "events.tsv is one trial: the level of the stimulus, the answer, the applied force, and whether the trial was\n"
-        f"valid. Factors: {names}. Cells that hold n/a were not measured. Times are seconds since the start of the\n"
-        "session. Participants are known by their codes only.\n"
+        "valid. A beh.tsv holds the rows without an onset, and those of a questionnaire: one for each item, and one\n"
+        f"without an item for a touch that led to no answers. Factors: {names}. Cells with n/a were not measured.\n"
+        "Times are seconds since the start of the session. Participants are known by their codes only.\n"
     )
 
 
 def _table(stem: str, rows: Sequence[Row], source: Source, description: str, *, timed: bool) -> dict[str, bytes]:
-    """A TSV file with its sidecar."""
+    """A TSV file with its sidecar; none without rows."""
+    if not rows:
+        return {}
     columns = [c for c in source.columns if c.name not in OWN and any(row.get(c.name) for row in rows)]
     kept = [c for c in columns if not (timed and c.name == "onset_s")]
     header = [*(("onset", "duration") if timed else ()), *(c.name for c in kept)]
-    for name in header:
-        if not name.replace("_", "").isalnum() or not name.isascii():
-            raise InvalidParameter(f"column {name!r}: found other than letters, digits and _, expected a name for BIDS")
+    _check_names(header)
     body = [
         [*((row["onset_s"], MISSING) if timed else ()), *(row.get(c.name) or MISSING for c in kept)] for row in rows
     ]
@@ -125,20 +120,27 @@ def _table(stem: str, rows: Sequence[Row], source: Source, description: str, *, 
     return {f"{stem}.tsv": separated(header, body, "\t"), f"{stem}.json": pretty(sidecar)}
 
 
+def _check_names(header: Sequence[str]) -> None:
+    for place, name in enumerate(header):
+        if not name.replace("_", "").isalnum() or not name.isascii():
+            raise InvalidParameter(
+                f"column {name!r}: found other than letters, digits and _, expected a name for BIDS; rename it"
+            )
+        if name in header[:place]:
+            raise InvalidParameter(f"column {name!r}: found a name that BIDS has for a column of its own; rename it")
+
+
 def _sidecar(
     task: str, description: str, columns: Sequence[Column], rows: Sequence[Row], *, timed: bool
 ) -> Mapping[str, object]:
     units = {row.get("level_unit", "") for row in rows}
     level_unit = units.pop() if len(units) == 1 else ""
-    found: dict[str, object] = {
-        "TaskName": task,
-        "TaskDescription": description,
-        **dict.fromkeys(UNKNOWN, MISSING),
-        "CogAtlasID": TERMS[0],
-        "CogPOID": TERMS[1],
-        "StimulusPresentation": {"SoftwareName": "Tactometry", "SoftwareVersion": __version__},
-    }
-    if timed:
+    software = {"SoftwareName": "Tactometry", "SoftwareVersion": __version__}
+    found: dict[str, object] = {"StimulusPresentation": software}
+    if not timed:
+        found |= {"TaskName": task, "TaskDescription": description, **dict.fromkeys(UNKNOWN, MISSING)}
+        found |= {"CogAtlasID": TERMS[0], "CogPOID": TERMS[1]}
+    else:  # bids-validator 1 takes every key of an events.json for a column, bids-validator 3 only misses them
         found["onset"] = {"Description": "Onset of the (first) stimulus since the start of the session", "Units": "s"}
         found["duration"] = {"Description": "Duration of the stimulus; n/a: see the study", "Units": "s"}
     for column in columns:
@@ -153,9 +155,9 @@ LEVELS = ("level", "level_delivered", "level_measured", "standard_level")
 def _phenotypes(source: Source) -> dict[str, bytes]:
     """Scores of each questionnaire: a row per participant, a column per condition (and session) and dimension."""
     files: dict[str, bytes] = {}
-    for name in sorted({row["procedure"] for row in source.rows if _is_form(row)}):
-        answers = pd.DataFrame([dict(row) for row in source.rows if _is_form(row) and row["procedure"] == name])
-        files |= _phenotype(load(name), answers, source)
+    for name, form in source.forms.items():
+        answers = source.used[(source.used["task"] == "rating") & (source.used["procedure"] == name)]
+        files |= _phenotype(form, answers, source) if len(answers) else {}
     return files
 
 
@@ -179,12 +181,18 @@ def _score(value: float | None) -> str:
     return MISSING if value is None or pd.isna(value) else cell(value)
 
 
+def _named(factors: Sequence[str], key: Sequence[object]) -> list[tuple[str, str]]:
+    """Each factor with its value as text; `key` goes on with the dimension."""
+    texts = [value if isinstance(value, str) else f"{value:g}" for value in key]
+    return list(zip(factors, texts, strict=False))
+
+
 def _score_name(factors: Sequence[str], key: Sequence[object]) -> str:
-    parts = [f"ses{value}" if name == "session" else str(value) for name, value in zip(factors, key, strict=False)]
+    parts = [f"ses{text}" if name == "session" else text for name, text in _named(factors, key)]
     return "_".join([*map(_label, parts), str(key[-1])])
 
 
 def _score_text(form: Questionnaire, factors: Sequence[str], key: Sequence[object]) -> str:
-    place = ", ".join(f"{name} = {value}" for name, value in zip(factors, key, strict=False))
+    place = ", ".join(f"{name} = {text}" for name, text in _named(factors, key))
     title = form.dimensions[str(key[-1])].title.get("en", str(key[-1]))
     return f"{title}{' for ' + place if place else ''}: mean of its items, {form.score_low:g} to {form.score_high:g}"

@@ -3,9 +3,11 @@
 For scripts and people that read PsychoPy's files; `columns.toml` beside them reads them back with `--columns`.
 """
 
+import shlex
 from collections.abc import Sequence
 
 from tactometry.experiments.export_source import Row, Source, separated
+from tactometry.safe_text import cell_text
 
 RENAMED = {
     "study": "expName",
@@ -43,6 +45,7 @@ def _cell(name: str, text: str) -> str:
 
 
 def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
-    within = f" --within {','.join(factors)}" if factors else ""
+    named = " ".join(",".join(map(cell_text, factors)).split())
+    within = f" --within {shlex.quote(named)}" if factors else ""
     lines = [f'{name} = "{RENAMED[name]}"' for name in names if name in RENAMED and name not in FROM_ZERO]
     return "\n".join([f"# tactometry analyse . --columns columns.toml{within}", "[columns]", *lines, ""])

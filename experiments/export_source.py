@@ -1,34 +1,61 @@
 """A data set as it is exported: its rows as text, with what its columns mean."""
 
 import csv
+import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
 
-from tactometry.analysis.table import read_trials, trial_files
+import pandas as pd
+
+from tactometry.analysis.stated import forms_of
+from tactometry.analysis.table import Trials, read_trials, trial_files, used_rows
+from tactometry.analysis.text_table import text_cells
 from tactometry.columns import ALWAYS, FIRST, OPTIONAL, Column
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.quantity import unit_suffix
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+from tactometry.journal import write_atomically
+from tactometry.quantity import unit_suffix, units
+from tactometry.questionnaire import Questionnaire
+from tactometry.rows import RULES
+from tactometry.safe_text import cell_text
 
 Row = Mapping[str, str]
 
 
 @dataclass(frozen=True)
 class Source:
-    """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself."""
+    """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
+
+    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered.
+    """
 
     rows: tuple[Row, ...]
     columns: tuple[Column, ...]
     factors: tuple[str, ...]
     title: str
     description: str
+    used: pd.DataFrame = field(default_factory=pd.DataFrame)
+    forms: Mapping[str, Questionnaire] = field(default_factory=dict)
 
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
         """Participant, session and rows of each session."""
         ordered = sorted(self.rows, key=_whose)
         return [(*key, list(part)) for key, part in groupby(ordered, key=_whose)]
+
+    def tasks(self) -> list[str]:
+        """The tasks of all rows, sorted."""
+        return sorted({row["task"] for row in self.rows})
+
+    def form(self, row: Row) -> str:
+        """The questionnaire that a row belongs to: an answer, or a touch that led to none; empty if to none.
+
+        >>> Source((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
+        ''
+        """
+        name = row.get("procedure", "") if row.get("task") == "rating" else ""
+        return name if name in self.forms else ""
 
     def text(self, name: str) -> str:
         """The one value of a column; empty if there are several or none.
@@ -41,7 +68,9 @@ class Source:
 
 
 def _whose(row: Row) -> tuple[str, str]:
-    return row["participant"], row.get("session") or "1"
+    """The session as a whole number: other programs write it as 1.0, or 001."""
+    session = row.get("session")
+    return row["participant"], str(int(float(session))) if session else "1"
 
 
 def read_source(path: Path) -> Source:
@@ -50,23 +79,45 @@ def read_source(path: Path) -> Source:
     Raises
     ------
     InvalidFile
-        If there is nothing to read, or a table is damaged.
+        If there is nothing to read, a table is damaged, or the name of a study is none.
     """
     trials = read_trials(path)
-    rows: list[Row] = []
-    for file in trial_files(path):
-        with file.open(newline="", encoding="utf-8-sig") as text:
-            rows += csv.DictReader(text, delimiter="\t" if file.suffix == ".tsv" else ",")
+    tables = [text_cells(file) for file in trial_files(path)]
+    for file, table in zip(trial_files(path), tables, strict=True):
+        _check_study(table, file)
+    names = [str(name) for name in tables[0].columns if name != "row"]
     told = _description(path)
-    names = [name.strip() for name in rows[0]]
     title = str(told.get("name") or path.stem)
     return Source(
-        rows=tuple(rows),
+        rows=tuple(row for table in tables for row in _rows(table, names)),
         columns=tuple(_column(name, told) for name in names),
         factors=trials.factors,
         title=title,
         description=str(told.get("description") or f"Trials of {title}."),
+        used=used_rows(trials),
+        forms=_forms(trials),
     )
+
+
+def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
+    return [dict(zip(names, cells, strict=True)) for cells in table[list(names)].itertuples(index=False, name=None)]
+
+
+def _check_study(table: pd.DataFrame, file: Path) -> None:
+    """The study names files."""
+    rule = RULES["study"]
+    for text in table["study"].unique() if "study" in table.columns else ():
+        if text and not rule.holds(text):
+            row = table.loc[table["study"] == text, "row"].iloc[0]
+            raise InvalidFile(f"{file}, row {row}, column 'study': found {text!r:.60}, expected {rule.words}")
+
+
+def _forms(trials: Trials) -> dict[str, Questionnaire]:
+    rows = trials.rows
+    if not {"item", "procedure"} <= set(rows.columns):
+        return {}
+    asked = set(rows.loc[rows["task"] == "rating", "procedure"])
+    return {name: form for name, form in sorted(forms_of(trials.path).items()) if name in asked}
 
 
 def _description(path: Path) -> Mapping[str, object]:
@@ -75,7 +126,7 @@ def _description(path: Path) -> Mapping[str, object]:
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
 
@@ -88,7 +139,8 @@ def _column(name: str, told: Mapping[str, object]) -> Column:
     for variable in variables if isinstance(variables, list) else []:
         if isinstance(variable, dict) and variable.get("name") == name:
             return Column(name, str(variable.get("description", "")) or name, str(variable.get("unitText", "")))
-    return Column(name, f"Factor {name}", unit_suffix(name) or "")
+    suffix = unit_suffix(name)
+    return Column(name, f"Factor {name}", units(suffix)[0] if suffix else "")
 
 
 def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
@@ -108,22 +160,20 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
         path = folder / name
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
         except OSError as failure:
             raise DeviceFailed(
                 f"{path}: cannot be written ({failure.strerror}), expected room and permission"
             ) from None
+        write_atomically(path, content)
         written.append(path)
     return written
 
 
 def separated(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
-    """A table as text with line feeds."""
-    import io
-
+    """A table as text with line feeds, in which no cell is a formula to a spreadsheet."""
     text = io.StringIO()
     writer = csv.writer(text, delimiter=separator, lineterminator="\n")
-    writer.writerows([header, *rows])
+    writer.writerows([cell_text(cell) for cell in row] for row in (header, *rows))
     return text.getvalue().encode()
 
 

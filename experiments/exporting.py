@@ -5,15 +5,20 @@ from pathlib import Path
 
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.experiments.export_bids import bids_files
+from tactometry.experiments.export_psychds import psychds_files
 from tactometry.experiments.export_psychopy import psychopy_files
 from tactometry.experiments.export_r import r_files
 from tactometry.experiments.export_source import Source, read_source, write_files
 
-FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {"psychopy": psychopy_files, "r": r_files}
+FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {
+    "psych-ds": psychds_files,
+    "psychopy": psychopy_files,
+    "r": r_files,
+}
 
 
 def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
-    """Write the data set or trials file at `path` as `bids`, `psychopy` or `r` into a new or empty folder.
+    """Write the data set or trials file at `path` as `bids`, `psych-ds`, `psychopy` or `r` into a new or empty folder.
 
     Raises
     ------
@@ -26,7 +31,7 @@ def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> lis
     """
     if form not in ("bids", *FORMS):
         raise InvalidParameter(
-            f"--to: found {form!r}, expected one of bids, psychopy, r{nearest(form, ('bids', *FORMS))}"
+            f"--to: found {form!r}, expected one of {', '.join(('bids', *FORMS))}{nearest(form, ('bids', *FORMS))}"
         )
     source = read_source(path)
     return write_files(bids_files(source, authors) if form == "bids" else FORMS[form](source), out)

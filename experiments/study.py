@@ -1,13 +1,12 @@
 """Study files: the numbers of one experiment, strictly read."""
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tactometry.columns import RESERVED
-from tactometry.dataset import cell
+from tactometry.dataset import STUDY, cell
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
@@ -17,7 +16,6 @@ from tactometry.strict import build
 from tactometry.toml import located, table_of
 
 FOLDER = Path(__file__).parent
-NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 Levels = tuple[float | str, ...]
@@ -107,7 +105,7 @@ class Study:
     analysis: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not NAME.fullmatch(self.name):
+        if not STUDY.fullmatch(self.name):
             raise InvalidParameter(
                 f"name: found {self.name!r}, expected words of small letters and digits joined by hyphens"
             )

@@ -26,6 +26,7 @@ from tactometry.sittings import heads
 from tactometry.trial import Trial, Value
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from tactometry.columns import ALWAYS, FIRST, RIGS
-from tactometry.dataset import PARTICIPANT
+from tactometry.dataset import PARTICIPANT, STUDY
 from tactometry.errors import nearest
 from tactometry.trial import REASONS
 
@@ -75,6 +75,10 @@ _ANSWER = _number(-LARGEST_ANSWER, LARGEST_ANSWER)
 _FLAG = Rule("1, 0 or nothing", lambda text: text in ("0", "1"))
 RULES: Mapping[str, Rule] = {
     "participant": Rule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
+    "study": Rule(
+        "the name of a study: words of small letters and digits joined by hyphens",
+        lambda text: STUDY.fullmatch(text) is not None,
+    ),
     **dict.fromkeys(("session", "block", "trial", "attempt", "target"), _COUNT),
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),

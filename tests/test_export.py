@@ -25,7 +25,7 @@ from tactometry.experiments.simulating import Simulation, simulate
 from tactometry.experiments.study import load
 from tactometry.questionnaire import load as load_questionnaire
 
-FORMS = ("bids", "psychopy", "r")
+FORMS = ("bids", "psych-ds", "psychopy", "r")
 VALIDATOR = shutil.which("bids-validator-deno", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
 
 
@@ -96,7 +96,9 @@ def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
 def test_refuses_what_is_no_data_set_and_what_is_no_form(tmp_path, data_set) -> None:
     with pytest.raises(InvalidFile, match="no such file or folder"):
         export(tmp_path / "nowhere", "bids", tmp_path / "out")
-    with pytest.raises(InvalidParameter, match="--to: found 'bid', expected one of bids, psychopy, r; did you mean"):
+    with pytest.raises(
+        InvalidParameter, match="--to: found 'bid', expected one of bids, psych-ds, psychopy, r; did you mean"
+    ):
         export(data_set, "bid", tmp_path / "out")
 
 
@@ -109,9 +111,8 @@ def test_the_command_says_what_it_wrote(data_set, tmp_path) -> None:
 
 
 @pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno: pip install bids-validator-deno")
-@pytest.mark.parametrize("kind", ["data_set", "answers"])
-def test_the_bids_validator_finds_no_error_and_no_warning(kind, request, tmp_path) -> None:
-    export(request.getfixturevalue(kind), "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
+def test_the_bids_validator_finds_nothing_in_answers_to_a_questionnaire(answers, tmp_path) -> None:
+    export(answers, "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
     done = subprocess.run(
         [str(VALIDATOR), str(tmp_path / "bids"), "--json"],
         capture_output=True,
@@ -156,6 +157,70 @@ def test_trials_without_an_onset_are_behaviour_and_no_events(data_set, tmp_path)
     assert [path.name for path in written if path.suffix == ".tsv" and "beh" in path.name] == [
         "sub-P01_ses-1_task-tutorial_beh.tsv"
     ]
+
+
+def test_a_trial_in_which_nothing_was_played_is_behaviour_and_no_event(data_set, tmp_path) -> None:
+    file = tmp_path / "one.csv"
+    rows = pd.read_csv(min((data_set / "data").glob("*.csv")), dtype=str, keep_default_na=False)
+    rows.loc[3, "onset_s"] = ""
+    rows.to_csv(file, index=False)
+    export(file, "bids", tmp_path / "bids")
+    folder = tmp_path / "bids/sub-P01/ses-1/beh"
+    (left,) = table(folder / "sub-P01_ses-1_task-tutorial_beh.tsv")
+    assert left["trial"] == rows.loc[3, "trial"]
+    assert len(table(folder / "sub-P01_ses-1_task-tutorial_run-01_events.tsv")) == len(rows) - 1
+
+
+def test_no_key_of_a_description_of_events_is_a_text(data_set, tmp_path) -> None:
+    """bids-validator 1 takes each for a column."""
+    for path in export(data_set, "bids", tmp_path / "bids"):
+        if path.name.endswith("_events.json"):
+            assert {type(value) for value in json.loads(path.read_text()).values()} == {dict}
+
+
+def test_a_touch_that_led_to_no_answers_stands_beside_them_and_has_no_score(answers, tmp_path) -> None:
+    header, *rows = answers.read_text().splitlines()
+    failed = "P1,1,patterns,1,1,P0,attrakdiff,,rating,,,0"
+    (tmp_path / "a.csv").write_text("\n".join([header, failed, *rows]) + "\n")
+    export(tmp_path / "a.csv", "bids", tmp_path / "bids")
+    found = table(tmp_path / "bids/sub-P1/ses-1/beh/sub-P1_ses-1_task-attrakdiff_beh.tsv")
+    assert (found[0]["item"], found[0]["valid"], len(found)) == ("n/a", "0", 2 * 28 + 1)
+    export(answers, "bids", tmp_path / "without")
+    scores_of = [(tmp_path / name / "phenotype/attrakdiff.tsv").read_bytes() for name in ("bids", "without")]
+    assert scores_of[0] == scores_of[1]
+
+
+def test_a_questionnaire_of_the_studys_own_is_scored(tmp_path) -> None:
+    form = load_questionnaire("realism-likert")
+    items = "".join(
+        f"""[[forms.mine.items]]
+id = "{item.id}"
+dimension = "{item.dimension}"
+order = {item.order}
+reversed = {str(item.reversed).lower()}
+[forms.mine.items.poles]
+en = ["not", "very"]
+"""
+        for item in form.items
+    )
+    dimensions = "".join(f"[forms.mine.dimensions.{name}]\nmin_answered = 1\n" for name in form.dimensions if name)
+    (tmp_path / "study.toml").write_text(
+        f"""[forms.mine]
+title = "Mine"
+low = 1
+high = 5
+steps = 5
+score_low = 1
+score_high = 5
+reference = "none"
+{items}{dimensions}"""
+    )
+    lines = ["participant,session,study,block,trial,procedure,level,task,item,response,valid"]
+    lines += [f"P1,1,mine,1,1,mine,,rating,{item.id},4,1" for item in form.items]
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/a_data.csv").write_text("\n".join(lines) + "\n")
+    export(tmp_path, "bids", tmp_path / "bids")
+    assert (tmp_path / "bids/phenotype/mine.tsv").is_file()
 
 
 def test_authors_are_those_that_are_named(data_set, tmp_path) -> None:

@@ -6,7 +6,7 @@ import click
 
 from tactometry.cli.output import json_option, say
 
-FORMS = ("bids", "psychopy", "r")
+FORMS = ("bids", "psych-ds", "psychopy", "r")
 
 
 @click.command(
@@ -14,7 +14,9 @@ FORMS = ("bids", "psychopy", "r")
     epilog="Example: tactometry export demo --to bids --out demo_bids --author 'Ada Lovelace' --author 'Alan Turing'",
 )
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--to", "form", type=click.Choice(FORMS), required=True, help="BIDS, PsychoPy's CSV, or a table for R.")
+@click.option(
+    "--to", "form", type=click.Choice(FORMS), required=True, help="BIDS, Psych-DS, PsychoPy's CSV, or a table for R."
+)
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="The folder to write, new or empty.")
 @click.option("--author", "authors", multiple=True, help="An author of a BIDS data set; may be given again.")
 @json_option

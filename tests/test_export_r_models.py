@@ -1,0 +1,123 @@
+"""The models that the script for R names are fitted by R, for each kind of task."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tactometry.experiments.export_r import MODELS
+from tactometry.experiments.exporting import export
+from tactometry.questionnaire import load
+
+PACKAGES = ("lme4", "ordinal", "psyphy", "BradleyTerry2")
+HEADER = (
+    "participant,session,study,block,trial,side,procedure,level,level_unit,task,response,correct,valid,item,item_b,"
+    "target,level_measured"
+)
+CLASSES = {"magnitude": "lmerMod", "adjustment": "lmerMod", "measurement": "lmerMod", "preference": "BTm"} | {
+    "rating": "clmm",
+    "nasa-tlx": "lmerMod",
+}
+
+
+def has_packages() -> bool:
+    if shutil.which("Rscript") is None:
+        return False
+    code = f"stopifnot({', '.join(f'requireNamespace({name!r}, quietly = TRUE)' for name in PACKAGES)})"
+    return subprocess.run(["Rscript", "-e", code], capture_output=True, check=False).returncode == 0
+
+
+def cells(task: str, rng: np.random.Generator, side: str, shift: float) -> list[object]:
+    """From `level` on: one answer of a participant whose threshold is `shift`."""
+    level = int(rng.integers(1, 8))
+    chance = 1 / (1 + np.exp(-(level - 4 - shift - (side == "left"))))
+    yes = int(rng.random() < chance)
+    numbers = {"magnitude": np.exp(0.5 * level + rng.normal(0, 0.3)), "adjustment": 4 + shift + rng.normal()}
+    target = int(rng.integers(1, 3))
+    right = int(yes or rng.random() < 0.5)
+    choice = target if right else 3 - target
+    pair = rng.permutation(["P0", "P1", "P2"])[:2]
+    response = {"forced_choice": choice, "localisation": choice, "preference": int(rng.integers(1, 3)), **numbers}
+    response["measurement"] = 1000 + rng.integers(9)
+    correct = right if task in ("forced_choice", "localisation") else ""
+    measured = level - 1 + rng.normal() if task == "measurement" else ""
+    items = pair if task == "preference" else ("", "")
+    return [level, "dB", task, response.get(task, yes), correct, 1, *items, target, measured]
+
+
+def table(path: Path, task: str) -> Path:
+    rng = np.random.default_rng()
+    lines = [HEADER]
+    for person in range(1, 9):
+        shift = rng.normal()
+        for n in range(80):
+            side = "left" if n % 2 else "right"
+            row = [f"P{person}", 1, "made-up", 1, n + 1, side, "constant_stimuli", *cells(task, rng, side, shift)]
+            lines.append(",".join(map(str, row)))
+    file = path / "trials.csv"
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def answers(path: Path, name: str) -> Path:
+    rng, form = np.random.default_rng(), load(name)
+    values = np.linspace(form.low, form.high, form.steps or 101)
+    lines = [HEADER]
+    for person in range(1, 9):
+        for n, side in enumerate(("left", "right"), 1):
+            lines += [
+                f"P{person},1,made-up,1,{n},{side},{name},,,rating,{rng.choice(values):g},,1,{item.id},,,"
+                for item in form.items
+            ]
+    file = path / "trials.csv"
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def models(script: str) -> list[str]:
+    return [line.removeprefix("# ") for line in script.splitlines() if re.match(r"# \w+::|# with\(", line)]
+
+
+@pytest.mark.parametrize("task", sorted({*MODELS} - {"rating"}))
+def test_a_task_has_the_model_of_its_answers(tmp_path, task):
+    export(table(tmp_path, task), "r", tmp_path / "r")
+    (model,) = models((tmp_path / "r/trials.R").read_text())
+    assert model.startswith(MODELS[task].split("(")[0])
+    assert ("`side`" in model) is (task != "preference")
+
+
+@pytest.mark.parametrize(("form", "package"), [("attrakdiff", "ordinal::clmm("), ("nasa-tlx", "lme4::lmer(")])
+def test_a_questionnaire_has_an_ordinal_model_or_one_of_its_line(tmp_path, form, package):
+    export(answers(tmp_path, form), "r", tmp_path / "r")
+    (model,) = models((tmp_path / "r/trials.R").read_text())
+    assert model.startswith(package)
+    assert "glmer" not in model
+
+
+@pytest.mark.soak
+@pytest.mark.skipif(
+    not (os.environ.get("TACTOMETRY_SOAK") and has_packages()),
+    reason="at full size only, with r-cran-lme4 r-cran-ordinal r-cran-psyphy r-cran-bradleyterry2",
+)
+@pytest.mark.parametrize("task", [*sorted({*MODELS} - {"rating"}), "attrakdiff", "nasa-tlx"])
+def test_r_fits_the_model(tmp_path, task):
+    export(table(tmp_path, task) if task in MODELS else answers(tmp_path, task), "r", tmp_path / "r")
+    script = (tmp_path / "r/trials.R").read_text()
+    (model,) = models(script)
+    (tmp_path / "r/tried.R").write_text(f"{script}\ncat(class(suppressWarnings({model})))\n")
+    done = subprocess.run(["Rscript", "tried.R"], cwd=tmp_path / "r", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    kind = CLASSES.get(task, "clmm" if task == "attrakdiff" else "glmerMod")
+    assert done.stdout.split()[0] == kind
+
+
+def test_answers_to_reversed_items_are_turned_around(tmp_path):
+    export(answers(tmp_path, "realism-likert"), "r", tmp_path / "r")
+    script = (tmp_path / "r/trials.R").read_text()
+    form = load("realism-likert")
+    (turned,) = [item.id for item in form.items if item.reversed]
+    assert f'ifelse(item %in% c("{turned}"), {form.low + form.high:g} - as.numeric(response)' in script

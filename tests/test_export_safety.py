@@ -1,0 +1,156 @@
+"""What a table says never becomes a path, a command or a formula in what is made of it."""
+
+import csv
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from command_line import call
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.experiments.export_r import name, quoted
+from tactometry.experiments.exporting import export
+from tactometry.safe_text import FORMULA, cell_text, file_text
+
+COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"
+HOSTILE = "x; system('touch owned') #"
+
+
+def table(path: Path, *, factor: str = "colour", level: str = "a", study: str = "made-up") -> Path:
+    header = COLUMNS.format(f'"{factor}"').split("\n")
+    lines = [
+        f'P{person},1,{study},1,{n},"{level if n % 2 else "b"}",staircase,{x},dB,yes_no,{yes},1'
+        for person in (1, 2, 3)
+        for n, (x, yes) in enumerate(answers(person), 1)
+    ]
+    file = path / "trials.csv"
+    file.write_text("\n".join([*header, *lines]) + "\n", encoding="utf-8")
+    return file
+
+
+def answers(person: int) -> list[tuple[int, int]]:
+    """Levels with answers that rise with them, with odd ones between."""
+    return [(x, int(x > 3 + n % 2 * (x > 4 - person) - (n == 3))) for x in range(1, 7) for n in range(12)]
+
+
+def files(folder: Path) -> set[Path]:
+    return {path for path in folder.rglob("*") if path.is_file()}
+
+
+# --- paths
+
+
+@pytest.mark.parametrize("form", ["bids", "psych-ds", "psychopy", "r"])
+def test_a_studys_name_that_is_a_path_is_refused(tmp_path, capsys, form):
+    file = table(tmp_path, study="x/../../../../../OUTSIDE")
+    status, said, _ = call(capsys, "export", file, "--to", form, "--out", tmp_path / "deep/er/out")
+    assert (status, files(tmp_path)) == (2, {file})
+    assert re.fullmatch(
+        r"tactometry: .*trials\.csv, row 2, column 'study': found 'x/\.\./.*OUTSIDE', expected the name of a study: "
+        "words of small letters and digits joined by hyphens",
+        said,
+    )
+
+
+def test_validate_names_a_study_that_is_a_path(tmp_path, capsys):
+    status, _, out = call(capsys, "validate", table(tmp_path, study="x/../../../../../OUTSIDE"))
+    assert status == 1
+    assert "column 'study': found 'x/../../../../../OUTSIDE', expected the name of a study" in out
+
+
+def test_a_factor_that_is_a_path_stays_in_the_folder_of_the_report(tmp_path, capsys):
+    file = table(tmp_path, factor="../../../OUTSIDE")
+    report, figures = tmp_path / "a/b/r.html", tmp_path / "c/figures"
+    report.parent.mkdir(parents=True)
+    status, said, _ = call(capsys, "analyse", file, "--report", report, "--figures", figures)
+    assert status == 0, said
+    outside = {path for path in files(tmp_path) if not path.is_relative_to(report.parent)}
+    assert {path for path in outside if not path.is_relative_to(figures)} == {file}
+    assert (report.parent / "r_tables/pairs_threshold_..%2F..%2F..%2FOUTSIDE.csv").is_file()
+
+
+@given(st.text(), st.text())
+def test_names_of_files_are_parts_of_a_path_and_all_different(one, other):
+    assert not set(file_text(one)) & set('/\\:*?"<>|\0\n')
+    assert (file_text(one) == file_text(other)) == (one == other)
+
+
+# --- commands
+
+
+def test_a_hostile_column_stands_quoted_in_the_script_for_r(tmp_path):
+    export(table(tmp_path, factor=HOSTILE, level='"" + q() + ""'), "r", tmp_path / "r")
+    script = (tmp_path / "r/trials.R").read_text()
+    found = [match.start() for match in re.finditer("system", script)]
+    assert found
+    spans = [match.span() for match in re.finditer(rf'"{re.escape(HOSTILE)}"|`{re.escape(HOSTILE)}`', script)]
+    assert all(any(start < place < end for start, end in spans) for place in found)
+
+
+@pytest.mark.skipif(shutil.which("Rscript") is None, reason="no Rscript: apt-get install r-base-core")
+@pytest.mark.parametrize("factor", [HOSTILE, "a`b\\", "q\n cat('owned')", "=1+1", "é ü", "row name"])
+def test_r_runs_nothing_of_a_column(tmp_path, factor):
+    export(table(tmp_path, factor=factor, level='x\\""); file.create(""owned'), "r", tmp_path / "r")
+    script = tmp_path / "r/trials.R"
+    script.write_text(script.read_text() + '\ncat(names(used)[6], nrow(used), nlevels(used[[6]]), sep = "|")\n')
+    done = subprocess.run(
+        ["Rscript", "trials.R"], cwd=script.parent, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{cell_text(factor)}|216|2"
+    assert {path.name for path in files(tmp_path / "r")} == {"trials.R", "trials.csv"}
+
+
+@given(st.text())
+def test_texts_and_names_for_r_are_closed_on_one_line(text):
+    for form, sign in ((quoted(text), '"'), (name(text), "`")):
+        body = form[1:-1]
+        assert form[0] == form[-1] == sign
+        assert form.isprintable()
+        assert re.fullmatch(rf"(?:[^\\{sign}]|\\[\\{sign}]|\\u\{{[0-9a-f]+\}})*", body)
+
+
+# --- formulas
+
+
+@given(st.text())
+def test_no_cell_is_a_formula(text):
+    assert cell_text(text).removeprefix("'") == text.removeprefix("'") or cell_text(text) == f"'{text}"
+    if cell_text(text).startswith(FORMULA):
+        float(text)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_stay_numbers(number):
+    assert cell_text(repr(number)) == repr(number)
+
+
+@pytest.mark.parametrize("level", ["=cmd|'/c calc'!A1", "+1+1", "-1+1", "@SUM(A1)", "\tx"])
+@pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r", "bids"])
+def test_exports_hold_no_formula(tmp_path, form, level):
+    for path in export(table(tmp_path, level=level), form, tmp_path / "out"):
+        if path.suffix in (".csv", ".tsv"):
+            cells = cells_of(path)
+            assert not [cell for cell in cells if cell.startswith(FORMULA)]
+            assert path.name.startswith(("participants", "sub-P1_sessions", "sub-P2_sess", "sub-P3_sess")) or any(
+                cell == cell_text(level) for cell in cells
+            )
+
+
+def test_tables_of_an_analysis_hold_no_formula(tmp_path, capsys):
+    file = table(tmp_path, factor="=f", level="=cmd|'/c calc'!A1")
+    status, said, _ = call(capsys, "analyse", file, "--report", tmp_path / "r.html", "--figures", tmp_path / "figures")
+    assert status == 0, said
+    written = [path for path in files(tmp_path) if path.suffix == ".csv" and path != file]
+    assert written
+    found = [cell for path in written for cell in cells_of(path) if cell.startswith(FORMULA)]
+    assert all(float(cell) <= 0 for cell in found)
+    assert "'=cmd|'/c calc'!A1" in {cell for path in written for cell in cells_of(path)}
+
+
+def cells_of(path: Path) -> list[str]:
+    with path.open(newline="", encoding="utf-8") as text:
+        return [cell for row in csv.reader(text, delimiter="\t" if path.suffix == ".tsv" else ",") for cell in row]

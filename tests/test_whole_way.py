@@ -1,0 +1,166 @@
+"""Every built-in study the whole way: simulated with invalid touches, validated, replayed, analysed, exported."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import call
+
+from tactometry.experiments.study import builtin
+
+SMALLER = {
+    "electrovibration-threshold": {
+        "force_n = [0.5, 1.5, 3.0]": "force_n = [0.5, 3.0]",
+        "frequency_hz = [30, 60, 120, 180, 240, 320, 480]": "frequency_hz = [60, 240]",
+        "n_trials = 40": "n_trials = 12",
+    },
+    "force-loss": {
+        "[0.1, 0.5, 1.0, 2.0, 4.0]": "[0.5, 2.0]",
+    },
+    "hybrid-button": {},
+    "time-reversal-patterns": {},
+    "time-reversal-threshold": {"repeats = 20": "repeats = 6"},
+    "tutorial": {"repeats = 4": "repeats = 3"},
+}
+"""What makes a study small; the way stays the same."""
+FINGER = "\n[finger]\nwaver_cv = 0.12\n"
+"""A finger that leaves the band of forces in many touches."""
+BEYOND_BEHAVIOUR = (
+    "TaskName TaskDescription Instructions CogAtlasID CogPOID InstitutionName InstitutionAddress "
+    "InstitutionalDepartmentName"
+)
+"""The keys that bids-validator-deno misses in an events.json: the other validator takes each for a column."""
+PATHS = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+KEYWORD = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
+
+
+@pytest.fixture(scope="module", params=sorted(SMALLER))
+def data_set(request, tmp_path_factory) -> Path:
+    """A simulated data set of two participants."""
+    root = tmp_path_factory.mktemp("way")
+    text = builtin()[request.param].read_text(encoding="utf-8")
+    for old, new in SMALLER[request.param].items():
+        assert old in text
+        text = text.replace(old, new)
+    (root / "study.toml").write_text(text + FINGER, encoding="utf-8")
+    arguments = ["simulate", root / "study.toml", "--participants", "2", "--seed", "7", "--out", root / "data"]
+    assert _status(arguments) == 0
+    return root / "data"
+
+
+def _status(arguments) -> int:
+    from tactometry.cli import main
+
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def exported(data_set) -> Path:
+    """The data set in every form."""
+    for form in ("bids", "psych-ds", "psychopy", "r"):
+        arguments = ["export", data_set, "--to", form, "--out", data_set.parent / form]
+        assert _status([*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing"]) == 0
+    return data_set.parent
+
+
+def rows_of(files) -> list[dict[str, str]]:
+    found = []
+    for file in files:
+        with file.open(newline="", encoding="utf-8") as text:
+            found += csv.DictReader(text, delimiter="\t" if file.suffix == ".tsv" else ",")
+    return found
+
+
+def test_every_built_in_study_goes_the_whole_way():
+    assert set(SMALLER) == set(builtin())
+
+
+def test_it_has_invalid_touches_and_is_sound(data_set, capsys):
+    rows = rows_of((data_set / "data").glob("*.csv"))
+    assert {row["valid"] for row in rows} == {"0", "1"}
+    status, _, out = call(capsys, "validate", data_set)
+    assert status == 0, out
+
+
+def test_it_replays(data_set, capsys):
+    status, said, out = call(capsys, "replay", data_set)
+    assert status == 0, said + out
+
+
+def test_it_is_analysed(data_set, capsys):
+    status, said, out = call(capsys, "analyse", data_set, "--json")
+    assert status == 0, said
+    found = json.loads(out)
+    assert found["n_participants"] == 2
+    assert any(found[name] for name in ("thresholds", "questionnaires", "loss"))
+
+
+@pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r"])
+def test_every_row_is_exported_once(data_set, exported, form):
+    own = len(rows_of((data_set / "data").glob("*.csv")))
+    assert len(rows_of((exported / form).rglob("*.csv"))) == own
+
+
+def test_every_row_is_in_one_table_of_bids(data_set, exported):
+    own = rows_of((data_set / "data").glob("*.csv"))
+    tables = [*(exported / "bids").rglob("*_events.tsv"), *(exported / "bids").rglob("*_beh.tsv")]
+    assert len(rows_of(tables)) == len(own)
+    assert sum(row["valid"] == "0" for row in rows_of(tables)) == sum(row["valid"] == "0" for row in own)
+
+
+def test_the_schema_of_psych_ds_holds(data_set, exported):
+    """Of the schema 1.5.0, whose validator no registry has."""
+    for root in (data_set, exported / "psych-ds"):
+        description = json.loads((root / "dataset_description.json").read_text())
+        assert description["@context"] == "https://schema.org/"
+        assert description["@type"] == "Dataset"
+        assert description["name"]
+        assert description["description"]
+        variables = {variable["name"] for variable in description["variableMeasured"]}
+        files = sorted((root / "data").glob("*.csv"))
+        assert len(files) == 2
+        for file in files:
+            assert KEYWORD.fullmatch(file.name)
+            with file.open(newline="") as text:
+                header, *rows = csv.reader(text)
+            assert len(set(header)) == len(header)
+            assert set(header) == variables
+            assert {len(row) for row in rows} == {len(header)}
+
+
+def issues(command: list[str]) -> dict:
+    """What a validator of BIDS says in JSON, among notes of its own."""
+    where = {**os.environ, "NO_COLOR": "1", "DENO_NO_UPDATE_CHECK": "1"}
+    said = subprocess.run(command, capture_output=True, text=True, check=False, env=where, timeout=120).stdout
+    return json.JSONDecoder().raw_decode(said[said.index("{") :])[0]["issues"]
+
+
+@pytest.mark.skipif(
+    shutil.which("bids-validator-deno", path=PATHS) is None, reason="no bids-validator-deno (extra dev)"
+)
+def test_the_validator_of_bids_finds_no_error_and_only_the_warnings_that_the_docs_name(exported):
+    program = shutil.which("bids-validator-deno", path=PATHS)
+    found = issues([str(program), str(exported / "bids"), "--json"])["issues"]
+    said = {(issue["severity"], issue["code"], issue.get("subCode")) for issue in found}
+    assert said <= {("warning", "SIDECAR_KEY_RECOMMENDED", key) for key in BEYOND_BEHAVIOUR.split()}
+
+
+@pytest.mark.skipif(shutil.which("bids-validator") is None, reason="no bids-validator 1: npm install -g bids-validator")
+def test_the_former_validator_of_bids_finds_no_error(exported):
+    assert issues([str(shutil.which("bids-validator")), str(exported / "bids"), "--json"])["errors"] == []
+
+
+@pytest.mark.skipif(shutil.which("Rscript") is None, reason="no Rscript: apt-get install r-base-core")
+def test_r_reads_its_table(exported):
+    done = subprocess.run(
+        ["Rscript", "trials.R"], cwd=exported / "r", capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
