@@ -12,6 +12,7 @@ import pandas as pd
 
 from tactometry.analysis.fast_text import plain_cells
 from tactometry.errors import InvalidFile
+from tactometry.files import read_file
 
 MOST_COLUMNS = 5000
 """More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
@@ -91,10 +92,7 @@ def _cell_counts(text: str, separator: str) -> list[int]:
 
 
 def _text(file: Path) -> str:
-    try:
-        content = file.read_bytes()
-    except OSError as failure:
-        raise InvalidFile(f"{file}: cannot be read ({failure.strerror})") from None
+    content = read_file(file, "a table of trials")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as damage:

@@ -14,8 +14,8 @@ from tactometry.analysis.stated import forms_of
 from tactometry.analysis.table import Trials, read_trials, trial_files, used_rows
 from tactometry.analysis.text_table import text_cells
 from tactometry.columns import ALWAYS, FIRST, OPTIONAL, Column
-from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
-from tactometry.journal import write_atomically
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files import make_folder, write_atomically
 from tactometry.quantity import unit_suffix, units
 from tactometry.questionnaire import Questionnaire
 from tactometry.rows import RULES
@@ -158,12 +158,7 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
     written = []
     for name, content in sorted(files.items()):
         path = folder / name
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            raise DeviceFailed(
-                f"{path}: cannot be written ({failure.strerror}), expected room and permission"
-            ) from None
+        make_folder(path.parent)
         write_atomically(path, content)
         written.append(path)
     return written

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -85,6 +86,13 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
 def test_no_export_holds_a_path_of_this_machine(data_set, tmp_path, form) -> None:
     for path in export(data_set, form, tmp_path / "out"):
         assert str(tmp_path.parent).encode() not in path.read_bytes()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_is_exported_is_its_owners_alone(data_set, tmp_path, form) -> None:
+    written = export(data_set, form, tmp_path / "new" / "out")
+    assert {stat.S_IMODE(path.stat().st_mode) for path in written} == {0o600}
+    assert {stat.S_IMODE(path.parent.stat().st_mode) for path in written} == {0o700}
 
 
 def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
