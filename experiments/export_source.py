@@ -85,7 +85,8 @@ def read_source(path: Path) -> Source:
     tables = [text_cells(file) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):
         _check_study(table, file)
-    names = [str(name) for name in tables[0].columns if name != "row"]
+    fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later
+    names = [str(name) for name in fullest.columns if name != "row"]
     told = _description(path)
     title = str(told.get("name") or path.stem)
     return Source(
@@ -100,7 +101,8 @@ def read_source(path: Path) -> Source:
 
 
 def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
-    return [dict(zip(names, cells, strict=True)) for cells in table[list(names)].itertuples(index=False, name=None)]
+    whole = table.reindex(columns=list(names), fill_value="")
+    return [dict(zip(names, cells, strict=True)) for cells in whole.itertuples(index=False, name=None)]
 
 
 def _check_study(table: pd.DataFrame, file: Path) -> None:

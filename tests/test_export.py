@@ -95,6 +95,15 @@ def test_what_is_exported_is_its_owners_alone(data_set, tmp_path, form) -> None:
     assert {stat.S_IMODE(path.parent.stat().st_mode) for path in written} == {0o700}
 
 
+@pytest.mark.parametrize("form", FORMS)
+def test_sessions_of_an_older_version_are_exported_beside_later_ones(data_set, tmp_path, form) -> None:
+    root = Path(shutil.copytree(data_set, tmp_path / "d"))
+    file = min((root / "data").glob("*.csv"))
+    pd.read_csv(file, dtype=str, keep_default_na=False).drop(columns="rig").to_csv(file, index=False)
+    written = export(root, form, tmp_path / "out")
+    assert any(b"simulated" in path.read_bytes() for path in written if path.suffix in (".csv", ".tsv"))
+
+
 def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
     (tmp_path / "mine").write_text("")
     with pytest.raises(InvalidParameter, match="--out: found that .* holds something, expected a new or an empty"):
