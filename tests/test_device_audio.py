@@ -315,6 +315,40 @@ def test_a_killed_process_falls_silent(sink):
     assert not frames[-4800:].any()
 
 
+HANGING = """
+import sys, time
+import player
+output = player.settings({"rate_hz": 48000.0, "n_channels": 2, "device": "pulse"}).driver(player.GAIN)
+output.open()
+output.play(player.noise(2, 48000.0, 20.0))
+print("plays", flush=True)
+sys.stdin.readline()
+begin_s = time.perf_counter()
+output.stop()
+print(time.perf_counter() - begin_s, flush=True)
+try:
+    output.close()
+except Exception as error:
+    print(error, flush=True)
+"""
+
+
+def test_a_process_stops_closes_and_ends_though_its_sound_server_hangs(sink):
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+    env = {**sink.env, "PYTHONPATH": str(Path(player.__file__).parent)}
+    with subprocess.Popen([sys.executable, "-c", HANGING], env=env, **pipes) as process:
+        assert process.stdout.readline() == "plays\n"
+        sink.server.send_signal(signal.SIGSTOP)
+        try:
+            said, _ = process.communicate("go\n", timeout=20)
+        finally:
+            sink.server.send_signal(signal.SIGCONT)
+    stopped_s, closed = said.splitlines()
+    assert float(stopped_s) < 0.1
+    assert closed == "audio pulse: it hangs, and did not end within 2 s: switch its amplifier off"
+    assert process.returncode == 0
+
+
 def test_a_process_that_was_held_up_reports_its_underruns(sink):
     """A busy computer may be late to hold it up: three tries."""
     assert any(n_underruns_when_held_up(sink) >= 1 for _ in range(3))

@@ -2,6 +2,7 @@
 
 import importlib.util
 import inspect
+import threading
 from dataclasses import dataclass, replace
 from datetime import date
 from typing import ClassVar
@@ -356,6 +357,18 @@ def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
     assert told == [("close", ()), ("write", ([0.0, 0.0],))]
     output.stop()
     assert task.close.call_count == 1
+
+
+@needs_nidaqmx
+def test_a_stop_does_not_wait_for_a_driver_that_hangs(task, monkeypatch):
+    monkeypatch.setattr("tactometry.devices.ni.CLOSE_WITHIN_S", 0.1)
+    hangs, output = threading.Event(), NI.driver(Gain(10.0, 20.0))
+    output.open()
+    output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
+    task.close.side_effect = hangs.wait
+    with pytest.raises(DeviceFailed, match="^ni Dev1/ao0,Dev1/ao1: it hangs, and did not end within 0.1 s: switch its"):
+        output.stop()
+    hangs.set()
 
 
 @needs_nidaqmx

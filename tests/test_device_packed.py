@@ -2,21 +2,35 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hard_cases import exact_case
 from hypothesis import given
 from hypothesis import strategies as st
+from sampled import Sampled
 from test_device_outputs import RATE_HZ, bits, volts
+from test_device_sensors import wait_for
 
+from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
+from tactometry.devices.guarded import Guarded
 from tactometry.devices.packed import HEADER_BYTES, decode, encode, stop_stream, word_bytes
-from tactometry.devices.packed_output import PackedSettings
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.devices.packed_output import STOP_WITHIN_S, PackedSettings
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import streamed_force
+from tactometry.errors import DeviceFailed, InvalidParameter, TactometryError
+from tactometry.limits import Limits
+from tactometry.load import Load
+from tactometry.request import Press
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
 
@@ -99,6 +113,7 @@ def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
     output.open()
     signal = Signal(np.where(np.random.default_rng(0).random((32, 7000)) < 0.5, 30.0, -30.0), 1e6, "V")
     output.play(signal)
+    wait_for(lambda: output.facts()["n_bytes"] > 28_000)
     output.stop()
     output.close()
     output.close()
@@ -132,6 +147,7 @@ def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
     signal.setitimer(signal.ITIMER_REAL, 1e-3, 1e-3)
     try:
         output.play(sent)
+        wait_for(lambda: output.facts()["n_bytes"] > 400_000)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, usual)
@@ -139,6 +155,216 @@ def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
     board.join(10)
     n_silence = len(stop_stream(32, 1e6))
     assert decode(b"".join(pieces)[n_silence:-n_silence]).digest() == sent.digest()
+
+
+class Board:
+    """A reader in a process of its own, which copies what it reads to a file; it may be held up."""
+
+    def __init__(self, folder):
+        self.pipe, self.got = folder / "board", folder / "got"
+        os.mkfifo(self.pipe)
+        with self.got.open("wb") as file:
+            self.process = subprocess.Popen(["cat", str(self.pipe)], stdout=file)
+
+    def hang(self):
+        self.process.send_signal(signal.SIGSTOP)
+        wait_for(lambda: Path(f"/proc/{self.process.pid}/stat").read_text().split()[2] == "T")
+
+    def wakes_and_ends_with(self):
+        """Everything it ever read; the end of its file is the end of its process."""
+        self.process.send_signal(signal.SIGCONT)
+        self.process.wait(10)
+        return self.got.read_bytes()
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture
+def board(tmp_path):
+    made = Board(tmp_path)
+    yield made
+    made.close()
+
+
+def settings_of(board):
+    return PackedSettings(str(board.pipe), n_channels=32, rate_hz=1e6)
+
+
+def output_to(board):
+    output = settings_of(board).driver(Gain(30.0, 1.0))
+    output.open()
+    return output
+
+
+def noise(n_samples):
+    return Signal(np.where(np.random.default_rng(0).random((32, n_samples)) < 0.5, 30.0, -30.0), 1e6, "V")
+
+
+LONG, SHORT = noise(100_000), noise(1000)
+"""The one is longer than a pipe, the other is not."""
+SILENCE = stop_stream(32, 1e6)
+WITHIN_S = 2.5 * STOP_WITHIN_S
+"""Twice the time of a stop, on a busy machine."""
+
+
+def took_s(call):
+    begin_s = time.perf_counter()
+    call()
+    return time.perf_counter() - begin_s
+
+
+def test_a_stop_ends_a_stream_that_is_being_sent_to_a_board_that_hangs(board):
+    """The board finds no whole stream, and nothing to play, when it wakes up."""
+    output = output_to(board)
+    board.hang()
+    output.play(LONG)
+    time.sleep(0.05)
+    assert took_s(output.stop) < WITHIN_S
+    assert took_s(output.close) < WITHIN_S
+    assert board.wakes_and_ends_with() == SILENCE
+
+
+def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_back(board):
+    """The whole stream waits in the pipe: it must not play when the board wakes up."""
+    output = output_to(board)
+    board.hang()
+    output.play(SHORT)
+    wait_for(lambda: output._sending.n_sent)
+
+    def stop():
+        with pytest.raises(DeviceFailed, match="the board did not read a stop within 0.25 s: switch its amplifier off"):
+            output.stop()
+
+    assert STOP_WITHIN_S <= took_s(stop) < WITHIN_S
+    output.stop()
+    output.close()
+    assert board.wakes_and_ends_with() == SILENCE
+
+
+def test_a_board_that_takes_no_stream_fails_after_its_time(board, monkeypatch):
+    monkeypatch.setattr("tactometry.devices.packed_output.SEND_BESIDE_S", 0.1)
+    output = output_to(board)
+    board.hang()
+
+    output.play(LONG)
+    time.sleep(0.3)
+    with pytest.raises(DeviceFailed, match=r"the board took \d+ of 400048 bytes within 0.2 s, expected all; restart"):
+        output.stop()
+    output.close()
+    assert board.wakes_and_ends_with() == SILENCE
+
+
+def test_a_board_that_reads_again_after_a_stop_in_a_stream_plays_the_next(tmp_path, in_background):
+    """A torn stream ends with the end of the file; the board opens its pipe anew."""
+    pipe, got, slow = tmp_path / "board", [], threading.Event()
+    os.mkfifo(pipe)
+
+    def read_twice():
+        for _ in range(2):
+            with pipe.open("rb", buffering=0) as line:
+                pieces = []
+                while piece := line.read(65_536):
+                    pieces.append(piece)
+                    time.sleep(0.1 if slow.is_set() else 0.0)
+                got.append(b"".join(pieces))
+
+    in_background(read_twice)
+    output = PackedSettings(str(pipe), n_channels=32, rate_hz=1e6).driver(Gain(30.0, 1.0))
+    output.open()
+    slow.set()
+    output.play(LONG)
+    time.sleep(0.1)
+    output.stop()
+    slow.clear()
+    wait_for(lambda: len(got) == 1)
+    output.play(SHORT)
+    wait_for(lambda: output._sending.n_sent)
+    output.close()
+    wait_for(lambda: len(got) == 2)
+    with pytest.raises(InvalidParameter, match="expected 400000"):
+        decode(got[0][len(SILENCE) :])
+    assert decode(got[1][: -len(SILENCE)]).digest() == SHORT.digest()
+
+
+def test_a_pipe_that_nobody_reads_is_refused_after_a_time(tmp_path, monkeypatch):
+    monkeypatch.setattr("tactometry.devices.packed_output.OPEN_WITHIN_S", 0.2)
+    os.mkfifo(tmp_path / "board")
+    output = PackedSettings(str(tmp_path / "board"), 1, RATE_HZ).driver(Gain(30.0, 1.0))
+
+    def refused():
+        with pytest.raises(DeviceFailed, match="found nobody who reads this pipe within 0.2 s.*nothing was played"):
+            output.open()
+
+    assert 0.2 <= took_s(refused) < 1.0
+    output.close()
+
+
+def test_a_process_ends_by_a_signal_whatever_its_board_does(board):
+    """In the middle of a stream, with the handler of the command line."""
+    script = (
+        "import signal, time\n"
+        "import numpy as np\n"
+        "import tactometry.cli\n"
+        "from tactometry.devices.gain import Gain\n"
+        "from tactometry.devices.packed_output import PackedSettings\n"
+        "from tactometry.signal import Signal\n"
+        "signal.signal(signal.SIGTERM, tactometry.cli._terminate)\n"
+        f"output = PackedSettings({str(board.pipe)!r}, n_channels=32, rate_hz=1e3).driver(Gain(30.0, 1.0))\n"
+        "output.open()\n"
+        "print('open', flush=True)\n"
+        "input()\n"
+        "try:\n"
+        "    output.play(Signal(np.full((32, 60_000), 30.0), 1e3, 'V'))\n"
+        "    print('sends', flush=True)\n"
+        "    time.sleep(60)\n"
+        "finally:\n"
+        "    output.close()\n"
+    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", script], **pipes) as process:
+        assert process.stdout.readline() == b"open\n"
+        board.hang()
+        process.stdin.write(b"\n")
+        process.stdin.flush()
+        assert process.stdout.readline() == b"sends\n"
+        process.send_signal(signal.SIGTERM)
+        begin_s = time.perf_counter()
+        status = process.wait(20)
+        ended_s = time.perf_counter() - begin_s
+        assert (status, ended_s < 2.0) == (143, True), process.stderr.read()
+    assert not board.wakes_and_ends_with().startswith(SILENCE + b"TACT")
+
+
+class Bits:
+    """A stimulus of one bit; its level is how long its stream is."""
+
+    unit = "V"
+
+    def at(self, level):
+        return LONG if level else SHORT
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0], ids=["the stream waits in the pipe", "the stream is being sent"])
+def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, level):
+    """A stimulus of a minute, pressed with a force: the output, the sensor and the screen are closed in time."""
+    output, seen = settings_of(board).driver(Gain(30.0, 1.0)), []
+    sensor = streamed_force(Reader(Sampled(lambda time_s: 1.0, seen)), 0, ForceCalibration(newtons_per_count=1.0))
+    guard = Guarded(
+        output, Limits(40.0, 60.0, current_peak_a=10.0, duty=1.0, session_s=600.0), Load("electrode", 1e-12)
+    )
+    bench = Bench(watched, guard, {"bits": Bits()}, limits=None, texts=texts_in("en", {}), sensor=sensor, ramp_s=0.0)
+    board.hang()
+    participant.answers(1.0, "Escape")
+    begin_s = time.perf_counter()
+    with pytest.raises(TactometryError) as ended:
+        bench.press(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))
+    assert time.perf_counter() - begin_s < 1.0 + 3 * WITHIN_S
+    assert ("Escape was pressed" if level else "did not read a stop") in str(ended.value)
+    assert bench.closed
+    assert "sensor.close" in seen
+    assert board.wakes_and_ends_with() in (SILENCE, b"")
 
 
 def test_a_supply_cannot_be_scaled_by_one_bit():

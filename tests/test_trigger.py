@@ -376,6 +376,31 @@ def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, 
     assert reader.facts() == {"n_samples": 0, "n_outages": 1, "failure": failure}
 
 
+class Hanging(Gone):
+    """A sensor whose driver comes back neither from reading nor from closing."""
+
+    def __init__(self):
+        super().__init__(DeviceFailed("gone"))
+        self.hangs = threading.Event()
+
+    def receive(self):
+        self.hangs.wait()
+
+    def close(self):
+        self.hangs.wait()
+
+
+def test_a_driver_that_hangs_keeps_no_session_from_its_end(monkeypatch):
+    monkeypatch.setattr("tactometry.devices.reader.CLOSE_WITHIN_S", 0.1)
+    reader = Reader(Hanging())
+    reader.open()
+    begin_s = time.perf_counter()
+    with pytest.raises(DeviceFailed, match="^gone: it hangs, and did not end within 0.1 s: unplug it"):
+        reader.close()
+    assert 0.2 <= time.perf_counter() - begin_s < 1.0
+    reader.source.hangs.set()
+
+
 def test_a_sensor_that_fails_as_it_is_opened_is_a_failed_device():
     source = Gone(RuntimeError("an internal error"))
     source.n_opened = 1

@@ -1,5 +1,6 @@
 """A sound card as output and as sensor, through PortAudio (extra: audio)."""
 
+import atexit
 import time
 from dataclasses import dataclass
 from types import ModuleType
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.course import Course
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
 from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.devices.reader import Block
 from tactometry.devices.volume import system_volume
@@ -190,8 +192,7 @@ class AudioOutput:
     def close(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.abort()
-            stream.close()
+            _end(stream, self.name)
 
 
 @dataclass(frozen=True)
@@ -263,8 +264,21 @@ class AudioInput:
     def close(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.abort()
-            stream.close()
+            _end(stream, self.name)
+
+
+def _end(stream: Any, name: str) -> None:
+    """Let go of a stream, and of one that hangs with its sound server: that would keep the process from its end."""
+
+    def end() -> None:
+        stream.abort()
+        stream.close()
+
+    try:
+        within(CLOSE_WITHIN_S, name, end)
+    except DeviceFailed:
+        atexit.unregister(_library()._exit_handler)
+        raise
 
 
 def _named(owner: str, device: str) -> None:

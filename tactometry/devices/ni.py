@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
 from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.require import positive
@@ -137,6 +138,9 @@ class NiOutput:
         return time.perf_counter()
 
     def stop(self) -> None:
+        within(CLOSE_WITHIN_S, self.name, self._silence)
+
+    def _silence(self) -> None:
         if self._end_task():
             self._zero()
 

@@ -1,17 +1,28 @@
 """An output of packed one-bit streams: to a file, a named pipe, or the device node of a board."""
 
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 
+from tactometry.devices.board_line import BoardLine, Sending, opened
 from tactometry.devices.gain import Gain, SignalChain, stated
 from tactometry.devices.packed import decode, encode, stop_stream
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.require import positive
 from tactometry.signal import Signal
+
+OPEN_WITHIN_S: Final = 5.0
+"""A board that does not read yet is waited for."""
+AGAIN_WITHIN_S: Final = 0.5
+"""The same, where it read before."""
+SEND_BESIDE_S: Final = 1.0
+"""A board takes a stream in the time that it lasts and this (unverified default)."""
+STOP_WITHIN_S: Final = 0.25
+"""A board that has not read a stop by then hangs (unverified default)."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +48,12 @@ class PackedSettings:
 
 
 class PackedOutput:
-    """Writes one stream per signal, and a stream of no samples to stop; the form is that of `devices.packed`."""
+    """Writes one stream per signal, and a stream of no samples to stop; the form is that of `devices.packed`.
+
+    Streams are sent in a thread of their own, and nothing waits for a board that hangs: a stop ends what is being sent,
+    and is over within twice `STOP_WITHIN_S`, whatever the board does. What it had not read is then taken back, and its
+    line is closed, so that it finds the end of the file when it wakes up: no stream, and nothing to play.
+    """
 
     connected = True
     one_bit = True
@@ -49,26 +65,32 @@ class PackedOutput:
         self.limits = None
         self.full_scale_v: float = gain.load_volts_per_unit
         self._path, self._gain = Path(settings.path), gain
-        self._sink: IO[bytes] | None = None
+        self._line: BoardLine | None = None
+        self._is_open = False
+        self._turn = threading.Lock()
+        self._sending: Sending | None = None
+        self._kept: tuple[Signal, bytes] | None = None
         self._n_bytes = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {"n_bytes": self._n_bytes}
+        return {"n_bytes": self._n_bytes + (0 if self._sending is None else self._sending.n_sent)}
 
     def open(self) -> None:
-        try:
-            self._sink = self._path.open("ab", buffering=0)
-        except OSError as error:
-            raise DeviceFailed(
-                f"{self._path}: cannot open the board ({error.strerror}), expected a device, a pipe or a file that may "
-                "be written; nothing was played"
-            ) from None
+        """Wait for the board to read, and tell it to stop.
+
+        Raises
+        ------
+        DeviceFailed
+            If it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
+        """
+        self._line = opened(self._path, OPEN_WITHIN_S)
+        self._is_open = True
         self.stop()
 
     def final(self, signal: Signal) -> Signal:
         """What comes out of the bits again; every voltage is that of the supply."""
         try:
-            emitted = decode(encode(signal))
+            emitted = decode(self._encoded(signal))
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
         supply_v = self._gain.load_volts_per_unit
@@ -79,31 +101,71 @@ class PackedOutput:
             )
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
 
+    def _encoded(self, signal: Signal) -> bytes:
+        """The stream of a signal; the last one is kept, so that `play` begins at once."""
+        if self._kept is None or self._kept[0] is not signal:
+            self._kept = signal, encode(signal)
+        return self._kept[1]
+
     def play(self, signal: Signal) -> float:
         self.final(signal)
-        onset_s = time.perf_counter()
-        self._write(encode(signal))
+        if not self._is_open:
+            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
+        with self._turn:
+            self._finish()
+            self._line = self._line or opened(self._path, AGAIN_WITHIN_S)
+            onset_s = time.perf_counter()
+            self._sending = Sending(self._line, self._encoded(signal), signal.duration_s + SEND_BESIDE_S)
         return onset_s
 
+    def _finish(self) -> None:
+        """End what is being sent; a line with a torn stream is let go."""
+        sending, self._sending = self._sending, None
+        if sending is None:
+            return
+        whole = sending.end(STOP_WITHIN_S)
+        self._n_bytes += sending.n_sent
+        if not whole:
+            self._let_go()
+        if sending.failure is not None:
+            raise sending.failure
+
     def stop(self) -> None:
-        if self._sink is not None:
-            self._write(stop_stream(self.n_channels, self.rate_hz))
+        """Zero now, within twice `STOP_WITHIN_S`.
+
+        Raises
+        ------
+        DeviceFailed
+            If the board has not read the stop by then, or had not taken what was played before.
+        """
+        with self._turn:
+            self._finish()
+            if self._line is not None:
+                self._stop_board(self._line)
+
+    def _stop_board(self, line: BoardLine) -> None:
+        stream = stop_stream(self.n_channels, self.rate_hz)
+        n_sent = line.write(stream, STOP_WITHIN_S)
+        self._n_bytes += n_sent
+        if n_sent == len(stream) and line.was_read(STOP_WITHIN_S):
+            return
+        self._let_go()
+        raise DeviceFailed(
+            f"{self._path}: the board did not read a stop within {STOP_WITHIN_S:g} s: switch its amplifier off; "
+            "what it had not read was taken back, and its line is closed"
+        )
+
+    def _let_go(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            line.take_back()
+            line.close()
 
     def close(self) -> None:
         try:
             self.stop()
         finally:
-            sink, self._sink = self._sink, None
-            if sink is not None:
-                sink.close()
-
-    def _write(self, stream: bytes) -> None:
-        if self._sink is None:
-            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
-        view = memoryview(stream)
-        try:
-            while view:
-                view = view[self._sink.write(view) or 0 :]
-        except OSError as error:
-            raise DeviceFailed(f"{self._path}: the board took no more ({error.strerror}); the output stopped") from None
-        self._n_bytes += len(stream)
+            self._is_open = False
+            line, self._line = self._line, None
+            if line is not None:
+                line.close()

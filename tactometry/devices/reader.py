@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
 from tactometry.errors import DeviceFailed
 
 FloatArray = NDArray[np.float64]
@@ -149,9 +150,9 @@ class Reader:
         self._n_open = max(0, self._n_open - 1)
         if self._n_open == 0 and self._thread is not None:
             self._ending.set()
-            self._thread.join()
+            self._thread.join(CLOSE_WITHIN_S)
             self._thread = None
-            self.source.close()
+            within(CLOSE_WITHIN_S, self.source.name, self.source.close, cure="unplug it")
 
     def _run(self) -> None:
         while not self._ending.is_set():
