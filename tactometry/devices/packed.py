@@ -18,8 +18,8 @@ offset  type  what
 
 The payload is one word of ``ceil(n_channels / 8)`` bytes per sample; channel q is bit q mod 8 of byte q div 8; the bits
 beyond the last channel are 0. One bit has no zero: a board plays a stream once it has all of it and its checksum is
-right, and switches its outputs off before it, after its last sample, at the end of the file, and at once when it reads a
-stream of no samples, which is how "stop" is said.
+right, and switches its outputs off before it, after its last sample, at the end of the file, and at once when it reads
+a stream of no samples, which is how "stop" is said.
 """
 
 import struct
