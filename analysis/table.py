@@ -17,6 +17,7 @@ from tactometry.analysis.column_map import ColumnMap, translated
 from tactometry.analysis.fast_text import plain_numbers
 from tactometry.analysis.text_table import text_cells
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
+from tactometry.dataset import keys_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.formats import ADDED
 from tactometry.rows import RESPONSES, TASKS, Rule
@@ -78,6 +79,9 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
     """
     files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
     tables = _alike([_one_file(file, column_map or ColumnMap()) for file in files])
+    if column_map is None:
+        for file, table in zip(files, tables, strict=True):
+            _refuse_misnamed(table, file)
     headers = [list(table.columns) for table in tables]
     for file, header in zip(files, headers, strict=True):
         if header != headers[0]:
@@ -125,6 +129,14 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
             "(--columns) and a folder of another program's tables"
         )
     return found
+
+
+def _refuse_misnamed(table: pd.DataFrame, file: Path) -> None:
+    """A copy under another participant's name would count one person twice."""
+    code = keys_of(file.stem).get("participant")
+    if code is not None and (table["participant"] != code).any():
+        expected = f"{code!r} as in the file's name; remove the file if it is a copy"
+        _refuse(table, "participant", file, (table["participant"] != code).to_numpy(), expected)
 
 
 def _difference(header: list[str], first: list[str]) -> str:

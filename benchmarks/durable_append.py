@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tactometry.dataset import OpenSession, Session
+from tactometry.dataset import Session
 from tactometry.experiments.study import load
 from tactometry.experiments.wiring import wire
+from tactometry.open_session import OpenSession
 from tactometry.request import Done, Record
 from tactometry.trial import Trial
 

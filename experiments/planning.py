@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from tactometry.errors import counted
 from tactometry.experiments.procedures import Rule
 from tactometry.experiments.wiring import Experiment
 from tactometry.protocols.block import Block
@@ -12,15 +13,6 @@ from tactometry.streams import stream
 
 ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""
-
-
-def counted(n: int, noun: str) -> str:
-    """A number with its noun.
-
-    >>> counted(1, "trial"), counted(2, "trial")
-    ('1 trial', '2 trials')
-    """
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 @dataclass(frozen=True)

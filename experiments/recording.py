@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from tactometry.dataset import OpenSession, Session
+from tactometry.dataset import Session
 from tactometry.description import Design
 from tactometry.errors import InvalidParameter
 from tactometry.event import EventLog, Fact
 from tactometry.experiments.wiring import Experiment
 from tactometry.journal import Head
+from tactometry.open_session import OpenSession
 from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
 from tactometry.rigs.rig import Rig
@@ -104,6 +105,8 @@ def record(
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
         seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials
+        if keeper.repaired:
+            tell(keeper.repaired)
         with closing(kind.make(seed, keeper)) as rig:
             _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
             course = experiment.course(who.participant, who.session, number, seed)

@@ -1,14 +1,17 @@
-"""Recorded answers fed back into the protocol that asked for them."""
+"""Recorded answers fed back into the protocol that asked for them, and files written anew from them."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from tactometry.dataset import sessions
+from tactometry.agreement import REBUILD, disagreement
+from tactometry.dataset import Session, sessions
 from tactometry.errors import Diverged, InvalidFile
 from tactometry.experiments.study import parse
-from tactometry.experiments.validation import derived_csv, first_difference, n_rows, trials_file
+from tactometry.experiments.validation import derived_csv, has_rows, trials_file
 from tactometry.experiments.wiring import Experiment, wire
+from tactometry.files import read_file
 from tactometry.journal import read
+from tactometry.open_session import OpenSession
 from tactometry.provenance import sha256
 from tactometry.run import replay
 from tactometry.sittings import changes
@@ -24,6 +27,15 @@ class Replayed:
     changes: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Rebuilt:
+    """A session whose files were written anew, and whether its trials file was another one before."""
+
+    trials: str
+    n_trials: int
+    changed: bool
+
+
 def replay_data_set(path: Path) -> list[Replayed]:
     """Replay every session of a data set, or the one of a journal file.
 
@@ -34,15 +46,33 @@ def replay_data_set(path: Path) -> list[Replayed]:
     InvalidFile
         If there is nothing to replay, or a journal is damaged.
     """
+    root, journals, experiment, content = _recorded(path)
+    return [_replay(root, journal, experiment, content) for journal in journals]
+
+
+def rebuild_data_set(path: Path) -> list[Rebuilt]:
+    """Write the files that are derived from the journals of a data set anew.
+
+    Raises
+    ------
+    InvalidFile
+        If there is no journal, one is damaged, or a trials file holds what its journal does not.
+    SessionInUse
+        If a session is being recorded.
+    """
+    root, journals, experiment, content = _recorded(path)
+    return [rebuilt for journal in journals if (rebuilt := _rebuild(root, journal, experiment, content)) is not None]
+
+
+def _recorded(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
+    """The folder of a data set, its journals (or the one that `path` is), and the study that ran with its bytes."""
     root = path.parent.parent if path.is_file() else path
     journals = [path] if path.is_file() else sessions(path)
     if not journals:
         raise InvalidFile(f"{path}: found no journal, expected a data set with journals/*.jsonl, or a journal")
-    if not (root / "study.toml").is_file():
-        raise InvalidFile(f"{root / 'study.toml'}: found no such file, expected the study that ran")
-    content = (root / "study.toml").read_bytes()
-    experiment = wire(parse(content, str(root / "study.toml")), str(root / "study.toml"))
-    return [_replay(root, journal, experiment, content) for journal in journals]
+    study = root / "study.toml"
+    content = read_file(study, "the study that ran")
+    return root, journals, wire(parse(content, str(study)), str(study)), content
 
 
 def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Replayed:
@@ -50,15 +80,35 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     head = recording.head
     trials = trials_file(root, journal)
     if head is None:
-        if n_rows(trials):
+        if has_rows(trials):
             raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
         return Replayed(journal.name, 0, complete=False)
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
     replay(course, recording.replay(str(journal)), complete=recording.complete)
-    found = trials.read_bytes() if trials.is_file() else b""
-    row = first_difference(found, derived_csv(recording, experiment))
-    if row is not None:
-        raise Diverged(f"{trials}, row {row}: found another row than the replayed session gives, expected the same")
+    if not trials.exists():
+        raise Diverged(f"{trials}: found no such file, expected the trials of the journal; {REBUILD}")
+    differs = disagreement(read_file(trials, "a trials file"), derived_csv(recording, experiment))
+    if differs is not None:
+        row, how = differs
+        raise Diverged(f"{trials}, row {row}: {how}")
     return Replayed(journal.name, len(recording.trials), recording.complete, tuple(changes(recording.sittings)))
+
+
+def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Rebuilt | None:
+    """None where a session has not begun."""
+    head, trials = read(journal).head, trials_file(root, journal)
+    if head is None:
+        return None
+    session = Session(head.participant, head.session, head.study)
+    if session.stem != journal.stem:
+        raise InvalidFile(
+            f"{journal}, line 1: found session {head.session} of {head.participant} ({head.study}), expected that of "
+            "the file's name; remove the copy"
+        )
+    before = read_file(trials, "a trials file") if trials.exists() else None
+    opened = OpenSession(root, experiment.design(study_toml), session, head.rig, resume=True)
+    opened.close()
+    changed = read_file(trials, "a trials file") != before
+    return Rebuilt(trials.name, opened.n_trials, changed)

@@ -1,16 +1,23 @@
 """Whether a data set is sound: every defect, with file and row."""
 
+import csv
+import io
 import json
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
-from tactometry.dataset import Session, sessions, trials_csv
-from tactometry.errors import InvalidFile, TactometryError
+from tactometry.agreement import REBUILD, disagreement
+from tactometry.dataset import Session, keys_of, participants, sessions, trials_csv
+from tactometry.description import NAME
+from tactometry.errors import InvalidFile, TactometryError, counted
 from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import Experiment, wire
+from tactometry.files import drafts, listed, read_file
 from tactometry.formats import ADDED, columns_in
 from tactometry.journal import Recording, read
 from tactometry.provenance import sha256
@@ -36,49 +43,83 @@ def validate(path: Path) -> Soundness:
     Raises
     ------
     InvalidFile
-        If there is no such folder or file.
+        If there is no such folder or file, or it may not be read.
     """
-    if path.is_file():
-        return Soundness(1, n_rows(path), tuple(defects(_content(path), path.name)), ())
-    if not path.is_dir():
+    if path.is_dir():
+        return _data_set(path)
+    if not os.path.lexists(path):
         raise InvalidFile(f"{path}: found no such folder or file, expected a data set or a trials file")
-    experiment, found = _study(path)
-    notes: list[str] = []
-    found += [*_description(path), *_trials_files(path)]
-    for journal in sessions(path):
-        found += _session(path, journal, experiment, notes)
-    n_trials = sum(map(n_rows, _csv_files(path)))
-    return Soundness(len(_csv_files(path)), n_trials, tuple(found), tuple(notes))
+    content = read_file(path, "a data set or a trials file")
+    n_trials, found = n_rows(content), list(defects(content, path.name))
+    if not found and n_trials == 0:
+        found = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
+    return Soundness(1, n_trials, tuple(found), ())
 
 
-def _content(path: Path) -> bytes:
+def _data_set(root: Path) -> Soundness:
+    experiment, found = _study(root)
+    notes = [*_alike(root), *_drafts(root)]
+    files, journals = listed(root / "data", "*.csv"), sessions(root)
+    contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", found)) is not None}
+    found += _guarded(NAME, _description(root, contents))
+    if not files:
+        found.append(Defect("data", None, "found no trials file, expected at least one"))
+    for file, content in contents.items():
+        found += _guarded(f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
+    for journal in journals:
+        found += _guarded(f"journals/{journal.name}", _session(root, journal, experiment, notes))
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(found), tuple(notes))
+
+
+def _guarded(name: str, found: Iterator[Defect]) -> Iterator[Defect]:
+    """Defects, the last of which may be that a file cannot be read."""
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot read ({error.strerror}), expected a readable file") from None
+        yield from found
+    except InvalidFile as error:
+        yield Defect(name, None, str(error).partition(": ")[2])
 
 
-def _csv_files(root: Path) -> list[Path]:
-    return sorted((root / "data").glob("*.csv"))
+def _read(file: Path, name: str, found: list[Defect], what: str = "a trials file") -> bytes | None:
+    """The content of a file, or a defect."""
+    try:
+        return read_file(file, what)
+    except InvalidFile as error:
+        found.append(Defect(name, None, str(error).removeprefix(f"{file}: ")))
+        return None
+
+
+def _alike(root: Path) -> Iterator[str]:
+    for _, group in groupby(sorted(participants(root), key=str.casefold), key=str.casefold):
+        codes = list(group)
+        if len(codes) > 1:
+            yield f"journals: {' and '.join(codes)} differ in capitals alone, which not every disk tells apart"
+
+
+def _drafts(root: Path) -> Iterator[str]:
+    for folder in (root, root / "data", root / "journals"):
+        for path in drafts(folder):
+            way = "remove it" if folder == root else "tactometry rebuild removes it"
+            yield f"{path.relative_to(root)}: a draft that an interruption left; {way}"
 
 
 def _study(root: Path) -> tuple[Experiment | None, list[Defect]]:
-    path = root / "study.toml"
-    if not path.is_file():
-        return None, [Defect("study.toml", None, "found no such file, expected the study that ran")]
+    found: list[Defect] = []
+    content = _read(root / "study.toml", "study.toml", found, "the study that ran")
+    if content is None:
+        return None, found
     try:
-        return wire(parse(_content(path), "study.toml"), "study.toml"), []
+        return wire(parse(content, "study.toml"), "study.toml"), []
     except TactometryError as error:
         return None, [Defect("study.toml", None, str(error).removeprefix("study.toml").lstrip(":, "))]
 
 
-def _description(root: Path) -> Iterator[Defect]:
-    name = "dataset_description.json"
-    if not (root / name).is_file():
+def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
+    name = NAME
+    if not os.path.lexists(root / name):
         yield Defect(name, None, "found no such file, expected the description that Psych-DS asks for")
         return
     try:
-        description = json.loads(_content(root / name))
+        description = json.loads(read_file(root / name, "a description"))
         described = {variable["name"] for variable in description["variableMeasured"]}
         wanted = {"@context": "https://schema.org/", "@type": "Dataset"}
         wrong = [key for key, value in wanted.items() if description.get(key) != value]
@@ -88,48 +129,56 @@ def _description(root: Path) -> Iterator[Defect]:
         return
     for key in (*wrong, *missing):
         yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
-    for file in _csv_files(root):
-        header = set(_header(file))
+    for file, content in contents.items():
+        header = set(_header(content))
         for column in sorted(header - described | described - header - ADDED):
             where = "has no such column" if column in described else "has a column"
             yield Defect(name, None, f"variableMeasured: {file.name} {where} {column!r}, expected both to agree")
 
 
-def _trials_files(root: Path) -> Iterator[Defect]:
-    if not _csv_files(root):
-        yield Defect("data", None, "found no trials file, expected at least one")
-    stems = {path.stem for path in sessions(root)}
-    for file in _csv_files(root):
-        if not CSV_NAME.fullmatch(file.name):
-            yield Defect(
-                f"data/{file.name}",
-                None,
-                "found a name that Psych-DS forbids, expected key-value_..._data.csv",
-            )
-        if file.stem.removesuffix("_data") not in stems:
-            yield Defect(f"data/{file.name}", None, "found no journal of this session, expected one in journals/")
-        yield from _sidecar(file)
-        yield from defects(_content(file), f"data/{file.name}")
+def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defect]:
+    name = f"data/{file.name}"
+    if not CSV_NAME.fullmatch(file.name):
+        yield Defect(name, None, "found a name that Psych-DS forbids, expected key-value_..._data.csv")
+    if file.stem.removesuffix("_data") not in stems:
+        yield Defect(name, None, "found no journal of this session, expected one in journals/")
+    yield from _sidecar(file, _header(content))
+    yield from defects(content, name)
+    yield from _misnamed(file, content)
 
 
-def _sidecar(file: Path) -> Iterator[Defect]:
+def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
+    """The first row of another participant, session or study than the name of its file says."""
+    told = keys_of(file.stem)
+    try:
+        for number, row in enumerate(csv.DictReader(io.StringIO(content.decode("utf-8-sig"), newline="")), 2):
+            for key in ("participant", "session", "study"):
+                if key in told and (row.get(key) or "").replace("-", "") != told[key]:
+                    text = f"column {key!r}: found {row.get(key)!r}, expected {told[key]!r} as in the file's name"
+                    yield Defect(f"data/{file.name}", number, text)
+                    return
+    except (UnicodeDecodeError, csv.Error):
+        return
+
+
+def _sidecar(file: Path, header: list[str]) -> Iterator[Defect]:
     sidecar = file.with_suffix(".json")
     name = f"data/{sidecar.name}"
-    if not sidecar.is_file():
-        yield Defect(name, None, "found no such file, expected the description of every column; use --resume")
+    if not os.path.lexists(sidecar):
+        yield Defect(name, None, f"found no such file, expected the description of every column; {REBUILD}")
         return
     try:
-        described = list(json.loads(_content(sidecar)))
+        described = list(json.loads(read_file(sidecar, "the description of every column")))
     except (ValueError, TypeError, RecursionError) as error:
-        yield Defect(name, None, f"found no JSON ({error}), expected the description of every column; use --resume")
+        yield Defect(name, None, f"found no JSON ({error}), expected the description of every column; {REBUILD}")
         return
-    for column in _header(file):
+    for column in header:
         if column not in described:
-            yield Defect(name, None, f"found no description of the column {column!r}, expected one; use --resume")
+            yield Defect(name, None, f"found no description of the column {column!r}, expected one; {REBUILD}")
 
 
-def _header(file: Path) -> list[str]:
-    return _content(file).split(b"\n", 1)[0].decode("utf-8", "replace").strip().split(",")
+def _header(content: bytes) -> list[str]:
+    return content.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
 
 
 def _session(root: Path, journal: Path, experiment: Experiment | None, notes: list[str]) -> Iterator[Defect]:
@@ -138,17 +187,22 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         recording = read(journal)
     except TactometryError as error:
         line = re.search(r"line (\d+): (.*)", str(error), re.DOTALL)
-        yield Defect(name, int(line[1]) if line else None, line[2] if line else str(error))
+        yield Defect(name, int(line[1]) if line else None, line[2] if line else str(error).removeprefix(f"{journal}: "))
         return
-    if recording.head is None:
+    head = recording.head
+    if head is None:
         yield from _not_begun(root, journal, notes)
         return
+    if Session(head.participant, head.session, head.study).stem != journal.stem:
+        whose = f"session {head.session} of {head.participant} ({head.study})"
+        yield Defect(name, 1, f"found {whose}, expected that of the file's name; remove the copy")
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]
     if not recording.complete:
-        notes.append(f"{name}: the session is not finished ({len(recording.trials)} trials); go on with --resume")
+        n_trials = counted(len(recording.trials), "trial")
+        notes.append(f"{name}: the session is not finished ({n_trials}); go on with --resume")
     if experiment is None:
         return
-    if sha256(_content(root / "study.toml")) != recording.head.study_sha256:
+    if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:
         yield Defect(name, 1, "found the digest of another study.toml, expected that of this data set")
     else:
         yield from _agreement(root, journal, recording, experiment)
@@ -156,7 +210,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
 
 
 def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
-    if n_rows(trials_file(root, journal)):
+    if has_rows(trials_file(root, journal)):
         yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
     else:
         notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
@@ -167,36 +221,44 @@ def trials_file(root: Path, journal: Path) -> Path:
     return root / "data" / f"{journal.stem}_data.csv"
 
 
-def n_rows(path: Path) -> int:
-    """Rows of a trials file below its header; 0 where there is none."""
-    return max(_content(path).count(b"\n") - 1, 0) if path.is_file() else 0
+def n_rows(content: bytes) -> int:
+    """Rows of a trials file below its header.
+
+    >>> n_rows(b"a,b\\n1,2\\n3,4"), n_rows(b"")
+    (2, 0)
+    """
+    return max(sum(bool(line.strip()) for line in content.split(b"\n")) - 1, 0)
+
+
+def has_rows(path: Path) -> bool:
+    """Whether there is a trials file that holds rows."""
+    return os.path.lexists(path) and n_rows(read_file(path, "a trials file")) > 0
 
 
 def _agreement(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
     """Whether the trials file is what the journal says."""
-    assert recording.head is not None
     file = trials_file(root, journal)
-    if not file.is_file():
-        yield Defect(f"data/{file.name}", None, "found no such file, expected the trials of the journal; use --resume")
+    if not os.path.lexists(file):
+        yield Defect(f"data/{file.name}", None, f"found no such file, expected the trials of the journal; {REBUILD}")
         return
-    row = first_difference(_content(file), derived_csv(recording, experiment))
-    if row is not None:
-        yield Defect(f"data/{file.name}", row, "found another row than the journal holds, expected the same")
+    differs = disagreement(read_file(file, "a trials file"), derived_csv(recording, experiment))
+    if differs is not None:
+        yield Defect(f"data/{file.name}", *differs)
 
 
 def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
     """Whether the events file is what the journal says."""
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
-    if not file.is_file():
+    if not os.path.lexists(file):
         if recording.events:
-            yield Defect(name, None, "found no such file, expected the events of the journal; use --resume")
+            yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
         return
-    row = first_difference(_content(file), events_tsv(recording.events))
-    if row is not None:
-        yield Defect(name, row, "found another row than the journal holds, expected the same; use --resume")
+    differs = disagreement(read_file(file, "an events file"), events_tsv(recording.events))
+    if differs is not None:
+        yield Defect(name, *differs)
     if not file.with_suffix(".json").is_file():
-        yield Defect(name, None, "found no description of its columns beside it, expected a JSON file; use --resume")
+        yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")
 
 
 def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
@@ -205,12 +267,3 @@ def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
     head = recording.head
     columns = columns_in(experiment.design(b"").columns, head.format)
     return trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)
-
-
-def first_difference(found: bytes, expected: bytes) -> int | None:
-    """The first line, from 1, in which two files differ; None if they are equal."""
-    if found == expected:
-        return None
-    pairs = zip(found.split(b"\n"), expected.split(b"\n"), strict=False)
-    alike = next((n for n, (a, b) in enumerate(pairs, 1) if a != b), None)
-    return alike if alike is not None else min(found.count(b"\n"), expected.count(b"\n")) + 1

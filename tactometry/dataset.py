@@ -6,23 +6,16 @@ study, and can be rebuilt.
 
 import csv
 import io
-import os
 import re
-import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tactometry.columns import FIRST, Column
-from tactometry.description import NAME, SIMULATED, Design, describe, is_marked, read_description, sidecar_json
+from tactometry.description import NAME, Design, sidecar_json
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.event import COLUMNS, Event, events_tsv
-from tactometry.files import make_folder, read_file, replaced, write_atomically, write_first, write_whole
-from tactometry.formats import FORMAT, as_kept, columns_in
-from tactometry.journal import Head, Journal
-from tactometry.request import Record, Request
-from tactometry.rigs.replay import Replay
-from tactometry.sittings import heads
+from tactometry.event import COLUMNS
+from tactometry.files import listed, make_folder, read_file, write_first
 from tactometry.trial import Trial, Value
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
@@ -140,139 +133,31 @@ def prepare(root: Path, design: Design) -> None:
         )
 
 
-def refuse_mixing(root: Path, rig: str) -> None:
-    """Refuse simulated participants beside people, and people beside simulated participants.
+def keys_of(stem: str) -> dict[str, str]:
+    """What the name of a file of a data set says, by key.
+
+    >>> keys_of("participant-P01_session-1_study-tutorial_data")
+    {'participant': 'P01', 'session': '1', 'study': 'tutorial'}
+    """
+    pairs = (part.partition("-") for part in stem.split("_"))
+    return {key: value for key, dash, value in pairs if dash}
+
+
+def participants(root: Path) -> list[str]:
+    """The codes of all who have a journal in a data set, sorted."""
+    return sorted({code for path in sessions(root) if (code := keys_of(path.stem).get("participant"))})
+
+
+def sessions(root: Path) -> list[Path]:
+    """The journals of a data set, sorted.
 
     Raises
     ------
     InvalidFile
-        If the folder holds the other kind.
+        If their folder may not be read.
     """
-    path = root / NAME
-    if path.exists() and is_marked(read_description(path)):
-        held = {SIMULATED}
-    else:
-        held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
-    for other in sorted(held):
-        if (other == SIMULATED) != (rig == SIMULATED):
-            whom = "simulated participants" if other == SIMULATED else "people"
-            raise InvalidFile(
-                f"{root}: found sessions of {whom}, expected none beside those of the rig {rig!r}, as real and "
-                "simulated data never share a folder; give another --out"
-            )
-
-
-class OpenSession:
-    """A session that is being recorded: what `tactometry.run.run` writes to.
-
-    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns.
-    With `resume` an interrupted session goes on; what the crash cut off is kept beside the journal, and said in
-    `repaired`.
-    """
-
-    def __init__(self, root: Path, design: Design, session: Session, rig: str, *, resume: bool) -> None:
-        own = session.journal(root)
-        if not own.is_file() or own.stat().st_size == 0:  # one that has begun is held against its own head
-            refuse_mixing(root, rig)
-        prepare(root, design)
-        self._root, self._session = root, session
-        self._file = self._events_file = -1
-        self.recorded_s: float | None = None
-        """When the last trial was on the disk, on `time.perf_counter`."""
-        self.journal = Journal(session.journal(root), resume=resume)
-        try:
-            self._rig = rig if self.head is None else self.head.rig
-            self.format = FORMAT if self.head is None else self.head.format
-            self._columns = columns_in(design.columns, self.format)
-            told = replace(design, columns=self._columns)
-            describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
-            self.n_trials = len(self.journal.recording.trials)
-            self.repaired = self._repaired()
-            self._rebuild()
-        except BaseException:
-            self.journal.close()
-            raise
-
-    @property
-    def head(self) -> Head | None:
-        return self.journal.head
-
-    @property
-    def sittings(self) -> tuple[Head, ...]:
-        """The heads of the sittings before."""
-        return self.journal.recording.sittings
-
-    @property
-    def replay(self) -> Replay:
-        return self.journal.replay
-
-    @property
-    def trials(self) -> Path:
-        """The trials file."""
-        return self._trials
-
-    @property
-    def complete(self) -> bool:
-        return self.journal.recording.complete
-
-    def begin(self, head: Head) -> None:
-        self.journal.begin(head)
-
-    def note(self, event: Event) -> None:
-        """Keep what happened unasked, in the journal and in the events file."""
-        self.journal.note(event)
-        if self._events_file < 0:
-            self._events_file = self._new_events(())
-        line = events_tsv([event]).partition(b"\n")[2]
-        write_whole(self._events_file, line, self._session.events(self._root), durable=False)
-
-    def append(self, request: Request, answer: object) -> None:
-        request = as_kept(request, self.format)
-        self.journal.append(request, answer)
-        if isinstance(request, Record):
-            self.recorded_s = time.perf_counter()
-            line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
-            write_whole(self._file, line, self._trials, durable=False)
-            self.n_trials += 1
-
-    def finish(self) -> None:
-        self.journal.finish()
-
-    def close(self) -> None:
-        self.journal.close()
-        for file in (self._file, self._events_file):
-            if file >= 0:
-                os.fsync(file)
-                os.close(file)
-        self._file = self._events_file = -1
-
-    def _rebuild(self) -> None:
-        self._trials, recording = self._session.trials(self._root), self.journal.recording
-        write_atomically(self._session.sidecar(self._root), sidecar_json(self._columns))
-        table = trials_csv(recording.trials, self._session, self._rig, self._columns)
-        self._file = replaced(self._trials, table)
-        if recording.events:
-            self._events_file = self._new_events(recording.events)
-
-    def _new_events(self, events: Sequence[Event]) -> int:
-        path = self._session.events(self._root)
-        write_atomically(path.with_suffix(".json"), events_json())
-        return replaced(path, events_tsv(events))
-
-    def _repaired(self) -> str | None:
-        cut = self.journal.cut
-        if not cut:
-            return None
-        return (
-            f"the last sitting was cut off after trial {self.n_trials}; {len(cut)} bytes of the trial that was under "
-            f"way are kept in {self.journal.interruptions.name}, and that trial is asked again"
-        )
-
-
-def sessions(root: Path) -> list[Path]:
-    """The journals of a data set, sorted."""
-    found = (path for path in (root / "journals").glob("*.jsonl") if path.is_file())
-    return sorted(path for path in found if not path.name.endswith("_interruptions.jsonl"))
+    found = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
+    return [path for path in found if not path.name.endswith("_interruptions.jsonl")]
 
 
 def factor_names(columns: Sequence[str]) -> list[str]:

@@ -56,3 +56,12 @@ def nearest(found: str, names: Iterable[str]) -> str:
     """
     close = difflib.get_close_matches(found, list(names), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def counted(n: int, noun: str) -> str:
+    """A number with its noun.
+
+    >>> counted(1, "trial"), counted(2, "trial")
+    ('1 trial', '2 trials')
+    """
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

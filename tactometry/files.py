@@ -1,5 +1,6 @@
 """Files as data need them: read for what they are, written whole, and open to nobody else."""
 
+import fnmatch
 import os
 import re
 import stat
@@ -40,6 +41,23 @@ def read_file(path: Path, what: str) -> bytes:
             return opened.read()
     except OSError as failure:
         raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
+
+
+def listed(folder: Path, pattern: str = "*") -> list[Path]:
+    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder.
+
+    Raises
+    ------
+    InvalidFile
+        If it may not be read.
+    """
+    try:
+        names = os.listdir(folder)  # noqa: PTH208 - a glob keeps silent about a folder that may not be read
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as failure:
+        raise InvalidFile(f"{folder}: cannot be read ({failure.strerror}), expected a folder that may be") from None
+    return sorted(folder / name for name in fnmatch.filter(names, pattern) if not name.startswith("."))
 
 
 def open_private(path: Path, flags: int) -> int:

@@ -254,17 +254,17 @@ class Journal:
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
         cut = content[n_bytes:]
         if cut:
-            self._keep(cut, len(kept.trials))
+            self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
             self._exchange(content[:n_bytes], _unasked(recording)[len(kept.events) + len(kept.resumed) :])
         os.lseek(self._file, 0, os.SEEK_END)
         return replace(kept, events=recording.events, resumed=recording.resumed), cut
 
-    def _keep(self, cut: bytes, n_trials: int) -> None:
-        told = {"after_trials": n_trials, "cut": cut.decode("utf-8", "backslashreplace")}
-        file = open_private(self.interruptions, os.O_WRONLY | os.O_APPEND)
+    def keep(self, **lost: object) -> None:
+        """Keep beside the journal what would else be lost, as a line of `interruptions`."""
+        file = open_private(self.interruptions, os.O_WRONLY)
         try:
             os.lseek(file, 0, os.SEEK_END)
-            write_whole(file, msgspec.json.encode(told) + b"\n", self.interruptions, durable=True)
+            write_whole(file, msgspec.json.encode(lost) + b"\n", self.interruptions, durable=True)
         finally:
             os.close(file)
 

@@ -55,7 +55,10 @@ DEFECTS = {
     ),
     "value": (lambda root: edit(trials_of(root), b",1,1,", b",1,0,"), "found another row than the journal holds"),
     "study": (lambda root: edit(root / "study.toml", b"tutorial", b"tutoria"), "digest of another study.toml"),
-    "no study": (lambda root: (root / "study.toml").unlink(), "study.toml: found no such file"),
+    "no study": (
+        lambda root: (root / "study.toml").unlink(),
+        "study.toml: cannot be read (No such file or directory), expected the study that ran",
+    ),
     "description": (
         lambda root: edit(root / "dataset_description.json", b"schema.org", b"example.org"),
         "@context: found",
@@ -98,7 +101,7 @@ def test_replay_names_the_first_row_that_differs(copied, capsys):
     edit(trials_of(copied), b",1,1,", b",1,0,")
     status, said, _ = call(capsys, "replay", copied)
     assert status == 1
-    assert re.search(r"row \d+: found another row than the replayed session gives", said)
+    assert re.search(r"row \d+: found another row than the journal holds", said)
 
 
 def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):

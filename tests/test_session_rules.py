@@ -13,8 +13,8 @@ import pytest
 from memory import Memory
 from tutorial_session import EXPERIMENT, STUDY, TOML, live
 
-from tactometry.dataset import OpenSession, Session
-from tactometry.errors import DeviceFailed, Diverged, InvalidParameter, LimitExceeded
+from tactometry.dataset import Session
+from tactometry.errors import Diverged, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench_file import BenchFile
 from tactometry.experiments.planning import duration_s, plan
 from tactometry.experiments.replaying import replay_data_set
@@ -26,6 +26,7 @@ from tactometry.force_gate import ForceGate
 from tactometry.journal import Journal
 from tactometry.limits import Limits
 from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.open_session import OpenSession
 from tactometry.protocols import Staircase, counterbalanced
 from tactometry.quantity import si
 from tactometry.request import Play, Slide, Wait
@@ -75,7 +76,7 @@ def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
     content = trials.read_bytes()
     trials.unlink()
     trials.mkdir()
-    with pytest.raises(DeviceFailed):
+    with pytest.raises(InvalidFile, match="found a folder, expected a file of a data set"):
         OpenSession(lived, EXPERIMENT.design(TOML), session, "simulated", resume=True)
     trials.rmdir()
     OpenSession(lived, EXPERIMENT.design(TOML), session, "simulated", resume=True).close()

@@ -25,6 +25,7 @@ COMMANDS = {
         "tactometry.cli.validate:command",
         "Is this a sound data set? Every defect, with file and row.",
     ),
+    "rebuild": ("tactometry.cli.rebuild:command", "Trials and events files, written anew from the journals."),
     "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
     "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),

@@ -16,7 +16,7 @@ def command(path: Path, *, as_json: bool) -> None:
 
     Exit status 1, with the line or row, at the first divergence.
     """
-    from tactometry.experiments.planning import counted
+    from tactometry.errors import counted
     from tactometry.experiments.replaying import replay_data_set
 
     replayed = replay_data_set(path)

@@ -136,7 +136,8 @@ RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
 
 def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     from tactometry.dataset import cell
-    from tactometry.experiments.planning import counted, duration_s, plan
+    from tactometry.errors import counted
+    from tactometry.experiments.planning import duration_s, plan
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
@@ -154,8 +155,6 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
 
 def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> int:
     """Print what was recorded: status 1 if no block came to its end."""
-    if recorded.repaired:
-        click.echo(recorded.repaired, err=True)
     endings = [track.ended for track in recorded.tracks]
     counts = {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
     ended = ", ".join(f"{n} {ending}" for ending, n in counts.items())

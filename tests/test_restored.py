@@ -1,0 +1,223 @@
+"""Files of a data set that do not belong together: older copies, copies under other names, orphans, twins."""
+
+import csv
+import json
+import os
+import shutil
+from dataclasses import replace
+
+import pytest
+from command_line import call
+from tutorial_session import EXPERIMENT, STUDY, TOML, journal_of, live
+
+from tactometry.agreement import disagreement
+from tactometry.dataset import prepare
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.recording import Who
+from tactometry.experiments.validation import validate
+from tactometry.files import drafts
+
+
+def trials_of(root):
+    return next((root / "data").glob("*_data.csv"))
+
+
+def shortened(journal, n_lines):
+    """A journal as it was some lines ago."""
+    journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:n_lines]))
+
+
+def kept_rows(root):
+    path = next((root / "journals").glob("*_interruptions.jsonl"))
+    return [row for line in path.read_text().splitlines() for row in json.loads(line).get("rows", [])]
+
+
+def resume(root):
+    return ("run", root / "study.toml", "--participant", "P01", "--rig", "simulated", "--out", root, "--resume")
+
+
+# --- a journal that is older than the trials file
+
+
+def test_rows_that_an_older_journal_does_not_hold_are_kept_and_told_before_the_session_goes_on(lived, capsys):
+    rows = trials_of(lived).read_text().splitlines()[1:]
+    shortened(journal_of(lived), 30)
+    status, said, _ = call(capsys, *resume(lived))
+    assert status == 0
+    kept = kept_rows(lived)
+    assert kept
+    assert rows[-len(kept) :] == kept
+    assert f"held {len(kept)} rows that the journal with its {len(rows) - len(kept)} trials does not" in said
+    assert "restore the newer one" in said
+
+
+def test_rows_that_were_edited_by_hand_are_kept(lived, capsys):
+    path = trials_of(lived)
+    path.write_bytes(path.read_bytes().replace(b",1,1,", b",1,0,", 1))
+    status, said, _ = call(capsys, *resume(lived))
+    assert (status, len(kept_rows(lived))) == (0, 1)
+    assert "held 1 row that the journal" in said
+
+
+def test_what_a_crash_leaves_of_a_trials_file_is_no_surplus(lived, capsys):
+    path, whole = trials_of(lived), trials_of(lived).read_bytes()
+    for left in (whole[:-20], whole[:-20] + bytes(64), b""):
+        path.write_bytes(left)
+        assert call(capsys, *resume(lived))[:2] == (0, "")
+        assert path.read_bytes() == whole
+
+
+# --- what the trials file lacks
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_a_trials_file_that_lacks_its_last_rows_is_told_and_written_anew(lived, capsys, n):
+    path, whole = trials_of(lived), trials_of(lived).read_bytes()
+    path.write_bytes(b"".join(whole.splitlines(keepends=True)[:-n]))
+    lacks = f"lacks the last {n} row{'s' * (n > 1)} of the journal, expected all of them; write it anew with tactometry"
+    status, said, _ = call(capsys, "replay", lived)
+    assert status == 1
+    assert lacks in said
+    status, _, out = call(capsys, "validate", lived)
+    assert status == 1
+    assert lacks in out
+    status, _, out = call(capsys, "rebuild", lived)
+    assert status == 0
+    assert "mended" in out
+    assert path.read_bytes() == whole
+    assert call(capsys, "rebuild", lived)[2].strip().endswith("trials")
+
+
+def test_zero_bytes_behind_the_last_row_are_told():
+    row, how = disagreement(b"a\n1\n\0\0", b"a\n1\n")
+    assert (row, how.partition(";")[0]) == (3, "found zero bytes behind the last row, expected none")
+
+
+def test_rebuild_of_nothing_is_bad_input(tmp_path, capsys):
+    status, said, _ = call(capsys, "rebuild", tmp_path)
+    assert status == 2
+    assert "found no journal, expected" in said
+
+
+def test_rebuild_leaves_what_is_complete_as_it_is(lived, capsys):
+    before = {path: path.read_bytes() for path in lived.rglob("*") if path.is_file()}
+    assert call(capsys, "rebuild", journal_of(lived))[0] == 0
+    assert before == {path: path.read_bytes() for path in lived.rglob("*") if path.is_file()}
+
+
+# --- names and heads
+
+
+def copied_as(root, code):
+    for path in [*(root / "data").iterdir(), *(root / "journals").iterdir()]:
+        shutil.copy(path, path.with_name(path.name.replace("participant-P01", f"participant-{code}")))
+
+
+def test_a_copy_under_another_name_is_told_by_validate(lived, capsys):
+    copied_as(lived, "P99")
+    status, _, out = call(capsys, "validate", lived)
+    assert status == 1
+    assert "P99_session-1_study-tutorial.jsonl, row 1: found session 1 of P01 (tutorial), expected that of" in out
+    assert "P99_session-1_study-tutorial_data.csv, row 2: column 'participant': found 'P01', expected 'P99'" in out
+
+
+def test_a_copy_under_another_name_is_not_analysed(lived, capsys):
+    copied_as(lived, "P99")
+    status, said, _ = call(capsys, "analyse", lived)
+    assert status == 2
+    assert "P99_session-1_study-tutorial_data.csv, row 2, column 'participant': found 'P01', expected 'P99'" in said
+
+
+def test_a_copy_under_another_name_does_not_go_on(lived, capsys):
+    copied_as(lived, "P99")
+    with pytest.raises(InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected that of"):
+        live(lived, Who("P99", number=1), resume=True)
+    status, said, _ = call(capsys, "rebuild", lived)
+    assert status == 2
+    assert "remove the copy" in said
+
+
+@pytest.mark.parametrize(("column", "value"), [("session", "2"), ("study", "tutorials")])
+def test_a_row_of_another_session_or_study_than_its_file_s_is_told(lived, column, value):
+    with trials_of(lived).open(newline="") as text:
+        rows = list(csv.DictReader(text))
+    rows[3][column] = value
+    with trials_of(lived).open("w", newline="") as text:
+        writer = csv.DictWriter(text, rows[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    assert any(f"row 5: column {column!r}: found {value!r}" in str(defect) for defect in validate(lived).defects)
+
+
+def test_a_journal_of_other_numbers_does_not_go_on(lived, tmp_path):
+    from tactometry.experiments.recording import record, simulated
+
+    other = TOML.replace(b"trial_s = 5.0", b"trial_s = 6.0")
+    (lived / "study.toml").write_bytes(other)
+    with pytest.raises(InvalidFile, match="line 1: found the digest of another study"):
+        record(EXPERIMENT, other, lived, Who("P01"), simulated(EXPERIMENT, Who("P01")), resume=True)
+
+
+def test_codes_that_differ_in_capitals_alone_are_refused_and_told(lived):
+    with pytest.raises(InvalidParameter, match="participant: found 'p01' beside 'P01', expected codes that differ in"):
+        live(lived, Who("p01", seed=1))
+    assert validate(lived).notes == ()
+    for path in [*(lived / "data").iterdir(), *(lived / "journals").iterdir()]:
+        shutil.copy(path, path.with_name(path.name.replace("P01", "p01")))
+    assert any("P01 and p01 differ in capitals alone" in note for note in validate(lived).notes)
+
+
+def test_of_two_studies_that_begin_at_once_one_gets_the_folder(tmp_path):
+    """In each new folder four processes with a study each: one goes on, and the others are refused."""
+    designs = [EXPERIMENT.design(TOML + b"# %d\n" % n) for n in range(4)]
+    for n in range(10):
+        begin, go = os.pipe()
+        children = []
+        for design in designs:
+            children.append(os.fork())
+            if children[-1] == 0:
+                os.close(go)
+                os.read(begin, 1)
+                try:
+                    prepare(tmp_path / str(n), replace(design))
+                except InvalidFile:
+                    os._exit(2)
+                os._exit(0)
+        os.close(go)
+        os.close(begin)
+        assert sorted(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children) == [0, 2, 2, 2]
+
+
+# --- what killed processes leave
+
+
+def test_drafts_of_a_session_are_told_and_removed_and_their_rows_kept(lived, capsys):
+    orphan = trials_of(lived).with_name(f".{trials_of(lived).name}.4711")
+    orphan.write_bytes(trials_of(lived).read_bytes() + b"P01,1,tutorial,9,99\n")
+    (lived / "journals" / f".{journal_of(lived).name}.4711").write_bytes(b"{")
+    (lived / ".study.toml.4711").write_bytes(b"name")
+    told = validate(lived)
+    assert told.defects == ()
+    assert [note.partition(": ")[2] for note in told.notes] == [
+        "a draft that an interruption left; remove it",
+        *["a draft that an interruption left; tactometry rebuild removes it"] * 2,
+    ]
+    assert call(capsys, "rebuild", lived)[0] == 0
+    assert kept_rows(lived) == ["P01,1,tutorial,9,99"]
+    assert drafts(lived / "data") == drafts(lived / "journals") == []
+
+
+def test_drafts_of_others_stay(lived, capsys):
+    other = lived / "data" / ".participant-P02_session-1_study-tutorial_data.csv.4711"
+    other.write_bytes(b"")
+    assert call(capsys, "rebuild", lived)[0] == 0
+    assert other.exists()
+    assert STUDY.name == "tutorial"
+
+
+def test_a_header_alone_is_no_trials_file(lived, capsys):
+    path = trials_of(lived)
+    path.write_bytes(path.read_bytes().partition(b"\n")[0] + b"\n")
+    status, _, out = call(capsys, "validate", path)
+    assert status == 1
+    assert "found a header alone, expected a row for each trial" in out
