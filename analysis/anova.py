@@ -1,18 +1,26 @@
-"""Repeated-measures analysis of variance through pingouin, with its traps closed; a third factor by exact contrasts."""
+"""Repeated-measures analysis of variance of one to three factors, by exact contrasts, in pingouin's columns."""
 
-import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.contrasts import MOST_EXACT, Effect, Tested, effects, participant_scores
+from tactometry.analysis.contrasts import MOST_EXACT, Tested, effects, participant_scores
 from tactometry.analysis.contrasts import permutation_p as _permutation_p
-from tactometry.analysis.design import Array, Design, DesignStatus, spread, within_design
+from tactometry.analysis.design import Array, Design, DesignStatus, size_of, spread, within_design
 from tactometry.analysis.effect_size import INTERVAL, eta_squared
 
 MAX_FACTORS = 3
-PINGOUIN_FACTORS = 2
+SIZES: Mapping[str, str] = {
+    "np2": "partial",
+    "np2_low": "partial_low",
+    "np2_high": "partial_high",
+    "ng2": "generalised",
+    "ng2_low": "generalised_low",
+    "ng2_high": "generalised_high",
+}
+"""Columns of the sizes of an effect, by their fields of `EtaSquared`."""
 
 
 def repeated_measures(
@@ -37,9 +45,10 @@ def repeated_measures(
     DataFrame
         Pingouin's columns: per effect sums and degrees of freedom, F, uncorrected and Greenhouse-Geisser p,
         generalised eta squared (`ng2`), epsilon (`eps`) and, where it exists, Mauchly's test. Added are Huynh and
-        Feldt's epsilon and p (`eps_HF`, `p_HF_corr`), partial eta squared (`np2`), and the ends of the intervals
-        (`np2_low`, `np2_high`, `ng2_low`, `ng2_high`; of the corrected test). `attrs["notes"]` says what a reader
-        must know; `attrs["n"]` is the number of participants, `attrs["status"]` the `DesignStatus`.
+        Feldt's and Chi and Muller's epsilon and p (`eps_HF`, `p_HF_corr`, `eps_CM`, `p_CM_corr`), partial eta squared
+        (`np2`), and the ends of the intervals (`np2_low`, `np2_high`, `ng2_low`, `ng2_high`; of Chi and Muller's test,
+        which is the one to report). `attrs["notes"]` says what a reader must know; `attrs["n"]` is the number of
+        participants, `attrs["status"]` the `DesignStatus`.
 
     Raises
     ------
@@ -50,8 +59,10 @@ def repeated_measures(
 
     Notes
     -----
-    With fewer participants than an effect has contrasts, its error matrix is singular: Mauchly's test does not exist,
-    and the Greenhouse-Geisser correction holds. `permutation_test` needs neither.
+    Chi and Muller's correction holds 5 % of false alarms best, from few participants and where the contrasts are not
+    spherical (docs/analysis.md has the table). With fewer participants than an effect has contrasts, its error matrix
+    is singular: Mauchly's test does not exist; the corrections hold. `permutation_test` needs none. An effect that is
+    exactly the same in all participants has no error: its F is missing, and a note says so.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -61,17 +72,10 @@ def repeated_measures(
     """
     design = _design(table, dependent, within, subject)
     scaled, scale = scaled_design(design, dependent)
-    found = effects(scaled)
-    result = _by_contrasts(found) if len(design.factors) > PINGOUIN_FACTORS else _by_pingouin(scaled)
-    residual = _residual(scaled, found)
-    added = pd.DataFrame([added_columns(effect.tested, residual, interval) for effect in found])
-    ng2 = added.pop("ng2")
-    if len(design.factors) > PINGOUIN_FACTORS:
-        result["ng2"] = ng2
-    result = pd.concat([result, added], axis=1)
-    for name in ("SS", "MS"):
-        result[name] *= scale**2
-    return told(_without_singular(result, found), design, [effect.tested for effect in found])
+    found = [effect.tested for effect in effects(scaled)]
+    between = participant_scores(scaled)
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
+    return told(effect_table(found, residual, scale, interval), design, found)
 
 
 def permutation_test(
@@ -120,38 +124,33 @@ def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, su
 def scaled_design(design: Design, dependent: str) -> tuple[Design, float]:
     """About zero and of unit spread, so that neither offset nor unit costs digits."""
     scale = spread(design.cells, dependent)
-    values: Array = (design.values - design.values.mean()) / scale
-    return Design(values, design.factors, design.levels, design.participants, design.notes), scale
+    unit = size_of(design.values)
+    values: Array = design.values / unit
+    values = (values - values.mean()) / (scale / unit)
+    return replace(design, values=values, rounding=design.rounding / scale), scale
 
 
-def _by_pingouin(design: Design) -> pd.DataFrame:
-    import pingouin
-
-    places = np.indices(design.values.shape).reshape(len(design.factors) + 1, -1)
-    names = ["participant, by number", *design.factors]
-    data = pd.DataFrame(dict(zip(names, places, strict=True))).assign(**{"value, scaled": design.values.ravel()})
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        found: pd.DataFrame = pingouin.rm_anova(
-            data,
-            dv="value, scaled",
-            within=list(design.factors) if len(design.factors) > 1 else design.factors[0],
-            subject=names[0],
-            correction=True,
-            detailed=True,
-            effsize="ng2",
-        )
-    return found
+def effect_table(found: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
+    """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
+    and all errors, `scale` the unit of the values."""
+    rows = [effect_row(each) | _added(each, residual, interval) for each in found]
+    result = pd.DataFrame(_with_error(rows[0], found[0]) if len(found) == 1 else rows)
+    with np.errstate(over="ignore"):
+        return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
 
 
-def _by_contrasts(found: Sequence[Effect]) -> pd.DataFrame:
-    return pd.DataFrame([effect_row(effect.tested) for effect in found])
+def _with_error(row: dict[str, object], effect: Tested) -> list[dict[str, object]]:
+    """And a row of the error, which pingouin gives for one factor alone."""
+    df = effect.df[1]
+    first = {"Source": effect.name, "SS": effect.ss, "DF": effect.df[0]}
+    return [first | row, {"Source": "Error", "SS": effect.ss_error, "DF": df, "MS": effect.ss_error / df}]
 
 
 def effect_row(effect: Tested) -> dict[str, object]:
     """Pingouin's columns of one effect."""
     first, second = effect.df
     shape = effect.sphericity
+    is_spherical = first == 1 or (None if shape.p is None else shape.p > 0.05)
     return {
         "Source": effect.name,
         "SS": effect.ss,
@@ -163,50 +162,39 @@ def effect_row(effect: Tested) -> dict[str, object]:
         "p_GG_corr": effect.p(shape.greenhouse_geisser),
         "ng2": np.nan,
         "eps": shape.greenhouse_geisser,
-        "sphericity": None if shape.p is None else shape.p > 0.05,
-        "W_spher": shape.w,
-        "p_spher": shape.p,
+        "sphericity": is_spherical,
+        "W_spher": np.nan if shape.w is None else shape.w,
+        "p_spher": 1.0 if first == 1 else np.nan if shape.p is None else shape.p,
     }
 
 
-def _residual(design: Design, found: Sequence[Effect]) -> float:
-    """Sums of squares of participants and of all errors."""
-    between = participant_scores(design)
-    return float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
-
-
-def added_columns(effect: Tested, residual: float, interval: float) -> dict[str, float]:
-    """What pingouin does not give: Huynh and Feldt's correction, sizes of the effect with intervals."""
+def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]:
+    """What pingouin does not give: two more corrections, sizes of the effect with intervals."""
     shape = effect.sphericity
-    df = (effect.df[0] * shape.greenhouse_geisser, effect.df[1] * shape.greenhouse_geisser)
-    size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
+    sizes = dict.fromkeys(SIZES, np.nan)
+    if effect.has_error:
+        df = (effect.df[0] * shape.chi_muller, effect.df[1] * shape.chi_muller)
+        size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
+        sizes = {name: getattr(size, field) for name, field in SIZES.items()}
     return {
         "eps_HF": shape.huynh_feldt,
         "p_HF_corr": effect.p(shape.huynh_feldt),
-        "np2": size.partial,
-        "np2_low": size.partial_low,
-        "np2_high": size.partial_high,
-        "ng2": size.generalised,
-        "ng2_low": size.generalised_low,
-        "ng2_high": size.generalised_high,
+        "eps_CM": shape.chi_muller,
+        "p_CM_corr": effect.p(shape.chi_muller),
+        **sizes,
     }
-
-
-def _without_singular(result: pd.DataFrame, found: Sequence[Effect]) -> pd.DataFrame:
-    """No test of sphericity where there is none: pingouin writes W = 0 and p = 0."""
-    singular = [place for place, effect in enumerate(found) if effect.sphericity.singular]
-    for name in ("W_spher", "p_spher", "sphericity"):
-        if name in result.columns and singular:
-            result[name] = result[name].astype(object if name == "sphericity" else np.float64)
-            result.loc[singular, name] = None
-    return result
 
 
 def told(result: pd.DataFrame, design: Design, found: Sequence[Tested]) -> pd.DataFrame:
     """The table with notes, number of participants and status in its `attrs`."""
-    singular = [singular_note(effect, design.n) for effect in found if effect.sphericity.singular]
+    singular = [singular_note(each, design.n) for each in found if each.has_error and each.sphericity.singular]
+    exact = [
+        f"{each.name}: found the same differences in all participants: the error is 0 and F is undefined"
+        for each in found
+        if not each.has_error
+    ]
     status = DesignStatus.SINGULAR if singular else DesignStatus.OK
-    result.attrs |= {"notes": [*design.notes, *singular], "n": design.n, "status": status}
+    result.attrs |= {"notes": [*design.notes, *singular, *exact], "n": design.n, "status": status}
     return result
 
 
@@ -221,6 +209,5 @@ def singular_note(effect: Tested, n: int) -> str:
     )
     return (
         f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test does not exist and no multivariate "
-        "test either; the Greenhouse-Geisser correction is used, and a permutation test or a mixed model would not "
-        "need it"
+        "test either; the corrections of the degrees of freedom need none, nor does a permutation test"
     )

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from tactometry.analysis.labels import percent_text
@@ -196,10 +195,10 @@ def model_sentences(model: MixedModel) -> list[str]:
         f"{row['term']}: F({row['df1']}, {row['df2']}) = {row['F']:.2f}, {p_text(row['p'])}"
         for _, row in model.terms.iterrows()
     ]
-    sds = np.sqrt([model.participant_variance, model.residual_variance])
     return [
         *terms,
-        f"standard deviation between participants {number_text(sds[0])}, residual {number_text(sds[1])} "
+        f"standard deviation between participants {number_text(model.participant_sd)}, residual "
+        f"{number_text(model.residual_sd)} "
         f"({model.n} values of {model.n_participants} participants{_censored(model.n_censored)})",
         *model.notes,
     ]

@@ -13,17 +13,20 @@ import pandas as pd
 from scipy.special import log_ndtr
 
 from tactometry.analysis.counts import Array, Bools
+from tactometry.analysis.design import size_of
 from tactometry.analysis.glmm import clustered
 from tactometry.analysis.laplace import MixedFit, maximise
 from tactometry.analysis.laplace import MixedModel as Clusters
 from tactometry.analysis.likelihood import Expansion
 from tactometry.analysis.mixed_model import (
     ALIKE,
+    Counts,
     DesignMatrix,
     MixedModel,
     ModelStatus,
     checked_rows,
     coefficient_table,
+    degrees,
     design_matrix,
     term_table,
 )
@@ -87,12 +90,15 @@ def censored_model(
     ends = _ends(table, dependent, low, high)
     data = checked_rows(table.assign(**{dependent: _middle(ends)}), dependent, factors, covariates, subject)
     matrix = design_matrix(data, factors, covariates, interactions=interactions, base={})
-    centre, scale = float(data[dependent].mean()), float(data[dependent].std(ddof=0)) or 1.0
     groups, names = pd.factorize(data[subject])
-    model = _Censored.of((ends - centre) / scale, matrix.x, groups)
+    y = data[dependent].to_numpy(dtype=np.float64)
+    size = size_of(y)
+    centre, scale = float((y / size).mean()), float((y / size).std()) or 1.0
+    model = _Censored.of((ends / size - centre) / scale, matrix.x, groups)
     found = model.fitted()
     _refuse_endless(found, matrix)
-    return _told(found, matrix, len(names), model.n_censored, (centre, scale, interval))
+    df = degrees(matrix, groups)
+    return _told(found, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
 
 
 def _ends(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
@@ -238,21 +244,24 @@ def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
 
 
 def _told(
-    found: MixedFit, matrix: DesignMatrix, n_participants: int, n_censored: int, units: tuple[float, float, float]
+    found: MixedFit,
+    matrix: DesignMatrix,
+    n_participants: int,
+    n_censored: int,
+    df: Counts,
+    unit: tuple[float, float],
+    interval: float,
 ) -> MixedModel:
-    centre, scale, interval = units
-    n, p = len(matrix.x), len(matrix.names)
-    inflation, df = n_participants / (n_participants - 1), n - p - n_participants + 1
-    estimates = found.parameters[:p] * scale
-    estimates[0] += centre
-    covariance = found.covariance[:p, :p] * scale**2 * inflation
-    residual, participant = np.exp(2 * found.parameters[p]), found.parameters[p + 1] ** 2
-    is_singular = participant < ZERO_SD**2 * residual
+    n, p, scale = len(matrix.x), len(matrix.names), unit[1]
+    inflation = n_participants / (n_participants - 1)
+    estimates, covariance = found.parameters[:p], found.covariance[:p, :p] * inflation
+    residual, participant = float(np.exp(found.parameters[p])), abs(float(found.parameters[p + 1]))
+    is_singular = participant < ZERO_SD * residual
     return MixedModel(
-        coefficients=coefficient_table(matrix.names, estimates, covariance, df, interval),
+        coefficients=coefficient_table(matrix, estimates, covariance, df, interval, unit),
         terms=term_table(matrix, estimates, covariance, df),
-        participant_variance=0.0 if is_singular else float(participant * scale**2 * inflation),
-        residual_variance=float(residual * scale**2 * inflation),
+        participant_sd=0.0 if is_singular else participant * scale * float(np.sqrt(inflation)),
+        residual_sd=residual * scale * float(np.sqrt(inflation)),
         log_likelihood=found.log_marginal - (n - n_censored) * float(np.log(scale)),
         n=n,
         n_participants=n_participants,

@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter, nearest
 Array = NDArray[np.float64]
 MIN_PARTICIPANTS = 3
 AVERAGED = "several values of one participant in one cell were averaged"
-RELATIVE_ZERO = 1e-10
+RELATIVE_ZERO = 1e-12
 """A spread below this part of the values' size is rounding."""
 
 
@@ -24,6 +24,7 @@ class DesignStatus(StrEnum):
     SINGULAR = "singular_error_matrix"
     NO_DATA = "no_data"
     NOT_FINITE = "not_finite"
+    NO_NAME = "no_name"
     MISSING_CELL = "missing_cell"
     TOO_FEW_PARTICIPANTS = "too_few_participants"
     ONE_LEVEL = "one_level"
@@ -44,7 +45,7 @@ class UndefinedStatistic(InvalidParameter):
 class Design:
     """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
 
-    `notes` say what a reader must know of how they came about.
+    `notes` say what a reader must know of how they came about; differences of `rounding` are none.
     """
 
     values: Array
@@ -52,6 +53,7 @@ class Design:
     levels: tuple[tuple[object, ...], ...]
     participants: tuple[object, ...]
     notes: tuple[str, ...] = ()
+    rounding: float = 0.0
 
     @property
     def n(self) -> int:
@@ -85,7 +87,7 @@ def within_design(
     if not 1 <= len(within) <= most or len({dependent, subject, *within}) < len(within) + 2:
         counts = ("one", "one or two", "one to three")[most - 1]
         raise InvalidParameter(f"within: found {', '.join(within)}, expected {counts} different factors")
-    coded = [pd.factorize(data[name], sort=True) for name in (subject, *within)]
+    coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     _refuse_few(levels, subject, within)
     shape = tuple(len(part) for part in levels)
@@ -93,8 +95,35 @@ def within_design(
     n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
     if not n_values.all():
         _refuse_holes(n_values, levels, (subject, *within), dependent)
-    values = np.bincount(place, data[dependent].to_numpy(), minlength=n_values.size).reshape(shape) / n_values
-    return Design(values, tuple(within), levels[1:], levels[0], _averaged(n_values))
+    y, size = data[dependent].to_numpy(), size_of(data[dependent].to_numpy())
+    values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
+    rounding = RELATIVE_ZERO * float(np.abs(values).max())
+    return Design(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
+
+
+def codes_of(data: pd.DataFrame, name: str) -> tuple[NDArray[np.int64], Sequence[object]]:
+    """The place of each row's value among the different values of a column, which are sorted.
+
+    Raises
+    ------
+    InvalidParameter
+        If they have no order.
+    """
+    try:
+        codes, different = pd.factorize(data[name], sort=True)
+    except TypeError:
+        kinds = ", ".join(sorted({type(value).__name__ for value in data[name]}))
+        raise InvalidParameter(f"{name}: found values without an order ({kinds}), expected numbers or text") from None
+    return codes, list(different)
+
+
+def size_of(values: Array) -> float:
+    """The power of two below the largest value: values over it lose no digit, and their squares stay finite.
+
+    >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
+    (4.0, True)
+    """
+    return float(np.exp2(np.frexp(np.abs(values).max())[1] - 1.0))
 
 
 def _averaged(n_values: NDArray[np.int64]) -> tuple[str, ...]:
@@ -105,7 +134,8 @@ def _averaged(n_values: NDArray[np.int64]) -> tuple[str, ...]:
 
 
 def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:
-    """The named columns, with finite numbers in `dependent`; a refusal names the first row that has none."""
+    """The named columns, with finite numbers in `dependent` and something in the others; a refusal names the first row
+    that has none."""
     known = [str(column) for column in table.columns]
     for name in columns:
         if name not in known:
@@ -123,6 +153,14 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
             "participant or the condition out",
             DesignStatus.NOT_FINITE,
         )
+    for name in columns:
+        nothing = np.flatnonzero(data[name].isna().to_numpy())
+        if name != dependent and len(nothing):
+            raise UndefinedStatistic(
+                f"{name}, row {nothing[0]}: found nothing, expected the name of a participant or a condition; leave "
+                "the row out",
+                DesignStatus.NO_NAME,
+            )
     return data.assign(**{dependent: values})
 
 
@@ -161,8 +199,9 @@ def spread(values: Array, dependent: str) -> float:
     UndefinedStatistic
         If there is nothing to compare: no difference at all, none within participants, or the same in all of them.
     """
-    size = float(np.abs(values).max())
-    sd = float(values.std())
+    unit = size_of(values)
+    values = values / unit
+    size, sd = float(np.abs(values).max()), float(values.std())
     if sd <= RELATIVE_ZERO * size:
         raise UndefinedStatistic(
             f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
@@ -180,4 +219,4 @@ def spread(values: Array, dependent: str) -> float:
             "F is undefined",
             DesignStatus.ZERO_ERROR,
         )
-    return sd
+    return sd * unit

@@ -52,8 +52,9 @@ def equivalence(
 
 def _row(pair: Pair, by: str | None, bound: float, alpha: float) -> dict[str, object]:
     start: dict[str, object] = {} if by is None else {by: pair.by}
-    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(pair.differences.mean())}
-    tested = _tests(pair, bound, alpha) if has_error(pair) else _certain(pair, bound)
+    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(pair.differences.mean()) * pair.size}
+    tested = (_tests if has_error(pair) else _certain)(pair, bound / pair.size, alpha)
+    tested |= {name: tested[name] * pair.size for name in ("low", "high")}
     return start | tested | {"bound": bound, "n": len(pair.differences), "equivalent": bool(tested["p"] < alpha)}
 
 
@@ -65,7 +66,8 @@ def _tests(pair: Pair, bound: float, alpha: float) -> dict[str, float]:
     return {"low": float(low), "high": float(high), "t_low": float(t_low), "t_high": float(t_high), "p": float(p)}
 
 
-def _certain(pair: Pair, bound: float) -> dict[str, float]:
+def _certain(pair: Pair, bound: float, alpha: float) -> dict[str, float]:
     """All participants differ alike: there is no error to test with, and the difference is what it is."""
+    del alpha
     mean = float(pair.differences.mean())
     return {"low": mean, "high": mean, "t_low": np.inf, "t_high": -np.inf, "p": float(abs(mean) >= bound)}

@@ -10,7 +10,7 @@ from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.analysis.cells import Cell
 from tactometry.analysis.counts import Array
-from tactometry.analysis.design import RELATIVE_ZERO
+from tactometry.analysis.design import RELATIVE_ZERO, size_of
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
 
@@ -60,14 +60,16 @@ def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
     {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
     """
-    n, mean = len(values), float(values.mean())
+    n, size = len(values), size_of(values)
+    mean = float((values / size).mean())
     if n < 2:
-        return {"mean": mean}
-    sd = float(values.std(ddof=1))
-    if sd <= RELATIVE_ZERO * float(np.abs(values).max()):
-        return {"mean": mean, "sd": 0.0}
+        return {"mean": mean * size}
+    sd = float((values / size).std(ddof=1))
+    if sd <= RELATIVE_ZERO * float(np.abs(values / size).max()):
+        return {"mean": mean * size, "sd": 0.0}
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
-    return {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
+    found = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
+    return {name: value * size for name, value in found.items()}
 
 
 def _bounded(part: pd.DataFrame, known: "pd.Series[float]", n_below: int, n_above: int) -> dict[str, object]:

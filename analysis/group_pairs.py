@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import ttest_ind
 
-from tactometry.analysis.design import RELATIVE_ZERO, Array, DesignStatus, UndefinedStatistic, finite_rows
+from tactometry.analysis.design import RELATIVE_ZERO, Array, DesignStatus, UndefinedStatistic, finite_rows, size_of
 from tactometry.analysis.post_hoc import corrected, corrected_order
 
 MIN_GROUP = 2
@@ -71,15 +71,16 @@ def _rows(part: pd.DataFrame, dependent: str, between: str, interval: float) -> 
 def _tested(first: Array, second: Array, interval: float) -> dict[str, object]:
     import pingouin
 
-    counts = {"difference": float(second.mean() - first.mean()), "n_a": len(first), "n_b": len(second)}
-    size = max(float(np.abs(first).max()), float(np.abs(second).max()))
-    if max(np.ptp(first), np.ptp(second)) <= RELATIVE_ZERO * size:
+    size = size_of(np.concatenate([first, second]))
+    first, second = first / size, second / size
+    counts = {"difference": float(second.mean() - first.mean()) * size, "n_a": len(first), "n_b": len(second)}
+    if max(np.ptp(first), np.ptp(second)) <= RELATIVE_ZERO:
         return counts | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     welch, student = (ttest_ind(second, first, equal_var=alike) for alike in (False, True))
     ends = welch.confidence_interval(interval)
     g = float(pingouin.compute_effsize(second, first, eftype="hedges"))
     bayes = float(pingouin.bayesfactor_ttest(float(student.statistic), len(second), len(first)))
-    tested = (ends.low, ends.high, welch.statistic, welch.df, welch.pvalue, g, bayes)
+    tested = (ends.low * size, ends.high * size, welch.statistic, welch.df, welch.pvalue, g, bayes)
     return counts | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
 
 

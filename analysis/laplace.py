@@ -231,15 +231,22 @@ Marginal = Callable[[MixedModel, Array, Inner], tuple[float, Array]]
 
 
 class _Objective:
-    """The negative of the log marginal; each call starts from the random effects of the one before."""
+    """The negative of the log marginal; each call starts from the random effects of the one before.
+
+    A search may try parameters so far away that a matrix loses all its digits: they are as impossible as those under
+    which the answers have no chance.
+    """
 
     def __init__(self, model: MixedModel, marginal: Marginal) -> None:
         self._model, self._marginal = model, marginal
         self.effects: Array | None = None
 
     def __call__(self, parameters: Array) -> tuple[float, Array]:
-        inner = inner_mode(self._model, parameters, self.effects)
-        value, gradient = self._marginal(self._model, parameters, inner)
+        try:
+            inner = inner_mode(self._model, parameters, self.effects)
+            value, gradient = self._marginal(self._model, parameters, inner)
+        except np.linalg.LinAlgError:
+            return -ILL, np.zeros(len(parameters))
         if value <= ILL or not np.isfinite(gradient).all():
             return -ILL, np.zeros(len(parameters))
         self.effects = inner.effects

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova import added_columns, effect_row, scaled_design, told
+from tactometry.analysis.anova import effect_table, scaled_design, told
 from tactometry.analysis.contrasts import Sphericity, Tested, effects, participant_scores, sphericity
 from tactometry.analysis.design import Array, DesignStatus, UndefinedStatistic, finite_rows, within_design
 from tactometry.analysis.effect_size import INTERVAL
@@ -54,9 +54,7 @@ def mixed_anova(
     for effect in effects(scaled):
         found += _within_and_interaction(effect.name, effect.scores, effect.n_conditions, groups, between)
     residual = found[0].ss_error + sum(each.ss_error for each in found[1::2])
-    rows_of_effects = [effect_row(each) | added_columns(each, residual, interval) for each in found]
-    result = pd.DataFrame(rows_of_effects).assign(SS=lambda t: t["SS"] * scale**2, MS=lambda t: t["MS"] * scale**2)
-    return told(result, design, found[1::2])
+    return told(effect_table(found, residual, scale, interval), design, found)
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ def _between_ss(scores: Array, groups: Groups) -> float:
 
 def _between(scores: Array, groups: Groups, name: str) -> Tested:
     errors, df = _errors(scores[:, None], groups)
-    no_shape = Sphericity(None, None, 1.0, 1.0, singular=False)
+    no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)
     df_both = (len(groups.sizes) - 1, df)
     return Tested(name, _between_ss(scores[:, None], groups), float(np.sum(errors**2)), df_both, no_shape)
 

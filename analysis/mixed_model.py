@@ -12,13 +12,23 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from tactometry.analysis.design import RELATIVE_ZERO, Array, DesignStatus, UndefinedStatistic, finite_rows
+from tactometry.analysis.design import (
+    RELATIVE_ZERO,
+    Array,
+    DesignStatus,
+    UndefinedStatistic,
+    codes_of,
+    finite_rows,
+    size_of,
+)
 from tactometry.errors import InvalidParameter
 
+Counts = NDArray[np.int64]
 RATIOS = (1e-8, 1e10)
 """Where the variance of participants over the residual one is looked for, besides 0."""
 N_GRID = 73
@@ -42,21 +52,29 @@ class MixedModel:
     """A fitted model y = X b + u(participant) + e.
 
     `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
-    and interaction its F. `participant_variance` and `residual_variance` in the unit of the dependent value, squared;
+    and interaction its F, averaged over the others. Standard deviations are in the unit of the dependent value;
     `log_likelihood` is the restricted one (of `censored_model` the unrestricted). `notes` say what a reader must know;
     `n_censored` of the `n` values are known by a bound only.
     """
 
     coefficients: pd.DataFrame
     terms: pd.DataFrame
-    participant_variance: float
-    residual_variance: float
+    participant_sd: float
+    residual_sd: float
     log_likelihood: float
     n: int
     n_participants: int
     status: ModelStatus
     notes: tuple[str, ...]
     n_censored: int = 0
+
+    @property
+    def participant_variance(self) -> float:
+        return self.participant_sd**2
+
+    @property
+    def residual_variance(self) -> float:
+        return self.residual_sd**2
 
 
 def mixed_model(
@@ -91,8 +109,10 @@ def mixed_model(
     Notes
     -----
     Cells may be missing: the model needs no complete design, but takes them as missing at random, which a censored
-    threshold is not. t and F have the degrees of freedom that a balanced design has:
-    values less coefficients less participants plus one.
+    threshold is not. t and F have the degrees of freedom that a balanced design has: of what varies within
+    participants values less participants less the coefficients of such terms, of what varies between them alone
+    participants less the coefficients of those and the intercept. A random intercept takes the differences of all
+    conditions to vary alike (sphericity); `anova.repeated_measures` does not.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -104,9 +124,11 @@ def mixed_model(
     """
     data = checked_rows(table, dependent, factors, covariates, subject)
     matrix = design_matrix(data, factors, covariates, interactions=interactions, base=base or {})
-    y = data[dependent].to_numpy(dtype=np.float64)
+    values = data[dependent].to_numpy(dtype=np.float64)
     groups, names = pd.factorize(data[subject])
-    scale = float(y.std())
+    size = size_of(values)
+    y = values / size
+    centre, scale = float(y.mean()), float(y.std())
     if scale <= RELATIVE_ZERO * float(np.abs(y).max()):
         raise UndefinedStatistic(
             f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
@@ -117,16 +139,15 @@ def mixed_model(
             "undefined",
             DesignStatus.ZERO_ERROR,
         )
-    fit = _fit((y - y.mean()) / scale, matrix.x, groups)
-    df = len(y) - matrix.x.shape[1] - len(names) + 1
-    estimates, covariance = fit.estimates * scale, fit.covariance * scale**2
-    estimates[0] += y.mean()
+    fit = _fit((y - centre) / scale, matrix.x, groups)
+    df = degrees(matrix, groups)
+    unit = scale * size
     return MixedModel(
-        coefficients=coefficient_table(matrix.names, estimates, covariance, df, interval),
-        terms=term_table(matrix, estimates, covariance, df),
-        participant_variance=fit.participant_variance * scale**2,
-        residual_variance=fit.residual_variance * scale**2,
-        log_likelihood=fit.log_likelihood - (len(y) - len(estimates)) * float(np.log(scale)),
+        coefficients=coefficient_table(matrix, fit.estimates, fit.covariance, df, interval, (centre * size, unit)),
+        terms=term_table(matrix, fit.estimates, fit.covariance, df),
+        participant_sd=float(np.sqrt(fit.participant_variance)) * unit,
+        residual_sd=float(np.sqrt(fit.residual_variance)) * unit,
+        log_likelihood=fit.log_likelihood - (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size)),
         n=len(y),
         n_participants=len(names),
         status=fit.status,
@@ -152,11 +173,16 @@ def checked_rows(
 
 @dataclass(frozen=True)
 class DesignMatrix:
-    """`x` of shape (row, column) with `names`; `terms` maps the name of each term to its columns."""
+    """`x` of shape (row, column) with `names`; `terms` maps the name of each term to its columns.
+
+    `averaged` has the same columns coded about the mean of each factor and covariate, so that those of a term are its
+    effect averaged over the others.
+    """
 
     x: Array
     names: tuple[str, ...]
     terms: Mapping[str, tuple[int, ...]]
+    averaged: Array
 
 
 def design_matrix(
@@ -176,20 +202,30 @@ def design_matrix(
     """
     single = {name: _codes(data, name, base.get(name)) for name in factors}
     single |= {name: {name: data[name].to_numpy(dtype=np.float64)} for name in covariates}
+    centred = {name: _centred(single[name]) for name in factors}
+    centred |= {name: {name: single[name][name] - single[name][name].mean()} for name in covariates}
     columns: dict[str, Array] = {"Intercept": np.ones(len(data))}
+    averaged = [np.ones(len(data))]
     terms: dict[str, tuple[int, ...]] = {}
     for r in range(1, (len(single) if interactions else 1) + 1):
         for part in combinations(single, r):
             added = _products([single[name] for name in part])
             terms[" * ".join(part)] = tuple(range(len(columns), len(columns) + len(added)))
             columns |= added
+            averaged += _products([centred[name] for name in part]).values()
     x = np.stack(list(columns.values()), axis=1)
     _refuse_dependent(x, list(columns), terms)
-    return DesignMatrix(x, tuple(columns), terms)
+    return DesignMatrix(x, tuple(columns), terms, np.stack(averaged, axis=1))
+
+
+def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
+    """About the mean of a factor's levels, each counted once."""
+    different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
+    return {name: column - mean for (name, column), mean in zip(codes.items(), different.mean(axis=0), strict=True)}
 
 
 def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
-    levels = sorted(data[name].unique())
+    levels = codes_of(data, name)[1]
     if len(levels) < 2:
         raise UndefinedStatistic(
             f"{name}: found {len(levels)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
@@ -197,7 +233,9 @@ def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     first = levels[0] if base is None else base
     if first not in levels:
         raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")
-    return {f"{name} = {level}": (data[name] == level).to_numpy(np.float64) for level in levels if level != first}
+    return {
+        f"{name} = {level}": (data[name] == level).to_numpy().astype(np.float64) for level in levels if level != first
+    }
 
 
 def _products(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
@@ -280,31 +318,59 @@ def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
     return _Fit(estimates, residual * inverse @ inverse.T, ratio * residual, residual, float(log_likelihood), status)
 
 
+def degrees(matrix: DesignMatrix, groups: Any) -> Counts:
+    """Degrees of freedom of the error of each column: what varies between participants alone is tested against them,
+    all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
+    x = matrix.averaged
+    means = np.stack([np.bincount(groups, column) for column in x.T], axis=1) / np.bincount(groups)[:, None]
+    is_between = np.abs(x - means[groups]).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
+    n, n_groups, n_between = len(x), len(means), int(is_between.sum())
+    residual = n - n_groups - (x.shape[1] - n_between)
+    found = np.where(is_between, n_groups - n_between, residual)
+    found[0] = residual
+    return found
+
+
 def coefficient_table(
-    names: Sequence[str], estimates: Array, covariance: Array, df: int, interval: float
+    matrix: DesignMatrix,
+    estimates: Array,
+    covariance: Array,
+    df: Counts,
+    interval: float,
+    unit: tuple[float, float],
 ) -> pd.DataFrame:
+    """Of values (y - centre) / scale, in the unit of y; `unit` is (centre, scale)."""
+    centre, scale = unit
     se = np.sqrt(np.diagonal(covariance))
-    t = estimates / se
+    own = estimates + np.where(np.arange(len(estimates)) == 0, centre / scale, 0.0)
+    t = own / se
     half = student.ppf((1 + interval) / 2, df) * se
     return pd.DataFrame(
         {
-            "term": list(names),
-            "estimate": estimates,
-            "se": se,
+            "term": list(matrix.names),
+            "estimate": own * scale,
+            "se": se * scale,
             "df": df,
             "t": t,
             "p": 2 * student.sf(np.abs(t), df),
-            "low": estimates - half,
-            "high": estimates + half,
+            "low": (own - half) * scale,
+            "high": (own + half) * scale,
         }
     )
 
 
-def term_table(matrix: DesignMatrix, estimates: Array, covariance: Array, df: int) -> pd.DataFrame:
-    """Wald's F of each term, at the base of the others."""
+def term_table(
+    matrix: DesignMatrix,
+    estimates: Array,
+    covariance: Array,
+    df: Counts,
+) -> pd.DataFrame:
+    """Wald's F of each term, averaged over the others (type III)."""
+    turn = np.linalg.lstsq(matrix.averaged, matrix.x, rcond=None)[0]
+    estimates, covariance = turn @ estimates, turn @ covariance @ turn.T
     rows = []
     for name, places in matrix.terms.items():
-        own = list(places)
+        own, second = list(places), int(df[list(places)].min())
         f = float(estimates[own] @ np.linalg.solve(covariance[np.ix_(own, own)], estimates[own])) / len(own)
-        rows.append({"term": name, "df1": len(own), "df2": df, "F": f, "p": float(fisher.sf(f, len(own), df))})
+        rows.append({"term": name, "df1": len(own), "df2": second, "F": f, "p": float(fisher.sf(f, len(own), second))})
     return pd.DataFrame(rows)

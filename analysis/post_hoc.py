@@ -11,27 +11,30 @@ from scipy.special import nctdtr
 from scipy.stats import t as student
 from scipy.stats import wilcoxon
 
-from tactometry.analysis.design import RELATIVE_ZERO, Array, Design, within_design
+from tactometry.analysis.design import RELATIVE_ZERO, Array, Design, size_of, within_design
 from tactometry.errors import InvalidParameter, nearest
 
 CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0
+DIGITS = 12
+"""Of a difference in units of the largest value: what is equal but for rounding is tied."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two conditions with the differences of all participants (second less first)."""
+    """Two conditions with the differences of all participants (second less first), in units of `size`."""
 
     names: tuple[object, object]
     by: object
     values: tuple[Array, Array]
+    size: float = 1.0
 
     @property
     def differences(self) -> Array:
         return self.values[1] - self.values[0]
 
     def turned(self) -> "Pair":
-        return Pair(self.names[::-1], self.by, self.values[::-1])
+        return Pair(self.names[::-1], self.by, self.values[::-1], self.size)
 
 
 def pairs(
@@ -115,10 +118,11 @@ def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[P
 
 def _pairs_at(design: Design, place: int) -> list[Pair]:
     by = design.levels[1][place] if len(design.factors) > 1 else None
-    values = design.values if by is None else design.values[..., place]
-    levels = design.levels[0]
+    size, levels = size_of(design.values), design.levels[0]
+    values = (design.values if by is None else design.values[..., place]) / size
     return [
-        Pair((levels[i], levels[j]), by, (values[:, i], values[:, j])) for i, j in combinations(range(len(levels)), 2)
+        Pair((levels[i], levels[j]), by, (values[:, i], values[:, j]), size)
+        for i, j in combinations(range(len(levels)), 2)
     ]
 
 
@@ -135,14 +139,15 @@ def has_error(pair: Pair) -> bool:
 def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
     d = pair.differences
     n, mean = len(d), float(d.mean())
-    row = _start(pair, by) | {"difference": mean, "n": n, "df": n - 1}
+    row = _start(pair, by) | {"difference": mean * pair.size, "n": n, "df": n - 1}
     if not has_error(pair):
         return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     sd = float(d.std(ddof=1))
     t = mean / sd * np.sqrt(n)
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
     low, high = dz_interval(t, n, interval)
-    tested = (mean - half, mean + half, t, 2 * float(student.sf(abs(t), n - 1)), mean / sd, low, high, _bayes(t, n))
+    ends = ((mean - half) * pair.size, (mean + half) * pair.size)
+    tested = (*ends, t, 2 * float(student.sf(abs(t), n - 1)), mean / sd, low, high, _bayes(t, n))
     return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
 
 
@@ -179,12 +184,12 @@ def _bayes(t: float, n: int) -> float:
 
 
 def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
-    d = pair.differences
-    row = _start(pair, by) | {"median_difference": float(np.median(d)), "n": len(d)}
-    moved = d[np.abs(d) > RELATIVE_ZERO * max(float(np.abs(values).max()) for values in pair.values)]
+    d = np.round(pair.differences, DIGITS)
+    row = _start(pair, by) | {"median_difference": float(np.median(d)) * pair.size, "n": len(d)}
+    moved = d[d != 0]
     if not len(moved):
         return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
-    exact = len(moved) <= 50 and len(np.unique(np.abs(moved).round(12))) == len(moved)
+    exact = len(moved) <= 50 and len(np.unique(np.abs(moved))) == len(moved)
     found = wilcoxon(moved, method="exact" if exact else "approx")
     ranks = pd.Series(np.abs(moved)).rank().to_numpy()
     r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())

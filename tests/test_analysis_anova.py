@@ -69,13 +69,43 @@ def test_one_way_equals_statsmodels(published) -> None:
     assert analysed(means, "freq").loc["freq", "F"] == pytest.approx(peer.loc["freq", "F Value"], rel=1e-9)
 
 
-@pytest.mark.parametrize(("scale", "offset"), [(1.0, 1e9), (1e-12, 0.0), (1e12, -3.0)])
-def test_scale_and_offset_do_not_matter(published, scale: float, offset: float) -> None:
+@pytest.mark.parametrize(("scale", "offset"), [(1.0, 1e9), (1e-12, 0.0), (1e12, -3.0), (1e-300, 0.0), (1e300, 0.0)])
+@pytest.mark.parametrize("within", [WITHIN, ["freq"]])
+def test_scale_and_offset_do_not_matter(published, within, scale: float, offset: float) -> None:
     moved = published.assign(y=published["y"] * scale + offset)
-    one, other = analysed(published), analysed(moved)
-    hard_case("ANOVA of values of 1e-12 to 1e12, and 1e9 away: F", other["F"], one["F"], 1e-4, against="values of 1")
-    assert other["F"].to_numpy() == pytest.approx(one["F"].to_numpy(), rel=1e-4 if offset else 1e-9)
-    assert other["SS"].to_numpy() == pytest.approx(one["SS"].to_numpy() * scale**2, rel=1e-4 if offset else 1e-9)
+    one, other = (analysed(table, within).drop(index="Error", errors="ignore") for table in (published, moved))
+    hard_case("ANOVA of values of 1e-299 to 1e301, and 1e9 away: F", other["F"], one["F"], 1e-4, against="values of 1")
+    for name in ("F", "p_unc", "p_CM_corr", "np2_low", "ng2", "W_spher"):
+        expected = pytest.approx(one[name].to_numpy(), rel=1e-3 if offset else 1e-9, nan_ok=True)
+        assert other[name].to_numpy() == expected
+    with np.errstate(over="ignore"):
+        ss = one["SS"].to_numpy() * scale * scale
+    assert other["SS"].to_numpy() == pytest.approx(ss, rel=1e-4 if offset else 1e-9)
+
+
+def test_two_levels_have_the_columns_of_more(published) -> None:
+    two = repeated_measures(published[published["freq"] < 200], dependent="y", within="freq", subject="subject")
+    more = repeated_measures(published, dependent="y", within="freq", subject="subject")
+    assert list(two.columns) == list(more.columns)
+    assert two.loc[0, ["p_GG_corr", "p_HF_corr", "p_CM_corr"]].tolist() == [two.loc[0, "p_unc"]] * 3
+    crossed = analysed(published).reset_index()
+    assert set(crossed.columns) == set(more.columns) - {"DF"}
+
+
+def test_an_effect_that_is_the_same_in_all_participants_has_no_f(recwarn) -> None:
+    """The other effects have one."""
+    rng = np.random.default_rng()
+    values = np.arange(6.0)[:, None, None] + np.array([0.0, 3.0])[None, :, None] + rng.normal(size=(6, 1, 3))
+    table = long_table(values, forces=(1, 2), frequencies=(60, 120, 240))
+    found = repeated_measures(table, dependent="y", within=WITHIN, subject="subject")
+    assert found["F"].notna().tolist() == [False, True, False]
+    assert found.attrs["notes"] == [
+        f"{name}: found the same differences in all participants: the error is 0 and F is undefined"
+        for name in ("force", "force * freq")
+    ]
+    assert found["np2"].isna().tolist() == [True, False, True]
+    assert not recwarn.list
+    exact_case("one effect without error beside one with: ANOVA", against="a note")
 
 
 def test_order_of_rows_and_names_of_participants_do_not_matter(published) -> None:
@@ -103,8 +133,8 @@ def test_fewer_participants_than_contrasts_are_explained(published) -> None:
     notes = repeated_measures(few, dependent="y", within=WITHIN, subject="subject").attrs["notes"]
     assert notes == [
         "force * freq: the error matrix is singular (6 contrasts need more than 4 participants), so Mauchly's test "
-        "does not exist and no multivariate test either; the Greenhouse-Geisser correction is used, and a permutation "
-        "test or a mixed model would not need it"
+        "does not exist and no multivariate test either; the corrections of the degrees of freedom need none, nor does "
+        "a permutation test"
     ]
 
 
@@ -159,6 +189,18 @@ CONDITIONS = np.arange(12.0)
             lambda t: with_value(t, 0, "loud"),
             "y, row 0: found loud (subject = P1, force = 0.5, freq = 60), expected a "
             "finite number; leave the participant or the condition out",
+        ),
+        (
+            lambda t: t.assign(subject=t["subject"].where(t["subject"] != "P3")),
+            "subject, row 24: found nothing, expected the name of a participant or a condition; leave the row out",
+        ),
+        (
+            lambda t: t.assign(freq=t["freq"].where(t.index != 7)),
+            "freq, row 7: found nothing, expected the name of a participant or a condition; leave the row out",
+        ),
+        (
+            lambda t: t.assign(freq=[[x] for x in t["freq"]]),
+            "freq: found values without an order (list), expected numbers or text",
         ),
         (
             lambda t: t.rename(columns={"freq": "frec"}),

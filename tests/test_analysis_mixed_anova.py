@@ -148,3 +148,16 @@ def test_a_factor_between_participants_gets_a_mixed_analysis_in_the_report() -> 
     assert "Welch's t(" in found.all_sentences("dB")["Groups of hand"][0]
     hole = table.drop(index=0).assign(status="ok")
     assert outcome(hole, ["hand", "freq"], "yes_no", "threshold").notes[0].endswith("left out: participant 0")
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_hard_scales_have_the_same_groups(scale) -> None:
+    table = study((5, 6), 3, np.random.default_rng())
+    moved = table.assign(y=table["y"] * scale)
+    one, other = analysed(table), analysed(moved)
+    hard_case("groups of values of 1e-300 and 1e300: F", other["F"], one["F"], 1e-9, against="values of 1")
+    given = {"dependent": "y", "between": "hand", "subject": "subject"}
+    pairs = [group_pairs(each, **given) for each in (moved, table)]
+    for name in ("t", "p_corr", "g", "bf10"):
+        assert pairs[0][name].to_numpy() == pytest.approx(pairs[1][name].to_numpy(), rel=1e-9)
+    assert pairs[0]["difference_low"].to_numpy() == pytest.approx(pairs[1]["difference_low"] * scale, rel=1e-9)

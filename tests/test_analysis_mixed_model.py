@@ -6,12 +6,14 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import hard_case
 from test_analysis_anova import PUBLISHED, WITHIN, long_table
 from test_analysis_contrasts import drawn
 from test_analysis_contrasts import long_table as any_table
 
 from tactometry.analysis.contrasts import effects
 from tactometry.analysis.design import Design
+from tactometry.analysis.mixed_anova import mixed_anova
 from tactometry.analysis.mixed_model import ModelStatus, mixed_model
 from tactometry.errors import InvalidParameter
 
@@ -85,6 +87,48 @@ def test_statsmodels_restricted_likelihood_is_nowhere_higher() -> None:
             assert own.participant_variance == pytest.approx(float(peer.cov_re[0, 0]), rel=0.05)
             assert own.coefficients["se"].to_numpy() == pytest.approx(peer.bse_fe, rel=0.05)
     assert n_alike > 0
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_hard_scales_have_the_same_tests(published, scale) -> None:
+    one, other = (
+        mixed_model(table, dependent="y", factors=["freq", "force"], subject="subject")
+        for table in (published, published.assign(y=published["y"] * scale))
+    )
+    errors = [found.terms["F"] for found in (other, one)]
+    hard_case("mixed model of values of 1e-299 to 1e301: F", *errors, 1e-6, against="values of 1")
+    assert other.coefficients["t"].to_numpy() == pytest.approx(one.coefficients["t"].to_numpy(), rel=1e-6)
+    assert other.terms["p"].to_numpy() == pytest.approx(one.terms["p"].to_numpy(), rel=1e-6)
+    assert other.participant_sd == pytest.approx(one.participant_sd * scale, rel=1e-4)
+    assert other.coefficients["high"].to_numpy() == pytest.approx(one.coefficients["high"].to_numpy() * scale, rel=1e-6)
+
+
+def test_each_term_is_averaged_over_the_others(published) -> None:
+    """Of a balanced design: its sum of squares over the error that all effects share."""
+    found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
+    values = published["y"].to_numpy().reshape(8, 3, 4)
+    by_contrasts = effects(Design(values, tuple(WITHIN), ((0.5, 1, 2), (60, 120, 240, 480)), tuple(range(8))))
+    error = sum(each.ss_error for each in by_contrasts) / sum(each.df[1] for each in by_contrasts)
+    expected = [each.ss / each.df[0] / error for each in by_contrasts]
+    assert found.loc[[each.name for each in by_contrasts], "F"].to_numpy() == pytest.approx(expected, rel=1e-6)
+    assert (found["df2"] == 7 * 11).all()
+
+
+def test_what_varies_between_participants_is_tested_against_them(published) -> None:
+    own = np.repeat(np.random.default_rng().normal(0, 9, 8), 12)
+    hands = np.repeat(["left", "right"], 48)
+    table = published.assign(y=published["y"] + own, hand=hands)
+    found = mixed_model(table, dependent="y", factors=["hand", "freq"], subject="subject").terms.set_index("term")
+    peer = mixed_anova(
+        table.groupby(["subject", "hand", "freq"], as_index=False)["y"].mean(),
+        dependent="y",
+        within="freq",
+        between="hand",
+        subject="subject",
+    ).set_index("Source")
+    assert found.loc["hand", ["df1", "df2"]].tolist() == [1, 6]
+    assert found.loc["hand", "F"] == pytest.approx(peer.loc["hand", "F"], rel=1e-4)
+    assert found.loc["freq", "df2"] == 96 - 8 - 2 * 3
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from hard_cases import hard_case
 from scipy import stats
 from scipy.stats import f as f_distribution
 from test_analysis_anova import PUBLISHED, WITHIN, long_table
@@ -105,6 +106,23 @@ def test_participants_that_differ_alike_have_a_difference_and_no_test(recwarn) -
     assert table["difference"].tolist() == [2.0, 2.0, 0.0]
     assert table[["t", "p_unc", "p_corr", "bf10"]].isna().to_numpy().all()
     assert not recwarn.list
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_hard_scales_have_the_same_pairs(published, found, scale) -> None:
+    table = published.assign(y=published["y"] * scale)
+    given = {"dependent": "y", "factor": "freq", "subject": "subject"}
+    other = pairs(table, **given).set_index(["a", "b"])
+    hard_case("pairs of values of 1e-299 to 1e301: t", other["t"], found["t"], 1e-9, against="values of 1")
+    for name in ("p_corr", "dz_low", "bf10"):
+        assert other[name].to_numpy() == pytest.approx(found[name].to_numpy(), rel=1e-9)
+    for name in ("difference", "difference_low", "difference_high"):
+        assert other[name].to_numpy() == pytest.approx(found[name].to_numpy() * scale, rel=1e-9)
+    ranks = [rank_pairs(each, **given)["p_unc"].to_numpy() for each in (table, published)]
+    assert ranks[0] == pytest.approx(ranks[1])
+    tests = [equivalence(each, bound=1.5 * unit, **given) for each, unit in ((table, scale), (published, 1.0))]
+    assert tests[0]["p"].to_numpy() == pytest.approx(tests[1]["p"].to_numpy(), rel=1e-9)
+    assert tests[0]["high"].to_numpy() == pytest.approx(tests[1]["high"].to_numpy() * scale, rel=1e-9)
 
 
 def test_rank_pairs_equal_scipy() -> None:

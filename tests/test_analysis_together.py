@@ -157,3 +157,14 @@ def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
     told = together([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "").sentences("")
     assert any("standard deviations between" in sentence for sentence in told)
     assert not any("rate" in sentence for sentence in told)
+
+
+def test_a_search_that_loses_all_digits_ends_with_a_reason() -> None:
+    """Two levels: of 4 of 6 such studies a matrix of the search had no inverse, and the analysis a traceback."""
+    answers = ((0, 2), (4, 5), (1, 5), (3, 0))
+    found = [
+        cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(10, 10), n_catch=0, n_false_alarms=0)
+        for n, k in enumerate(answers)
+    ]
+    told = together(found, (), 2, "dB")
+    assert told.fit is not None or told.note.startswith("no hierarchical fit: the likelihood still rises")
