@@ -11,6 +11,7 @@ from tactometry.dataset import Session
 from tactometry.description import Design
 from tactometry.errors import InvalidParameter
 from tactometry.event import EventLog, Fact
+from tactometry.experiments.rehearsal import flaw
 from tactometry.experiments.wiring import Experiment
 from tactometry.journal import Head
 from tactometry.open_session import OpenSession
@@ -102,6 +103,9 @@ def record(
     """
     design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
     number = who.counterbalancing_number
+    flawed = flaw(experiment, root)
+    if flawed:
+        tell(flawed)
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
         seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.experiments.recording import Recorded, Who, record, simulated
+from tactometry.experiments.rehearsal import flaw
 from tactometry.experiments.session_plan import all_sessions
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import wire
@@ -57,7 +58,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
 
     The result does not depend on where it is computed.
     """
-    wire(parse(simulation.study_toml, simulation.where), simulation.where)
+    flaw(wire(parse(simulation.study_toml, simulation.where), simulation.where), simulation.root)
     if scheduler is not None:
         yield from _on_cluster(simulation, scheduler)
     elif n_jobs == 1:

@@ -1,6 +1,6 @@
 """A session: blocks and questionnaires in their order."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -78,6 +78,28 @@ class Inquiry:
         )
 
 
+def _welcome(parts: Sequence[Part]) -> Show:
+    return Show("welcome", {"n_blocks": len(parts)})
+
+
+def _instructions(parts: Sequence[Part]) -> Iterator[Show]:
+    """What to do, once for all parts of a kind."""
+    return map(Show, dict.fromkeys(part.instructions for part in parts))
+
+
+def _page(parts: Sequence[Part], number: int, part: Part) -> Show:
+    """The page before a part."""
+    return Show(part.page, {"block": number, "n_blocks": len(parts), **part.factors})
+
+
+def pages(parts: Sequence[Part]) -> Iterator[Show]:
+    """Every page of a session but those within its parts."""
+    yield _welcome(parts)
+    yield from _instructions(parts)
+    yield from (_page(parts, number, part) for number, part in enumerate(parts, 1))
+    yield Show("end")
+
+
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None
 ) -> Course[tuple[Track, ...]]:
@@ -85,13 +107,13 @@ def session(
 
     No part begins later than `longest_s` after the start.
     """
-    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
-    for name in dict.fromkeys(part.instructions for part in parts):
-        yield Show(name)
+    begun: Done = yield _welcome(parts)
+    for page in _instructions(parts):  # noqa: UP028 - an iterator alone takes no answers
+        yield page
     tracks: list[Track] = []
     trial = 1
     for number, part in enumerate(parts, 1):
-        shown: Done = yield Show(part.page, {"block": number, "n_blocks": len(parts), **part.factors})
+        shown: Done = yield _page(parts, number, part)
         if longest_s is not None and shown.at_s - begun.at_s > longest_s:
             break
         ended, trial = yield from part.course(number, trial, rng)

@@ -48,6 +48,7 @@ def command(
     from tactometry.dataset import Session
     from tactometry.experiments.bench_file import load_bench
     from tactometry.experiments.recording import Who, record
+    from tactometry.experiments.rehearsal import rehearse, rehearse_forms
     from tactometry.experiments.study import load
     from tactometry.experiments.wiring import wire
 
@@ -55,7 +56,10 @@ def command(
     experiment = wire(numbers, study)
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
     bench = load_bench(bench_path)
+    if rig != "simulated":
+        rehearse_forms(experiment, bench.screen.language)
     if dry_run:
+        rehearse(experiment)
         _print_plan(experiment, who, as_json=as_json)
         return 0
     root = out or Path(f"{numbers.name}-data")

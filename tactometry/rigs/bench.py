@@ -299,7 +299,7 @@ class Bench:
         """A text with its progress; a page that ends by itself may say how many seconds are left."""
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
-        words = self._texts.message(request.message, {**request.values, "left_s": left_s})
+        words = self._texts.page(request, left_s)
         return layout.message_page(words, hint, self._screen.aspect, progress)
 
     @safely

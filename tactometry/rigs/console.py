@@ -179,8 +179,7 @@ class Console:
         return Done(self._now_s())
 
     def show(self, request: Show) -> Done:
-        values = {**request.values, "left_s": math.ceil(request.duration_s or 0)}
-        self._say(self._texts.message(request.message, values).strip())
+        self._say(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:

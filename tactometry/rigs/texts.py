@@ -1,5 +1,7 @@
 """What the participant reads: the texts of a study first, then those of the shipped language file."""
 
+import re
+import string
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,8 +9,9 @@ from functools import cache
 from importlib.resources import files
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.request import Question
+from tactometry.request import Question, Show
 
+_WIDE = re.compile(r"\d{4}")
 PREFIX, SUFFIX = "messages_", ".toml"
 
 
@@ -37,11 +40,14 @@ class Texts:
         What a label of an answer is called in the participant's language.
     language : str
         Its two letters, for words that come in several languages.
+    shipped : mapping of str to str
+        What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
     """
 
     messages: Mapping[str, str]
     labels: Mapping[str, str] = field(default_factory=dict)
     language: str = "en"
+    shipped: Mapping[str, str] = field(default_factory=dict)
 
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.
@@ -64,14 +70,29 @@ class Texts:
         Raises
         ------
         InvalidParameter
-            If there is no such message, or it asks for a value that is not given.
+            If there is no such message, or it asks for a value that is not given, and none is shipped either.
         """
         if name not in self.messages:
             raise InvalidParameter(
                 f"message {name!r}: found no text of this name, expected one in the study's texts or one of "
                 f"{', '.join(sorted(self.messages))}{nearest(name, self.messages)}"
             )
-        return _filled(name, self.messages[name], values or {})
+        try:
+            return _filled(name, self.messages[name], values or {})
+        except InvalidParameter:
+            if self.messages[name] == self.shipped.get(name, self.messages[name]):
+                raise
+            return _filled(name, self.shipped[name], values or {})
+
+    def page(self, request: Show, left_s: int = 0) -> str:
+        """The text of a page that is shown, with the seconds that are left of it.
+
+        Raises
+        ------
+        InvalidParameter
+            As `message`.
+        """
+        return self.message(request.message, {**request.values, "left_s": left_s})
 
     def label(self, word: str) -> str:
         """A label in the participant's language; an unknown one as it is."""
@@ -80,6 +101,9 @@ class Texts:
 
 def _filled(name: str, text: str, values: Mapping[str, str | int | float]) -> str:
     try:
+        for _, _, form, _ in string.Formatter().parse(text):
+            if form is not None and _WIDE.search(form):
+                raise ValueError(f"{form} asks for more letters than a page holds")
         return text.format_map(values)
     except (KeyError, IndexError, ValueError, AttributeError, TypeError) as error:
         raise InvalidParameter(
@@ -109,4 +133,4 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
         )
     shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
-    return Texts({**shipped["messages"], **study}, labels, language)
+    return Texts({**shipped["messages"], **study}, labels, language, shipped["messages"])

@@ -1,0 +1,109 @@
+"""What could fail on the last page is tried before the first: texts with their places, words of questionnaires."""
+
+import io
+import re
+
+import pytest
+from command_line import call
+from own_form import OWN_FORM
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.rehearsal import rehearse
+from tactometry.experiments.study import builtin, parse
+from tactometry.experiments.wiring import wire
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
+BLOCK = '[texts]\nblock = "{frequency_hz:.1f} Hz"\n'
+FLAWS = {
+    "unknown place": (
+        '[texts]\nend = "{nope}"\n',
+        "texts: message 'end': found a place that cannot be filled ('nope')",
+    ),
+    "open brace": ('[texts]\nend = "{"\n', "texts: message 'end': found a place that cannot be filled"),
+    "wide number": (
+        '[texts]\nwelcome = "{n_blocks:99999999999999}"\n',
+        "texts: message 'welcome': found a place that cannot be filled (99999999999999 asks for more letters",
+    ),
+    "place of another page": ('[texts]\nfelt = "{block}?"\n', "texts: message 'felt': found a place that cannot be"),
+    "page within a block": (
+        '[texts]\nrest = "{block}"\n',
+        "texts: message 'rest': found a place that cannot be filled",
+    ),
+    "no such text": ('[texts]\nende = "Bye"\n', "texts.ende: found a text that no page shows, expected one of"),
+    "number in a questionnaire's part": (
+        f'{BLOCK}[inquiries.end]\nform = "sus"\n',
+        "texts: message 'block': found a place that cannot be filled (Unknown format code 'f'",
+    ),
+    "factor that is interleaved": (
+        f'{BLOCK}[plan]\ninterleave = ["frequency_hz"]\n',
+        "texts: message 'block': found a place that cannot be filled ('frequency_hz')",
+    ),
+}
+SOUND = {
+    "places of a part": BLOCK,
+    "seconds that are left": '[texts]\nresting = "{left_s} s"\nend = "{left_s}"\nyes = "si"\nfelt = "Alors {{?}}"\n',
+    "one part alone": '[texts]\ninstructions_rating = "Rate it"\n',
+}
+
+
+def written(tmp_path, more):
+    path = tmp_path / "s.toml"
+    path.write_text(f"{TUTORIAL}\n{more}", "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("flaw", FLAWS)
+@pytest.mark.parametrize("command", ["dry run", "run", "simulate"])
+def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path, capsys, flaw, command):
+    more, message = FLAWS[flaw]
+    path = written(tmp_path, more)
+    words = {
+        "dry run": ["run", path, "--participant", "P01", "--rig", "simulated", "--dry-run"],
+        "run": ["run", path, "--participant", "P01", "--rig", "simulated", "--out", tmp_path / "d"],
+        "simulate": ["simulate", path, "--participants", 2, "--seed", 1, "--out", tmp_path / "d"],
+    }
+    status, said, out = call(capsys, *words[command])
+    assert (status, out) == (2, "")
+    assert message in said
+    assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
+
+
+@pytest.mark.parametrize("sound", SOUND)
+def test_texts_that_can_be_shown_are_taken(sound):
+    rehearse(wire(parse(f"{TUTORIAL}\n{SOUND[sound]}".encode(), "s.toml"), "s.toml"))
+
+
+def test_every_group_and_session_is_tried():
+    """The last level of a factor between participants is a text, which takes no decimals."""
+    study = TUTORIAL.replace("[factors]\nfrequency_hz = [60, 240]", '[factors]\npace = ["slow", 3.5]')
+    for place in ("between", "sessions"):
+        more = (
+            f'[plan]\n{place} = ["pace"]\n[variants.pace.slow]\n[variants.pace."3.5"]\n[texts]\nblock = "{{pace:s}}"\n'
+        )
+        content = study.replace('kind = "amplitude_modulated"', 'kind = "amplitude_modulated"\nfrequency_hz = 60.0')
+        with pytest.raises(InvalidParameter, match="message 'block': .*Unknown format code 's'"):
+            rehearse(wire(parse(f"{content}\n{more}".encode(), "s.toml"), "s.toml"))
+
+
+def test_a_study_that_is_locked_by_its_sessions_is_completed_with_the_shipped_text(tmp_path, capsys, monkeypatch):
+    path = written(tmp_path, FLAWS["unknown place"][0])
+    data = tmp_path / "d"
+    data.mkdir()
+    (data / "study.toml").write_bytes(path.read_bytes())
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 30))
+    status, said, out = call(capsys, "run", path, "--participant", "P01", "--rig", "console", "--out", data)
+    assert status == 0
+    assert "cannot be filled ('nope')" in said
+    assert "the shipped text is shown in its place" in said
+    assert "That was all" in out
+
+
+def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_at_once(tmp_path, capsys):
+    path, bench = written(tmp_path, OWN_FORM), tmp_path / "bench.toml"
+    bench.write_text('[screen]\nlanguage = "fr"\n', "utf-8")
+    words = ["run", path, "--participant", "P01", "--out", tmp_path / "d"]
+    for more in (["--rig", "console"], ["--rig", "bench"], ["--dry-run"]):
+        status, said, _ = call(capsys, *words, "--bench", bench, *more)
+        assert status == 2
+        assert re.search("questionnaire mine: found no words in 'fr', expected one of en; choose that language", said)
+    assert call(capsys, *words, "--bench", bench, "--rig", "simulated")[0] == 0
