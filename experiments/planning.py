@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf
 
-from tactometry.errors import counted
+from tactometry.errors import InvalidParameter, counted
 from tactometry.experiments.procedures import Rule
 from tactometry.experiments.wiring import Experiment
 from tactometry.protocols.block import Block
@@ -13,6 +14,8 @@ from tactometry.streams import stream
 
 ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""
+LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
+"""A session that lasts longer is told, or refused."""
 
 
 @dataclass(frozen=True)
@@ -69,5 +72,32 @@ def _n_trials(block: Block) -> Iterator[int]:
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
-    """How long a session takes at most, at the study's time per trial and `ITEM_S` per item."""
-    return sum(experiment.study.trial_s * block.n_trials_at_most + ITEM_S * block.n_items for block in blocks)
+    """How long a session takes at most, at the study's time per trial, `ITEM_S` per item, and its rests; a plan and a
+    task that end what lasts too long have the last word."""
+    most_s, parts_s = experiment.study.plan.longest_s, [_lasting_s(experiment, block) for block in blocks]
+    return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
+
+
+def _lasting_s(experiment: Experiment, block: PlannedBlock) -> float:
+    shown = experiment.asking.presenting
+    n_rests = (block.n_trials_at_most - 1) // shown.rest_after if shown.rest_after and block.n_trials_at_most else 0
+    trials_s = experiment.study.trial_s * block.n_trials_at_most + (shown.rest_s or 0.0) * n_rests
+    return min(trials_s + ITEM_S * block.n_items, inf if shown.longest_s is None else shown.longest_s)
+
+
+def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:
+    """What to say of a session that lasts more than `LONG_S`; None of a shorter one.
+
+    Raises
+    ------
+    InvalidParameter
+        If it lasts more than `LONGEST_S`.
+    """
+    lasting_s = duration_s(experiment, blocks)
+    if lasting_s <= LONG_S:
+        return None
+    found = f"found a session of at most {lasting_s / 3600:.3g} hours"
+    ways = "ask for fewer trials, or part it into sessions ([plan]: sessions, longest_s)"
+    if lasting_s > LONGEST_S:
+        raise InvalidParameter(f"procedure: {found}, expected at most {LONGEST_S / 3600:g}; {ways}")
+    return f"{found}, which is more than {LONG_S / 3600:g}: {ways}, unless people bear it"

@@ -1,17 +1,21 @@
 """Study files: the numbers of one experiment, strictly read."""
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
 from tactometry.columns import RESERVED
 from tactometry.dataset import STUDY, cell
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.files import read_file
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.quantity import as_si
+from tactometry.require import repeated
 from tactometry.strict import build
 from tactometry.toml import located, table_of
 
@@ -94,7 +98,7 @@ class Study:
     trial_s: float = 5.0
     plan: PlanTable = field(default_factory=PlanTable)
     nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
-    variants: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    variants: dict[str, dict[str, dict[str, dict[str, Any]]]] = field(default_factory=dict)
     practice: dict[str, Any] = field(default_factory=dict)
     inquiries: dict[str, Inquiry] = field(default_factory=dict)
     forms: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -109,6 +113,8 @@ class Study:
             raise InvalidParameter(
                 f"name: found {self.name!r}, expected words of small letters and digits joined by hyphens"
             )
+        if len(self.name) > LONGEST_NAME:
+            raise InvalidParameter(f"name: found {len(self.name)} letters, expected at most {LONGEST_NAME}")
         if not 0 < self.trial_s < float("inf"):
             raise InvalidParameter(f"trial_s: found {self.trial_s:g}, expected above 0")
         _check_factors(self.factors)
@@ -140,9 +146,23 @@ def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
             )
         if not levels:
             raise InvalidParameter(f"factors.{name}: found an empty list, expected at least one level")
-        for n, level in enumerate(levels):
-            if level in levels[:n]:
-                raise InvalidParameter(f"factors.{name}[{n}]: found {level!r} twice, expected each level once")
+        _check_levels(name, levels)
+    n_cells = prod(map(len, factors.values()))
+    if n_cells > MOST_CELLS:
+        raise InvalidParameter(f"factors: found {n_cells} combinations of levels, expected at most {MOST_CELLS}")
+
+
+def _check_levels(name: str, levels: Levels) -> None:
+    for n, level in enumerate(levels):
+        if isinstance(level, float) and not isfinite(level):
+            raise InvalidParameter(f"factors.{name}[{n}]: found {level}, expected a finite number or a text")
+        if isinstance(level, str) and (not level.strip() or not level.isprintable()):
+            raise InvalidParameter(
+                f"factors.{name}[{n}]: found {level!r}, expected a text of one line that says something"
+            )
+    n_again = repeated(_texts(levels))
+    if n_again is not None:
+        raise InvalidParameter(f"factors.{name}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
 
 
 def _check_plan(study: Study) -> None:
@@ -157,9 +177,9 @@ def _check_plan(study: Study) -> None:
             for name in inner:
                 _check_name(name, study.factors, f"nested.{outer}.{level}", "a factor")
             _check_factors(inner)
-    for name, by_level in study.variants.items():
+    for name, changes in study.variants.items():
         _check_name(name, study.factors, "variants", "a factor")
-        for level, tables in by_level.items():
+        for level, tables in changes.items():
             _check_name(level, _texts(study.factors[name]), f"variants.{name}", "one of its levels")
             for table in tables:
                 _check_name(table, VARIED, f"variants.{name}.{level}", "a table")
@@ -177,6 +197,8 @@ def _check_places(plan: PlanTable) -> None:
             placed[name] = key
 
 
+LONGEST_NAME, MOST_CELLS = 100, 2000
+"""A study's name stands in names of files; each combination of levels is wired and asked."""
 VARIED = ("stimulus", "touch", "procedure", "sensation")
 
 
@@ -218,7 +240,7 @@ def locate(study: str) -> Path:
         If there is neither a built-in study nor a file of that name.
     """
     path = builtin().get(study, Path(study))
-    if path.is_file():
+    if os.path.lexists(path):
         return path
     raise InvalidFile(
         f"{study}: found no such file nor built-in study, expected a path to a study file or one of "
@@ -229,8 +251,5 @@ def locate(study: str) -> Path:
 def load(study: str) -> tuple[Study, bytes]:
     """A study, named or given as a path, with the bytes of its file."""
     path = locate(study)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InvalidFile(f"{study}: cannot read the study file ({error.strerror}), expected a readable file") from None
+    content = read_file(path, "a study file")
     return parse(content, str(path) if study not in builtin() else study), content

@@ -21,7 +21,11 @@ from tactometry.protocols import (
 from tactometry.protocols.block import Interleaving, check_presenting
 from tactometry.protocols.task import Task
 from tactometry.questionnaire import Questionnaire, load, own, shipped
+from tactometry.require import whole
 from tactometry.strict import build
+
+MOST_TOUCHES = 1000
+"""Before one rating."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +60,7 @@ class RatingTable:
     n_touches: int = 1
 
     def __post_init__(self) -> None:
-        if self.n_touches < 1:
-            raise InvalidParameter(f"RatingTable.n_touches: found {self.n_touches}, expected at least 1")
+        whole("RatingTable", lowest=1, highest=MOST_TOUCHES, n_touches=self.n_touches)
 
 
 TASKS: Mapping[str, type] = {

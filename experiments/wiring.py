@@ -16,13 +16,19 @@ from tactometry.experiments.tasks import Asking, asking, form_of
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.adjustment import AdjustmentTask
 from tactometry.protocols.block import Condition, Track
+from tactometry.protocols.procedure import MOST_TRIALS
 from tactometry.protocols.session import Part, session
 from tactometry.protocols.task import Task
 from tactometry.quantity import unit_suffix, units
+from tactometry.questionnaire import own
+from tactometry.require import at_most
 from tactometry.rigs.simulated import Sensation, SimulatedRig
 from tactometry.run import Course
 from tactometry.signal import Stimulus
 from tactometry.streams import stream
+
+MOST_SAMPLES = 100_000_000
+"""What a stimulus may hold: 800 MB."""
 
 
 @dataclass(frozen=True)
@@ -120,18 +126,36 @@ def wire(study: Study, where: str) -> Experiment:
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     try:
-        wiring = Wiring(study)
-        cells = {key_of(factors): wiring.cell(factors) for factors in all_cells(study)}
-        experiment = Experiment(study, asking(study), cells)
+        asked = asking(study)
+        experiment = Experiment(study, asked, dict(_cells(study, _repeated(study, asked))))
         crossing_of(study, experiment.asking.over, study.factors)
         for name, inquiry in study.inquiries.items():
             form_of(study, inquiry.form, f"inquiries.{name}.form")
+        own(study.forms)
         _check_levels(experiment)
         if isinstance(experiment.task, AdjustmentTask):
             _check_starts(experiment.cells.values(), experiment.task)
     except TactometryError as error:
         raise InvalidParameter(f"{where}, {error}") from None
     return experiment
+
+
+def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, Cell]]:
+    """The cells of the design, wired, each of which is asked in so many tracks, until they are too much for anybody."""
+    wiring, n_trials = Wiring(study), 0.0
+    for factors in all_cells(study):
+        cell = wiring.cell(factors)
+        n_trials += n_tracks * cell.rule.n_trials_at_most
+        at_most("procedure: trials of all cells", n_trials, MOST_TRIALS)
+        yield key_of(factors), cell
+
+
+def _repeated(study: Study, asked: Asking) -> float:
+    """In how many tracks a cell takes part: alternatives share one, and each pair of preferences has one."""
+    if asked.over is None:
+        return 1
+    n_levels = len(study.factors[asked.over])
+    return (n_levels - 1) / 2 if asked.kind == "preference" else 1 / n_levels
 
 
 def _levels(experiment: Experiment, cell: Cell) -> Iterator[tuple[str, float]]:
@@ -172,6 +196,8 @@ def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: 
             f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
             f"{limits.longest_s:g} s; shorten the stimulus, or raise the limit"
         )
+    n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
+    at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
     try:
         limits.check(stimulus.at(level))
     except TactometryError as error:

@@ -6,9 +6,9 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedure import Ending, checked_response, refuse_finished
-from tactometry.require import numbers, whole
+from tactometry.errors import InvalidParameter, counted
+from tactometry.protocols.procedure import MOST_TRIALS, Ending, checked_response, refuse_finished
+from tactometry.require import numbers, repeated, whole
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,8 @@ class ConstantStimuli:
     Raises
     ------
     InvalidParameter
-        If there is no level, a level is not finite or stands twice, or `repeats` is below 1.
+        If there is no level, a level is not finite or stands twice, `repeats` is below 1, or there are more than
+        `MOST_TRIALS`.
 
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
@@ -42,12 +43,17 @@ class ConstantStimuli:
         whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         if not self.levels:
             raise InvalidParameter("ConstantStimuli.levels: found no level, expected at least one")
-        for n, level in enumerate(self.levels):
-            if level in self.levels[:n]:
-                raise InvalidParameter(
-                    f"ConstantStimuli.levels[{n}]: found {level:g} twice, expected each level once; raise repeats to "
-                    "present it more often"
-                )
+        n = repeated(self.levels)
+        if n is not None:
+            raise InvalidParameter(
+                f"ConstantStimuli.levels[{n}]: found {self.levels[n]:g} twice, expected each level once; raise repeats "
+                "to present it more often"
+            )
+        if self.repeats * len(self.levels) > MOST_TRIALS:
+            raise InvalidParameter(
+                f"ConstantStimuli.repeats: found {self.repeats} of {counted(len(self.levels), 'level')}, expected at "
+                f"most {MOST_TRIALS} trials in all"
+            )
         if not self.order:
             object.__setattr__(self, "order", tuple(self.levels) * self.repeats)
 

@@ -7,7 +7,7 @@ from typing import Literal, Self, get_args
 import numpy as np
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
+from tactometry.protocols.procedure import MOST_TRIALS, Ending, checked_response, finite_level, refuse_finished
 from tactometry.require import finite, one_of, whole
 
 Direction = Literal["ascending", "descending", "alternating"]
@@ -64,7 +64,8 @@ class MethodOfLimits:
     def __post_init__(self) -> None:
         one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
         finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
-        whole("MethodOfLimits", lowest=0, n_series=self.n_series, n_start_steps=self.n_start_steps)
+        whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
+        whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
         if not (self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step):
             raise InvalidParameter(
                 f"MethodOfLimits.step: found {self.step:g} from low {self.low:g} to high {self.high:g}, expected above "

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import p_log_p
 from tactometry.psychometric import shape_named
-from tactometry.require import numbers
+from tactometry.require import numbers, repeated
 
 Array = NDArray[np.float64]
 EQUAL = 1e-13
@@ -129,8 +129,11 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
         if not low < value < high:
             where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
             raise InvalidParameter(f"ParameterGrid.{name}[{n}]: found {value}, expected a finite number{where}")
-        if value in values[:n]:
-            raise InvalidParameter(f"ParameterGrid.{name}[{n}]: found {value:g} twice, expected each value once")
+    place = repeated(values)
+    if place is not None:
+        raise InvalidParameter(
+            f"ParameterGrid.{name}[{place}]: found {values[place]:g} twice, expected each value once"
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 from tactometry.require import is_number
 
+MOST_TRIALS = 1_000_000
+"""More make no session: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
 

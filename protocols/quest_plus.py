@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
@@ -12,11 +13,13 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols.outcome_model import Chances, OutcomeModel, p_log_p, size
 from tactometry.protocols.posterior import Posterior, Stop, log_prior, mean_sd
 from tactometry.protocols.procedure import Ending, checked_outcome, finite_level, refuse_finished
-from tactometry.require import numbers, of_kind, one_of
+from tactometry.require import at_most, numbers, of_kind, one_of
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
+MOST_CHANCES = 100_000_000
+"""What a table of one outcome may hold: 800 MB."""
 TIE = 1e-12
 """Expected losses this near to the least are equal: the order of a sum must not decide where a session goes."""
 
@@ -93,6 +96,8 @@ class QuestPlus:
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
+        n_combinations = prod(map(len, self.grid.parameters.values()))
+        at_most("QuestPlus: levels times combinations of parameters", len(self.levels) * n_combinations, MOST_CHANCES)
         Stop(self.n_trials, self.sd_stop).check("QuestPlus")
 
     def _prior(self) -> Posterior:

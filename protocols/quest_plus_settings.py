@@ -12,6 +12,8 @@ from tactometry.protocols.quest_plus import Aim, Criterion, QuestPlus
 from tactometry.require import finite, is_number, numbers, one_of, whole
 
 Spacing = Literal["linear", "log"]
+MOST_VALUES = 10_000
+"""Of one grid."""
 
 
 def spaced(low: float, high: float, n: int, spacing: Spacing, where: str) -> tuple[float, ...]:
@@ -26,7 +28,7 @@ def spaced(low: float, high: float, n: int, spacing: Spacing, where: str) -> tup
     (1.0, 10.0, 100.0)
     """
     finite(where, low=low, high=high)
-    whole(where, lowest=1, n=n)
+    whole(where, lowest=1, highest=MOST_VALUES, n=n)
     one_of(f"{where}.spacing", spacing, get_args(Spacing))
     if n > 1 and not low < high:
         raise InvalidParameter(f"{where}: found {n} values from {low:g} to {high:g}, expected a rising grid")

@@ -1,13 +1,34 @@
 """What can go wrong, by the guilty party. A message says where, what was found, what was expected, how to mend it."""
 
 import difflib
+import re
 from collections.abc import Iterable
+from typing import Final
+
+LONGEST_WORD: Final = 300
+"""What is longer in a sentence was not written to be read, and only its ends are told."""
+LONGEST_SENTENCE: Final = 4000
+_LONG_WORD = re.compile(rf"\S{{{LONGEST_WORD},}}")
+
+
+def shortened(text: str, longest: int) -> str:
+    """A text with its middle left out where it is longer.
+
+    >>> shortened("a" * 40, 10)
+    'aaaaa... (30 letters) ...aaaaa'
+    """
+    end = longest // 2
+    return text if len(text) <= longest else f"{text[:end]}... ({len(text) - 2 * end} letters) ...{text[-end:]}"
 
 
 class TactometryError(Exception):
     """An error that a person can mend; `exit_status` is what the command line ends with."""
 
     exit_status = 2
+
+    def __str__(self) -> str:
+        words = _LONG_WORD.sub(lambda word: shortened(word[0], LONGEST_WORD // 2), super().__str__())
+        return shortened(words, LONGEST_SENTENCE)
 
 
 class InvalidParameter(TactometryError, ValueError):  # noqa: N818
@@ -54,7 +75,7 @@ def nearest(found: str, names: Iterable[str]) -> str:
     >>> nearest("zzz", ["procedure", "task"])
     ''
     """
-    close = difflib.get_close_matches(found, list(names), n=1)
+    close = difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
 
 

@@ -13,6 +13,7 @@ from importlib.resources import files
 from typing import Any, Self
 
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.require import repeated
 from tactometry.strict import build
 from tactometry.toml import located, table_of
 
@@ -238,9 +239,9 @@ def _check_order(form: Questionnaire) -> None:
         ("id", [item.id for item in form.items]),
         ("order", [item.order for item in form.items]),
     ):
-        for index, value in enumerate(values):
-            if value in values[:index]:
-                raise InvalidParameter(f"items[{index}].{key}: found {value!r} twice, expected each {key} once")
+        index = repeated(values)
+        if index is not None:
+            raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
 
 
 def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> None:
@@ -263,9 +264,10 @@ def built(table: Mapping[str, Any], path: str) -> Questionnaire:
     InvalidParameter
         If a key is unknown, missing or of another type, or the questionnaire is impossible.
     """
-    listed = table.get("items", ())
+    listed = table.get("items")
     if not isinstance(listed, list):
-        raise InvalidParameter(f"{path}items: found {listed!r}, expected a list of tables")
+        found = "no such key" if listed is None else repr(listed)
+        raise InvalidParameter(f"{path}items: found {found}, expected a list of tables")
     items = tuple(build(Item, item, f"{path}items[{index}]") for index, item in enumerate(listed))
     rest = {"steps": None, **{key: value for key, value in table.items() if key != "items"}}
     return build(Questionnaire, rest, path.removesuffix("."), items=items)

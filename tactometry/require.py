@@ -5,7 +5,7 @@ Numbers are given by their names, after their owner. Each has a domain of magnit
 inside stay within the range of a double. One thing, or an array, is given after the words that open its sentence.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from math import inf, isfinite
 from numbers import Real
@@ -204,6 +204,20 @@ def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
     """`found` holds something."""
     if len(found) == 0:
         raise InvalidParameter(f"{where}: found none, expected at least one")
+
+
+def repeated(values: Iterable[Hashable]) -> int | None:
+    """The place of the first value that stood before; None where each stands once.
+
+    >>> repeated((3.0, 1, 3)), repeated("abc")
+    (2, None)
+    """
+    seen: set[Hashable] = set()
+    for place, value in enumerate(values):
+        if value in seen:
+            return place
+        seen.add(value)
+    return None
 
 
 def numbers(where: str, found: object) -> None:

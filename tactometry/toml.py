@@ -4,9 +4,14 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from tactometry.errors import InvalidFile, TactometryError
+from tactometry.files import read_file
+
+LARGEST_FILE: Final = 1_000_000
+"""Bytes of a file that a person writes: 25 000 lines."""
+LONGEST_LIST, DEEPEST = 10_000, 30
 
 
 def read_table(path: Path, what: str) -> dict[str, Any]:
@@ -17,11 +22,7 @@ def read_table(path: Path, what: str) -> dict[str, Any]:
     InvalidFile
         If the file cannot be read, or as `table_of`.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
-    return table_of(content, str(path), what)
+    return table_of(read_file(path, what), str(path), what)
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
@@ -30,21 +31,40 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
     Raises
     ------
     InvalidFile
-        If the bytes are no UTF-8 or no TOML.
+        If the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST` allow.
 
     Examples
     --------
     >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
     {'accuracy': 0.01}
     """
+    if len(content) > LARGEST_FILE:
+        raise InvalidFile(f"{where}: found {len(content)} bytes, expected {what} of at most {LARGEST_FILE}")
     try:
-        return tomllib.loads(content.decode("utf-8"))
+        table = tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as damage:
         raise InvalidFile(
             f"{where}, byte {damage.start}: found a byte that is not UTF-8, expected {what} in UTF-8"
         ) from None
     except (ValueError, RecursionError) as damage:
         raise InvalidFile(f"{where}: found no valid TOML ({damage}), expected {what}") from None
+    _refuse_vast(table, where, what)
+    return table
+
+
+def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
+    """Refuse what nobody writes by hand, before anything walks through it."""
+    level: list[object] = [table]
+    for depth in range(DEEPEST + 1):
+        if not level:
+            return
+        longest = max((len(each) for each in level if isinstance(each, list)), default=0)
+        if longest > LONGEST_LIST:
+            raise InvalidFile(f"{where}: found a list of {longest} items, expected {what} with at most {LONGEST_LIST}")
+        inner = [each.values() if isinstance(each, dict) else each for each in level if isinstance(each, dict | list)]
+        level = [value for each in inner for value in each]
+        del depth
+    raise InvalidFile(f"{where}: found tables more than {DEEPEST} deep, expected {what}")
 
 
 @contextmanager

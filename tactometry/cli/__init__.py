@@ -95,6 +95,12 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         sys.stderr.close()
         status = 0
+    except OSError as error:
+        if error.filename is None:
+            raise
+        status = _complain(f"{error.filename}: cannot be used ({error.strerror}), expected a file or folder to use", 2)
+    except MemoryError:
+        status = _complain("the memory of this computer does not hold what was asked for, expected less", 2)
     sys.exit(status or 0)
 
 

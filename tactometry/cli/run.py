@@ -58,6 +58,7 @@ def command(
     bench = load_bench(bench_path)
     if rig != "simulated":
         rehearse_forms(experiment, bench.screen.language)
+        _check_duration(experiment, who, begun=resume)
     if dry_run:
         rehearse(experiment)
         _print_plan(experiment, who, as_json=as_json)
@@ -66,6 +67,21 @@ def command(
     kind = RIGS[rig](experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded, as_json=as_json)
+
+
+def _check_duration(experiment: "Experiment", who: "Who", *, begun: bool) -> None:
+    """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
+    from tactometry.errors import InvalidParameter
+    from tactometry.experiments.planning import check_duration, plan
+
+    try:
+        caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
+    except InvalidParameter as too_long:
+        if not begun:
+            raise
+        caution = str(too_long)
+    if caution:
+        _tell(caution)
 
 
 def _tell(sentence: str) -> None:

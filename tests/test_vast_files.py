@@ -1,0 +1,238 @@
+"""Study files that ask for more than anybody has: refused in one sentence, before anything is made of it."""
+
+import os
+import resource
+import subprocess
+import sys
+import time
+
+import pytest
+from command_line import call
+
+from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
+from tactometry.experiments.planning import check_duration, duration_s, plan
+from tactometry.experiments.study import builtin, parse
+from tactometry.experiments.wiring import wire
+from tactometry.protocols import ConstantStimuli, ParameterGrid, QuestPlus
+from tactometry.toml import LARGEST_FILE, LONGEST_LIST, table_of
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+LEVELS = "levels = [10, 18, 26, 34] "
+QUEST = """kind = "quest_plus"
+low = 10.0
+high = 34.0
+width_low = 4.0
+width_high = 16.0
+"""
+CONSTANT = """kind = "constant_stimuli"
+levels = [10, 18, 26, 34]                       # dB re 1 V peak
+repeats = 4
+"""
+VAST = {
+    "repeats": (
+        TUTORIAL.replace("repeats = 4", "repeats = 400000000"),
+        "found 400000000 of 4 levels, expected at most",
+    ),
+    "more repeats": (TUTORIAL.replace("repeats = 4", "repeats = 1000000000"), "procedure.repeats: found 1000000000"),
+    "repeats of all cells": (TUTORIAL.replace("repeats = 4", "repeats = 200000"), "trials of all cells: found 1.6e+06"),
+    "levels": (
+        TUTORIAL.replace(LEVELS, f"levels = [{', '.join(map(str, range(100_000)))}] "),
+        f"found a list of 100000 items, expected a study file with at most {LONGEST_LIST}",
+    ),
+    "cells": (
+        TUTORIAL.replace("[60, 240]", str(list(range(60, 2100)))),
+        "factors: found 2040 combinations of levels, expected at most 2000",
+    ),
+    "keys": ("".join(f"k{n} = 1\n" for n in range(1_000_000)), f"expected a study file of at most {LARGEST_FILE}"),
+    "fewer keys": ("".join(f"k{n} = 1\n" for n in range(80_000)), "k0: found an unknown key"),
+    "nesting": (f"a.{'.'.join('b' * 900)} = 1\n", "found tables more than 30 deep, expected a study file"),
+    "nested lists": (f"a = {'[' * 80}{']' * 80}\n", "found tables more than 30 deep, expected a study file"),
+    "levels of quest_plus": (
+        TUTORIAL.replace(CONSTANT, f"{QUEST}n_levels = 2000000000\n"),
+        "expected a whole number, at",
+    ),
+    "grid of quest_plus": (
+        TUTORIAL.replace(CONSTANT, f"{QUEST}n_levels = 9000\nn_widths = 9000\n"),
+        "levels times combinations of parameters: found 2.187e+12, expected at most 1e+08",
+    ),
+    "series": (
+        TUTORIAL.replace(CONSTANT, 'kind = "method_of_limits"\nlow = 1\nhigh = 9\nstep = 1\nn_series = 2000000000\n'),
+        "procedure.n_series: found 2000000000, expected a whole number, at most 1000000",
+    ),
+    "samples": (
+        TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "3 h"').replace(
+            "voltage_peak_v = 100.0", 'voltage_peak_v = 100.0\nduration_s = "3 h"'
+        ),
+        "stimulus.duration_s times the rate, in samples: found",
+    ),
+    "touches": (
+        TUTORIAL.replace('kind = "yes_no"\ncatch_rate = 0.2', 'kind = "rating"\nform = "sus"\nn_touches = 2000000000'),
+        "task.n_touches: found 2000000000, expected a whole number, at most 1000",
+    ),
+}
+
+
+@pytest.fixture
+def little_memory():
+    """An address space with room for 2 GB more."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm") as told:  # noqa: PTH123
+        used = int(told.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2_000_000_000, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+@pytest.mark.parametrize("vast", VAST)
+def test_a_vast_study_is_refused_before_anything_is_made_of_it(tmp_path, capsys, little_memory, vast):
+    content, message = VAST[vast]
+    assert content != TUTORIAL
+    (tmp_path / "s.toml").write_text(content, "utf-8")
+    begun_s = time.process_time()
+    status, said, _ = call(capsys, "run", tmp_path / "s.toml", "--participant", "P01", "--dry-run")
+    assert time.process_time() - begun_s < 15
+    assert status == 2
+    assert message in said
+    assert len(said) < 1500
+
+
+def test_a_factor_s_change_that_is_no_table_is_refused():
+    with pytest.raises(InvalidFile, match=r"variants\.frequency_hz\.60\.touch: found 5, expected a table"):
+        parse(f"{TUTORIAL}\n[variants.frequency_hz.60]\ntouch = 5\n".encode(), "s.toml")
+
+
+@pytest.mark.parametrize(
+    ("levels", "message"),
+    [
+        ('[60, "60"]', r"factors\.place\[1\]: found '60' twice"),
+        ("[60, nan]", r"factors\.place\[1\]: found nan, expected a finite number or a text"),
+        ('["a", ""]', r"factors\.place\[1\]: found '', expected a text of one line"),
+        ('["a", "b\\n"]', r"factors\.place\[1\]: found 'b\\n', expected a text of one line"),
+    ],
+)
+def test_levels_that_a_table_cannot_tell_apart_are_refused(levels, message):
+    with pytest.raises(InvalidFile, match=message):
+        parse(TUTORIAL.replace("frequency_hz = [60, 240]", f"place = {levels}").encode(), "s.toml")
+
+
+def test_a_questionnaire_that_no_page_asks_is_checked_too():
+    study = parse(f'{TUTORIAL}\n[forms.mine]\ntitle = "x"\n'.encode(), "s.toml")
+    with pytest.raises(InvalidParameter, match=r"s\.toml, forms\.mine\.\w+: found no such key"):
+        wire(study, "s.toml")
+
+
+def test_a_byte_order_mark_is_no_damage(tmp_path, capsys):
+    assert table_of(b"\xef\xbb\xbfa = 1\n", "s.toml", "a study file") == {"a": 1}
+    path = tmp_path / "s.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + TUTORIAL.encode())
+    assert call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")[0] == 0
+    assert call(capsys, "validate", tmp_path / "d")[0] == 0
+
+
+def test_what_is_long_is_told_by_its_ends(tmp_path, capsys):
+    path = tmp_path / "s.toml"
+    for content in (
+        TUTORIAL.replace('name = "tutorial"', f'name = "{"A" * 60_000}"'),
+        TUTORIAL.replace("trial_s", "k" * 60_000),
+        TUTORIAL.replace("catch_rate = 0.2", f"catch_rate = {list(range(9000))}"),
+    ):
+        path.write_text(content, "utf-8")
+        status, said, _ = call(capsys, "run", path, "--participant", "P01", "--dry-run")
+        assert status == 2
+        assert "letters) ..." in said
+        assert len(said) < 5000
+
+
+def test_a_name_that_no_file_can_have_is_refused():
+    with pytest.raises(InvalidFile, match="name: found 101 letters, expected at most 100"):
+        parse(TUTORIAL.replace('"tutorial"', f'"{"a" * 101}"').encode(), "s.toml")
+    assert parse(TUTORIAL.replace('"tutorial"', f'"{"a" * 100}"').encode(), "s.toml").name == "a" * 100
+
+
+def test_a_hint_for_a_long_name_is_quick():
+    assert nearest("x" * 1_000_000, ["y" * 1_000_000] * 10) == ""
+    assert str(TactometryError("short words stay as they are")) == "short words stay as they are"
+
+
+# --- how long a session lasts
+
+
+def planned(content):
+    experiment = wire(parse(content.encode(), "s.toml"), "s.toml")
+    return experiment, plan(experiment, 1)
+
+
+def test_a_session_of_more_than_three_hours_is_told(tmp_path, capsys):
+    path = tmp_path / "s.toml"
+    path.write_text(TUTORIAL.replace("repeats = 4", "repeats = 300"), "utf-8")
+    status, said, out = call(capsys, "run", path, "--participant", "P01", "--dry-run")
+    assert (status, said.count("\n")) == (0, 0)
+    assert said.startswith("found a session of at most 4.17 hours, which is more than 3: ask for fewer trials")
+    assert "at most 250 minutes" in out
+
+
+def test_a_session_of_more_than_a_day_is_refused_unless_nobody_sits_through_it(tmp_path, capsys):
+    path, out = tmp_path / "s.toml", tmp_path / "d"
+    path.write_text(TUTORIAL.replace("trial_s = 5.0", "trial_s = 4000.0"), "utf-8")
+    for more in (["--dry-run"], ["--rig", "console", "--out", out]):
+        status, said, _ = call(capsys, "run", path, "--participant", "P01", *more)
+        assert status == 2
+        assert "procedure: found a session of at most 44.4 hours, expected at most 24; ask for fewer" in said
+    assert not out.exists()
+    assert call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--out", out)[0] == 0
+
+
+def test_a_session_that_has_begun_goes_on_however_long_it_lasts(tmp_path, capsys, monkeypatch):
+    import io
+
+    path = tmp_path / "s.toml"
+    path.write_text(TUTORIAL.replace("trial_s = 5.0", "trial_s = 4000.0"), "utf-8")
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 60))
+    words = ("run", path, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d", "--resume")
+    status, said, _ = call(capsys, *words)
+    assert status == 0
+    assert "found a session of at most 44.4 hours" in said
+
+
+def test_rests_count_and_what_ends_a_session_early_has_the_last_word():
+    experiment, blocks = planned(TUTORIAL)
+    plain_s = duration_s(experiment, blocks)
+    rests, _ = planned(TUTORIAL.replace("catch_rate = 0.2", 'catch_rate = 0.2\nrest_after = 5\nrest_s = "1 min"'))
+    n_rests = sum((block.n_trials_at_most - 1) // 5 for block in blocks)
+    assert duration_s(rests, blocks) == plain_s + 60 * n_rests
+    short, _ = planned(TUTORIAL.replace("catch_rate = 0.2", 'catch_rate = 0.2\nlongest_s = "30 s"'))
+    assert duration_s(short, blocks) == 30 * len(blocks)
+    early, _ = planned(f'{TUTORIAL}\n[plan]\nlongest_s = "10 s"\n')
+    assert duration_s(early, blocks) == 10 + max(5.0 * block.n_trials_at_most for block in blocks)
+    assert check_duration(experiment, blocks) is None
+
+
+# --- procedures of one's own
+
+
+def test_procedures_refuse_what_no_memory_holds():
+    with pytest.raises(InvalidParameter, match="found 1000001 of 1 level, expected at most 1000000 trials in all"):
+        ConstantStimuli((1.0,), 1_000_001)
+    many = tuple(map(float, range(500)))
+    with pytest.raises(InvalidParameter, match="levels times combinations of parameters: found 1.25e"):
+        QuestPlus(many, ParameterGrid(many, tuple(x + 1 for x in many)))
+
+
+def test_many_levels_are_checked_in_time():
+    begun_s = time.process_time()
+    ConstantStimuli(tuple(map(float, range(200_000))), 1)
+    assert time.process_time() - begun_s < 10
+
+
+def test_the_command_line_tells_of_memory_that_is_not_there():
+    """A last net, below all limits: in a process of little memory, one sentence."""
+    code = (
+        "import resource, sys\n"
+        "from tactometry import cli\n"
+        "cli.tactometry.main = lambda *a, **k: bytearray(10**12)\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (2 * 10**9, 2 * 10**9))\n"
+        "cli.main(['studies'])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("tactometry: the memory of this computer does not hold what was asked for")
