@@ -19,6 +19,18 @@ Reason = Literal[
 ]
 """Why a touch or an answer does not count."""
 REASONS: Final[tuple[str, ...]] = get_args(Reason)
+REASON_WORDS: Final[Mapping[Reason, str]] = {
+    "too_light": "too light",
+    "too_heavy": "too heavy",
+    "stopped": "the finger stopped",
+    "too_slow": "too slow",
+    "too_fast": "too fast",
+    "lifted": "the finger left",
+    "timeout": "no force was held in time",
+    "sensor_lost": "the sensor was silent",
+    "output_gap": "a gap in the output",
+    "experimenter": "as the experimenter wanted",
+}
 
 
 @dataclass(frozen=True)
@@ -70,6 +82,17 @@ class Trial:
         True
         """
         return self.task == "rating" and self.level is None
+
+
+def validity(trial: Trial) -> str:
+    """Whether a trial counts, in words.
+
+    >>> validity(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="too_light"))
+    'not valid: too light'
+    """
+    if trial.valid:
+        return "valid"
+    return "not valid" if trial.invalid_reason is None else f"not valid: {REASON_WORDS[trial.invalid_reason]}"
 
 
 def n_presented(trials: Iterable[Trial]) -> int:

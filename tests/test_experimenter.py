@@ -5,6 +5,7 @@ import select
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 from conftest import LONGEST_WAIT_S
@@ -14,7 +15,7 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import streamed_force
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.request import Choose, Play, Press, Record, Wait
+from tactometry.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.desk import Desk, order_of
 from tactometry.rigs.texts import texts_in
@@ -164,7 +165,7 @@ def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_wi
     n_played, bench = [], bench_with(lambda time_s: 1.0)
     in_background(act)
     touched = bench.press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
-    assert not touched.valid
+    assert (touched.valid, touched.invalid_reason) == (False, "experimenter")
     assert n_played == [1, 1]
     assert log[log.index("play 5 V") + 1] == "output.stop"
 
@@ -209,9 +210,43 @@ def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
     bench.record(ROW)
     again = bench.press(PRESS)
     assert (touched.valid, chosen.valid, again.valid) == (False, False, True)
+    assert (touched.invalid_reason, again.invalid_reason) == ("experimenter", None)
     assert kept.told[0] == ("repeat", "the experimenter")
     terminal.shows("this trial will be asked again")
     terminal.shows("trial 2: tone 5")
+
+
+ITEM = Question("item", {"en": ("", "low", "high")})
+
+
+@pytest.mark.parametrize(
+    ("ask", "keys"),
+    [
+        (Rate("rate", 1.0, 5.0, 5, "low", "high"), ("3", "Return")),
+        (Enter("how_strong", 0.0), ("7", "Return")),
+        (Fill("form", (ITEM,), 1.0, 5.0, 5), ("3", "Return")),
+        (Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0), ("Return",)),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, participant, watched, ask, keys):
+    bench = bench_with()
+    bench.press(PRESS)
+    watched.shown.queue.clear()
+    terminal.types("r")
+    participant.answers(0.3, *keys)
+    assert not ask.put_to(bench).valid
+    bench.record(ROW)
+    watched.shown.queue.clear()
+    participant.answers(0.3, *keys)
+    assert ask.put_to(bench).valid
+
+
+def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
+    terminal.shows("no answer, not valid: too light")
 
 
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):

@@ -12,10 +12,11 @@ from sampled import Sampled
 from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.reader import Reader
 from tactometry.devices.streamed import streamed_force
-from tactometry.request import Adjust, Play, Press, Slide
+from tactometry.request import Adjust, Play, Press, Record, Slide, Wait
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
 from tactometry.stimuli.electrovibration import Sine
+from tactometry.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)
@@ -71,17 +72,20 @@ def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log)
     request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
     touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).press(request)
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
+    assert touched.invalid_reason == "timeout"
     assert log == ["output.open"]
 
 
 @pytest.mark.parametrize(
-    "afterwards", [None, math.nan, 0.02], ids=["the sensor is silent", "samples are lost", "the finger leaves"]
+    ("afterwards", "reason"),
+    [(None, "sensor_lost"), (math.nan, "sensor_lost"), (0.02, "lifted")],
+    ids=["the sensor is silent", "samples are lost", "the finger leaves"],
 )
-def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards):
+def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards, reason):
     request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
     felt = iter([1.0] * 300)
     touched = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0).press(request)
-    assert not touched.valid
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_mean_n is not None
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
 
@@ -123,10 +127,39 @@ def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(benc
     assert not touched.valid
 
 
-def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log):
-    touched = bench_with(lambda time_s: 1.6 if "play 5 V" in log else 1.0).press(PRESS)
-    assert not touched.valid
+@pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
+def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log, drifted_n, reason):
+    touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).press(PRESS)
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_in_band < 0.8
+
+
+class Kept:
+    """Events in a list."""
+
+    recorded_s = None
+
+    def __init__(self):
+        self.events = []
+
+    def note(self, event):
+        self.events.append(event)
+
+
+def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_later(watched, output, log):
+    """It is out of its band, and back, while the stimulus plays: the gate opens once more."""
+    left = iter([0.7] * 50)
+    reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
+    sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
+    kept, tone = Kept(), Sine(frequency_hz=60.0, duration_s=0.8, ramp_s=0.02, level_unit="V")
+    bench = Bench(watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, log=kept)
+    touched = bench.press(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
+    bench.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
+    bench.wait(Wait(0.0))
+    bench.close()
+    assert touched.valid
+    [told] = [event for event in kept.events if event.kind == "trial"]
+    assert 0 <= told.facts["gate_delay_s"] < 0.2
 
 
 def test_a_gap_in_the_samples_restarts_the_hold(bench_with):

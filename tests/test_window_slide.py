@@ -39,8 +39,9 @@ def slid(watched, output, log):
 
 def test_a_finger_that_follows_the_cursor_out_and_back_feels_a_valid_stimulus(slid, log):
     touched = slid(lambda time_s: float(triangle(0.05 * time_s, PATH_M)))
-    assert touched.valid
+    assert (touched.valid, touched.invalid_reason) == (True, None)
     assert touched.speed_mean_m_per_s == pytest.approx(0.05, rel=0.1)
+    assert 0.8 <= touched.speed_in_band <= 1
     assert "play 5 V" in log
 
 
@@ -53,7 +54,7 @@ def test_nothing_plays_on_a_finger_at_rest(slid, log):
 def test_the_stimulus_stops_when_the_finger_stops(slid, log):
     begin_s = time.perf_counter()
     touched = slid(lambda time_s: 0.05 * min(time_s, 0.5))
-    assert not touched.valid
+    assert (touched.valid, touched.invalid_reason) == (False, "stopped")
     assert touched.digest is not None
     assert log.index("play 5 V") < log.index("output.stop")
     assert time.perf_counter() - begin_s < 10
@@ -77,8 +78,9 @@ def stop_and_go(log):
 def test_a_finger_that_stops_and_goes_feels_a_whole_stimulus_that_does_not_count(slid, log):
     """One stop is that at the end of the touch, one that of closing: none came before."""
     touched = slid(stop_and_go(log))
+    assert (touched.valid, touched.invalid_reason) == (False, "too_slow")
     assert touched.force_in_band == 1.0
-    assert not touched.valid
+    assert touched.speed_in_band < 0.8
     assert log == ["output.open", "play 5 V", "output.stop", "output.stop", "output.close", "screen.close"]
 
 
@@ -87,10 +89,28 @@ def test_a_finger_at_twice_the_speed_never_starts(slid, log):
     assert "play 5 V" not in log
 
 
+def test_a_finger_that_runs_away_is_too_fast(slid, log):
+    begun_s = []
+
+    def place_m(time_s):
+        if "play 5 V" in log:
+            begun_s.append(time_s)
+        return 0.05 * time_s + (0.1 * (time_s - begun_s[0]) if begun_s else 0.0)
+
+    touched = slid(place_m)
+    assert (touched.valid, touched.invalid_reason) == (False, "too_fast")
+
+
+def test_a_place_that_is_lost_in_a_slide_is_a_lost_sensor(slid, log):
+    touched = slid(lambda time_s: None if "play 5 V" in log else 0.05 * time_s)
+    assert (touched.valid, touched.invalid_reason) == (False, "sensor_lost")
+
+
 def test_without_a_band_the_speed_is_measured_and_not_gated(slid):
     touched = slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M)), replace(SLIDE, speed_tolerance=None))
     assert touched.valid
     assert touched.speed_mean_m_per_s == pytest.approx(0.1, rel=0.2)
+    assert touched.speed_in_band is None
 
 
 def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):

@@ -13,6 +13,7 @@ from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.course import Course
 from tactometry.devices.deadline import CLOSE_WITHIN_S, within
 from tactometry.devices.gain import Gain, SignalChain, stated
+from tactometry.devices.gaps import LONGEST_WORD_S, DryRuns
 from tactometry.devices.reader import Block
 from tactometry.devices.volume import system_volume
 from tactometry.errors import DeviceFailed, InvalidParameter
@@ -23,6 +24,7 @@ FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
 LONGEST_START_S = 2.0
+WORD_S = 1e-3
 DEFAULTS: Final = ("default", "sysdefault")
 """Names of whatever device the system's settings choose."""
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
@@ -79,7 +81,7 @@ class AudioOutput:
         self._settings, self._gain = settings, gain
         self._stream: Any = None
         self._course: Course | None = None
-        self._n_underruns = self._n_frames = 0
+        self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
         self._clocks = ClockMap()
         self._numbered: tuple[Signal, NDArray[np.generic]] | None = None
 
@@ -87,7 +89,7 @@ class AudioOutput:
         latency_s = None if self._stream is None else self._stream.latency
         return {
             "output_latency_s": latency_s,
-            "n_underruns": self._n_underruns,
+            "n_underruns": self._dry.n_gaps,
             "clock_offset_s": self._clocks.offset_s,
         }
 
@@ -172,18 +174,38 @@ class AudioOutput:
         return frames
 
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
-        self._n_underruns += bool(status.output_underflow)
-        self._clocks = self._clocks.after(self._n_frames / self.rate_hz, time.perf_counter())
+        now_s, course = time.perf_counter(), self._course
+        lead_s, block_s = max(0.0, times.outputBufferDacTime - times.currentTime), n_frames / self.rate_hz
+        gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, told=bool(status.output_underflow))
+        if course is not None and gap_s is not None:
+            course.n_gaps += course.is_torn_by(gap_s, self.rate_hz)
+        self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
         self._n_frames += n_frames
         out[:] = 0
-        course = self._course
         if course is None or course.finished:
             return
         if not course.begun.is_set():
-            course.onset_s = time.perf_counter() + max(0.0, times.outputBufferDacTime - times.currentTime)
+            course.onset_s = now_s + lead_s
             course.begun.set()
         piece = course.take(n_frames)
         out[: len(piece)] = piece
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
+        """Gaps since the last signal began, up to its end; one that lasts now is one."""
+        course = self._course
+        if course is None:
+            return 0
+        lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
+        return course.n_gaps + lasts
+
+    def _asks_within(self, longest_s: float) -> bool:
+        """Whether the device asks for samples; not waited for if `longest_s` is 0."""
+        n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
+        while longest_s and self._n_frames == n_frames:
+            if time.perf_counter() > end_s:
+                return False
+            time.sleep(WORD_S)
+        return True
 
     def stop(self) -> None:
         if self._course is not None:

@@ -25,11 +25,16 @@ class Course:
         self._at = 0
         self._stopping = False
         self.onset_s = 0.0
+        self.n_gaps = 0
         self.begun, self.ended = threading.Event(), threading.Event()
 
     @property
     def finished(self) -> bool:
         return self._at >= len(self._frames)
+
+    def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
+        """Whether a device that ran dry at `dry_s` did so in the midst of these frames, not before or after them."""
+        return self.begun.is_set() and dry_s < self.onset_s + len(self._frames) / rate_hz
 
     def stop(self) -> None:
         """The next block falls to zero and is the last."""

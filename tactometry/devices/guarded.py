@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
 from tactometry.devices.output import Output, check_playable
 from tactometry.errors import LimitExceeded
 from tactometry.limits import Exposure, Limits
@@ -137,6 +138,10 @@ class Guarded:
         if self.load is not None:
             limits.check_load(final, self.load)
         return final
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
+        """Gaps of the last signal; None where the driver cannot tell."""
+        return self.driver.n_gaps(longest_wait_s) if isinstance(self.driver, TellsGaps) else None
 
     def stop(self) -> None:
         self.driver.stop()

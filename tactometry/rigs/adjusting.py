@@ -3,10 +3,12 @@
 import time
 from collections.abc import Callable
 
+from tactometry.devices.gaps import LONGEST_WORD_S
 from tactometry.request import Adjust
 from tactometry.rigs import layout
 from tactometry.rigs.emitter import Emitter
 from tactometry.rigs.page import Answer
+from tactometry.signal import Signal
 
 
 def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
@@ -22,17 +24,32 @@ def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
     return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False
 
 
-def repeated(request: Adjust, emitter: Emitter, look: Callable[[], None]) -> Callable[[int], None]:
+class Repeated:
     """Plays the level of so many steps again and again; another level begins at once. Each time after a `look`."""
-    playing: int | None = None
-    end_s = 0.0
 
-    def keep_playing(n_steps: int) -> None:
-        nonlocal playing, end_s
-        look()
-        if n_steps != playing or time.perf_counter() >= end_s:
-            signal = emitter.final(request.stimulus, request.level(n_steps))
-            emitter.stop()
-            playing, end_s = n_steps, emitter.emit(signal) + signal.duration_s
+    def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:
+        self._request, self._emitter, self._look = request, emitter, look
+        self._signal: Signal | None = None
+        self._n_steps: int | None = None
+        self._n_before: int | None = None
+        self._end_s = 0.0
 
-    return keep_playing
+    def keep_playing(self, n_steps: int) -> None:
+        self._look()
+        if n_steps == self._n_steps and time.perf_counter() < self._end_s:
+            return
+        signal = self._emitter.final(self._request.stimulus, self._request.level(n_steps))
+        self._emitter.stop()
+        self._n_before = self._counted(0.0)
+        self._n_steps, self._signal = n_steps, signal
+        self._end_s = self._emitter.emit(signal) + signal.duration_s
+
+    def _counted(self, longest_wait_s: float) -> int | None:
+        """Gaps up to now; those of the signal that plays are the output's."""
+        now = self._emitter.n_gaps(self._signal, longest_wait_s)
+        return self._n_before if now is None else (self._n_before or 0) + now
+
+    @property
+    def n_gaps(self) -> int | None:
+        """Gaps in all that was played; None where the output cannot tell."""
+        return self._counted(LONGEST_WORD_S)

@@ -50,6 +50,7 @@ from tactometry.rigs.trace import Trace
 from tactometry.rigs.vigil import vigil
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
+from tactometry.trial import validity
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -155,7 +156,8 @@ class Bench:
                 if self._stage.paused_until_s < begin_s:
                     break
                 begin_s = self._stage.present(page)
-        return Played(self._session_s(onset_s), request.level, "" if signal is None else signal.digest())
+        digest = "" if signal is None else signal.digest()
+        return Played(self._session_s(onset_s), request.level, digest, self._emitter.n_gaps(signal))
 
     @safely
     def press(self, request: Press) -> Touched:
@@ -177,7 +179,9 @@ class Bench:
         felt = Touch(request, *parts, places).felt(signal)
         self._logbook.decided(felt.gate_delay_s)
         touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
-        return replace(touched, valid=touched.valid and not self._attendant.repeat)
+        if touched.valid and self._attendant.repeat:
+            return replace(touched, valid=False, invalid_reason="experimenter")
+        return touched
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._attendant.pause(by, over)
@@ -195,8 +199,12 @@ class Bench:
         option, onset_s, end_s = self._stage.converse(
             request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
-        valid = not self._attendant.repeat
-        return Chosen(option, *self._answered(onset_s, end_s), valid=valid)
+        return Chosen(option, *self._answered(onset_s, end_s), valid=self._counts)
+
+    @property
+    def _counts(self) -> bool:
+        """Whether the answer that was given counts: the experimenter wants no repetition."""
+        return not self._attendant.repeat
 
     def _answered(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
         """Onset in the session, latency and time of day of an answer."""
@@ -212,7 +220,7 @@ class Bench:
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
-        return Rated(value, *self._answered(onset_s, end_s))
+        return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
 
     @safely
     def enter(self, request: Enter) -> Rated:
@@ -225,7 +233,7 @@ class Bench:
 
         typed, onset_s, end_s = self._stage.converse("", view, lambda typed, key: entry.after(typed, key, low, high))
         value = entry.value_of(typed, low, high)
-        return Rated(value, *self._answered(onset_s, end_s))
+        return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
 
     @safely
     def fill(self, request: Fill) -> Filled:
@@ -239,7 +247,7 @@ class Bench:
             None if place is None else value_at(place, page.n_positions, request.low, request.high)
             for place in marks.places
         )
-        return Filled(values, *self._answered(onset_s, end_s))
+        return Filled(values, *self._answered(onset_s, end_s), valid=self._counts)
 
     def _form(self, request: Fill) -> form.Form:
         return form.Form(
@@ -265,15 +273,15 @@ class Bench:
         page = layout.adjust_page(
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
+        self._attendant.under_way = True
         with vigil(self._sensor, self._emitter.stop, self._pause) as look:
+            played = adjusting.Repeated(request, self._emitter, look)
             n_steps, onset_s, end_s = self._stage.converse(
-                0,
-                lambda n_steps: page,
-                functools.partial(adjusting.stepped, request),
-                adjusting.repeated(request, self._emitter, look),
+                0, lambda n_steps: page, functools.partial(adjusting.stepped, request), played.keep_playing
             )
             self._emitter.stop()
-        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s))
+        valid = self._counts and not played.n_gaps
+        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s), valid=valid, n_gaps=played.n_gaps)
 
     @safely
     def wait(self, request: Wait) -> Done:
@@ -307,7 +315,7 @@ class Bench:
         trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
         self._n_trials += 1
         response = "no answer" if trial.response is None else f"{trial.response}"
-        self._desk.add(f"{response}, {'valid' if trial.valid else 'not valid'}")
+        self._desk.add(f"{response}, {validity(trial)}")
         self._desk.end_line()
         self._logbook.trial(trial)
         return self._done()

@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Mapping
 
+from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
 from tactometry.devices.guarded import Guarded
 from tactometry.devices.output import Output, check_playable, with_ramps
 from tactometry.errors import InvalidParameter, nearest
@@ -80,6 +81,12 @@ class Emitter:
         with self._playing:
             self._muted = on
             self._output.stop()
+
+    def n_gaps(self, signal: Signal | None, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
+        """Gaps in the signal that was emitted last; None where nothing was, or the output cannot tell."""
+        if signal is None or not isinstance(self._output, TellsGaps):
+            return None
+        return self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
         """Zero now."""

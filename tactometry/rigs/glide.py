@@ -3,8 +3,10 @@
 import numpy as np
 
 from tactometry.devices.reader import FloatArray
+from tactometry.judgement import side_of
 from tactometry.rigs.trace import Trace
-from tactometry.speed_gate import SpeedGate, motion
+from tactometry.speed_gate import Motion, SpeedGate, motion
+from tactometry.trial import Reason
 
 MOVING_S = 0.1
 """So long must a speed be kept before a stimulus begins: a turn of a fast finger is shorter (unverified default)."""
@@ -37,16 +39,19 @@ class Glide:
             self._moved_s = time_s if self._moved_s is None or self._gate.moving else self._moved_s
 
     @property
-    def stopped(self) -> bool:
-        """Whether the finger has left its band of speed, or the sensor is silent."""
-        last_s, moved_s = self._trace.last_s, self._moved_s
-        halted = last_s is not None and moved_s is not None and last_s - moved_s > HALT_S
-        return halted or self._trace.quiet(HALT_S)
+    def loss(self) -> Reason | None:
+        """Why nothing may play any more: the finger has left its band of speed, or the sensor is silent."""
+        last_s, moved_s, speed_m_per_s = self._trace.last_s, self._moved_s, self._gate.speed_m_per_s
+        if self._trace.quiet(HALT_S):
+            return "sensor_lost"
+        if last_s is None or moved_s is None or last_s - moved_s <= HALT_S:
+            return None
+        return "sensor_lost" if speed_m_per_s is None else side_of(speed_m_per_s, self._gate.target_m_per_s)
 
-    def in_band(self, begin_s: float, end_s: float) -> float | None:
-        """The part of the time that the speed was in its band; None where it was not measured."""
+    def motion(self, begin_s: float, end_s: float) -> Motion | None:
+        """How the speed was kept; None where it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
         if times_s.size < 2 or np.any(np.diff(times_s) == 0):
             return None
         gate = self._gate
-        return motion(times_s, positions_m[:, 0], gate.target_m_per_s, gate.tolerance).in_band
+        return motion(times_s, positions_m[:, 0], gate.target_m_per_s, gate.tolerance)

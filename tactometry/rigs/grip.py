@@ -5,6 +5,7 @@ import math
 from tactometry.devices.reader import FloatArray
 from tactometry.force_gate import Compliance, ForceGate, compliance
 from tactometry.rigs.trace import Trace
+from tactometry.trial import Reason
 
 SILENT_S = 0.1
 """A sensor that says nothing for longer is lost."""
@@ -44,10 +45,12 @@ class Grip:
         return lost or self._trace.quiet(SILENT_S)
 
     @property
-    def lost(self) -> bool:
-        """Whether the sensor is silent, or the finger has left."""
+    def loss(self) -> Reason | None:
+        """Why nothing may play any more: the sensor is silent, or the finger has left."""
+        if self.silent:
+            return "sensor_lost"
         force_n = self.force_n
-        return (force_n is not None and force_n < AWAY_PART * self._gate.target_n) or self.silent
+        return "lifted" if force_n is not None and force_n < AWAY_PART * self._gate.target_n else None
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
         """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.force_gate import VALID_PART, compliance
+from tactometry.force_gate import compliance
+from tactometry.judgement import broken
 from tactometry.limits import Limits
 from tactometry.observers.finger import Grip, SimulatedFinger
 from tactometry.observers.observer import Observer
@@ -35,7 +36,7 @@ from tactometry.request import (
 )
 from tactometry.scale import value_at
 from tactometry.signal import Signal, Stimulus
-from tactometry.speed_gate import motion
+from tactometry.speed_gate import Motion, motion
 
 
 class Sensation(Protocol):
@@ -97,11 +98,11 @@ def _placed(liking: float, low: float, high: float, steps: int | None) -> float:
     )
 
 
-def _in_motion(request: Press | Slide, grip: Grip) -> bool:
+def _moved(request: Press | Slide, grip: Grip) -> Motion | None:
+    """How the speed was kept, where it is gated."""
     if isinstance(request, Press) or request.speed_tolerance is None:
-        return True
-    moved = motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
-    return moved.in_band >= VALID_PART
+        return None
+    return motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
 
 
 class SimulatedRig:
@@ -185,18 +186,22 @@ class SimulatedRig:
     def _touch(self, request: Press | Slide) -> Touched:
         signal = self._signal(request.stimulus, request.level)
         grip = self._finger.hold(request, self._rng)
-        mean_n, sd_n, in_band = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
-        self._feel(request.stimulus, signal, Contact(mean_n, grip.speed_m_per_s))
+        force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
+        speed = _moved(request, grip)
+        reason = broken(request, force, speed)
+        self._feel(request.stimulus, signal, Contact(force.mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
             level_delivered=request.level,
             digest=None if signal is None else signal.digest(),
-            force_mean_n=round(mean_n, 6),
-            force_sd_n=round(sd_n, 6),
-            force_in_band=round(in_band, 6),
+            force_mean_n=round(force.mean_n, 6),
+            force_sd_n=round(force.sd_n, 6),
+            force_in_band=round(force.in_band, 6),
             speed_mean_m_per_s=round(grip.speed_m_per_s, 6),
-            valid=in_band >= VALID_PART and _in_motion(request, grip),
+            valid=reason is None,
+            speed_in_band=None if speed is None else round(speed.in_band, 6),
+            invalid_reason=reason,
         )
 
     def choose(self, request: Choose) -> Chosen:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.position_sensor import PositionSensor
-from tactometry.force_gate import VALID_PART, ForceGate
+from tactometry.force_gate import ForceGate
+from tactometry.judgement import broken
 from tactometry.request import Press, Slide, Touched
 from tactometry.rigs import layout
 from tactometry.rigs.emitter import Emitter
@@ -21,6 +22,7 @@ from tactometry.rigs.trigger import Trigger, hearing, quick_turns
 from tactometry.rigs.vigil import SILENT, Pause
 from tactometry.signal import Signal
 from tactometry.speed_gate import SpeedGate
+from tactometry.trial import Reason
 
 TOLD_EVERY_S = 1.0
 
@@ -49,6 +51,9 @@ class Held:
     def __init__(self, request: Press | Slide, *, moving: bool) -> None:
         self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s))
         self.glide: Glide | None = None
+        self.let_through_s = 0.0
+        """The stamp of the sample that opened the last gate when the stimulus began."""
+        self.loss: Reason | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
             self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
 
@@ -62,16 +67,20 @@ class Held:
         stamps_s = (self.grip.opened_s, None if self.glide is None else self.glide.opened_s)
         return max(stamp_s for stamp_s in stamps_s if stamp_s is not None)
 
-    @property
-    def lost(self) -> bool:
-        """Whether a sensor is silent, or the finger has left or stopped."""
-        return self.grip.lost or (self.glide is not None and self.glide.stopped)
+    def fire(self, fire: Callable[[], float | None]) -> float | None:
+        """Begin to play what these sensors let through: they hear on, but what opened the gate stands."""
+        self.let_through_s = self.opened_s
+        return fire()
 
-    def kept_speed(self, begin_s: float, end_s: float) -> bool:
-        if self.glide is None:
-            return True
-        in_band = self.glide.in_band(begin_s, end_s)
-        return in_band is not None and in_band >= VALID_PART
+    def breaks(self) -> bool:
+        """Whether a sensor is silent, or the finger has left or stopped: `loss` then says which."""
+        self.loss = self.grip.loss or (None if self.glide is None else self.glide.loss)
+        return self.loss is not None
+
+    def delay_s(self, decided_s: float) -> float:
+        """From the sample that opened the gate to the decision; a stamp may be ahead of its arrival by an error of the
+        clocks, and the delay is then 0."""
+        return max(0.0, decided_s - self.let_through_s)
 
 
 @dataclass(frozen=True)
@@ -86,7 +95,8 @@ class Felt:
 class Touch:
     """A request to press or slide, with what carries it out.
 
-    `pause` is called with a reason and what tells that it is over; `say` tells the experimenter.
+    `pause` is called with a reason and what tells that it is over; `say` tells the experimenter. What cuts a stimulus
+    short is a pause that the experimenter wants, or what the sensors say.
     """
 
     request: Press | Slide
@@ -118,8 +128,23 @@ class Touch:
         begin_s = self._present(playing)
         onset_s = self.emitter.emit(signal)
         self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
-        whole = self.stage.paused_until_s < begin_s
-        return Felt(Touched(onset_s, self.request.level, _digest(signal), valid=whole))
+        paused = self.stage.paused_until_s >= begin_s
+        n_gaps = self.emitter.n_gaps(signal)
+        reason: Reason | None = "experimenter" if paused else "output_gap" if n_gaps else None
+        return Felt(self._touched(signal, onset_s, reason, n_gaps))
+
+    def _touched(
+        self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
+    ) -> Touched:
+        return Touched(
+            onset_s,
+            self.request.level,
+            None if signal is None else signal.digest(),
+            valid=reason is None,
+            invalid_reason=reason,
+            n_gaps=n_gaps,
+            **kept,
+        )
 
     def _held(self, signal: Signal | None, sensor: ForceSensor) -> Felt:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
@@ -128,7 +153,10 @@ class Touch:
         """
         held = Held(self.request, moving=self.position is not None)
         trigger = Trigger(
-            lambda: held.open, lambda: held.lost, lambda: self.emitter.emit_if_allowed(signal), self.emitter.stop
+            lambda: held.open,
+            held.breaks,
+            lambda: held.fire(lambda: self.emitter.emit_if_allowed(signal)),
+            self.emitter.stop,
         )
         with ExitStack() as last_first:
             last_first.enter_context(quick_turns())
@@ -138,14 +166,15 @@ class Touch:
             last_first.callback(trigger.disarm)
             begun = self._begun(held, trigger)
             if begun is None:
-                return Felt(Touched(time.perf_counter(), None, None, valid=False))
-            whole = self._whole(held, trigger, *begun)
+                self.say("not played")
+                return Felt(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
+            cut_by = self._cut_by(held, trigger, *begun)
         self.emitter.stop()
         decided_s, onset_s = begun
-        touched = self._judged(signal, held, onset_s, whole=whole)
+        touched = self._judged(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
-        self.say(f"played, {mean}{'' if touched.valid else ', not valid'}")
-        return Felt(touched, decided_s - held.opened_s)
+        self.say(f"played, {mean}")
+        return Felt(touched, held.delay_s(decided_s))
 
     def _begun(self, held: Held, trigger: Trigger) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
@@ -171,15 +200,17 @@ class Touch:
         self.say(f"{force_n:.2f} N")
         return now_s
 
-    def _whole(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> bool:
-        """Show the force while the stimulus plays: whether it played to its end."""
+    def _cut_by(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
+        """Show the force while the stimulus plays: what cut it short, None if it played to its end."""
         self._present(self._bar(held, playing=True))
         while time.perf_counter() < onset_s + self.request.duration_s:
             trigger.consider()
             if trigger.broken or self.stage.paused_until_s > decided_s:
-                return False
+                break
             self._frame(held, playing=True)
-        return not trigger.broken and self.stage.paused_until_s < decided_s
+        if trigger.broken:
+            return held.loss
+        return "experimenter" if self.stage.paused_until_s > decided_s else None
 
     def _frame(self, held: Held, *, playing: bool) -> None:
         self.stage.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
@@ -192,19 +223,19 @@ class Touch:
         marker = layout.marker_page(request.interval, playing=playing, words=self.words)
         return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
 
-    def _judged(self, signal: Signal | None, held: Held, onset_s: float, *, whole: bool) -> Touched:
+    def _judged(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:
         during_s = onset_s, onset_s + self.request.duration_s
-        kept = held.grip.compliance(*during_s)
-        return Touched(
-            onset_s=onset_s,
-            level_delivered=self.request.level,
-            digest=_digest(signal),
-            force_mean_n=None if kept is None else kept.mean_n,
-            force_sd_n=None if kept is None else kept.sd_n,
-            force_in_band=None if kept is None else kept.in_band,
-            valid=whole and kept is not None and kept.in_band >= VALID_PART and held.kept_speed(*during_s),
-        )
-
-
-def _digest(signal: Signal | None) -> str | None:
-    return None if signal is None else signal.digest()
+        force = held.grip.compliance(*during_s)
+        speed = None if held.glide is None else held.glide.motion(*during_s)
+        n_gaps = self.emitter.n_gaps(signal)
+        reason = cut_by or ("output_gap" if n_gaps else None)
+        if reason is None:
+            lost = force is None or (held.glide is not None and speed is None)
+            reason = "sensor_lost" if lost or force is None else broken(self.request, force, speed)
+        kept = {
+            "force_mean_n": None if force is None else force.mean_n,
+            "force_sd_n": None if force is None else force.sd_n,
+            "force_in_band": None if force is None else force.in_band,
+            "speed_in_band": None if speed is None else speed.in_band,
+        }
+        return self._touched(signal, onset_s, reason, n_gaps, **kept)

@@ -1,0 +1,134 @@
+"""Why a trial does not count: one reason in the row of each that does not, and none in the others."""
+
+from dataclasses import replace
+
+import catalogue
+import numpy as np
+import pytest
+from memory import Memory
+
+from tactometry.force_gate import Compliance
+from tactometry.judgement import broken
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.protocols import Sliding
+from tactometry.protocols.block import run_block
+from tactometry.protocols.task import Outcome, Reply, reply
+from tactometry.request import Adjusted, Chosen, Touched
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.rows import defects
+from tactometry.run import run
+from tactometry.speed_gate import Motion
+from tactometry.trial import REASON_WORDS, REASONS, Trial, validity
+
+GATED = Sliding(0.2, 1.0, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05, tolerance=0.2, speed_tolerance=0.1)
+
+
+FINGER = SimulatedFinger(waver_cv=0.1, speed_cv=0.1)
+
+
+def rig(finger):
+    return SimulatedRig(
+        catalogue.AnyStimulus(),
+        catalogue.LIMITS,
+        catalogue.Loudness(),
+        catalogue.OBSERVERS["default"],
+        finger,
+        lambda n_trials: np.random.default_rng([7, n_trials]),
+    )
+
+
+def rows(task, touch, finger):
+    block = catalogue.block(task, "constant_stimuli")
+    track = replace(block.tracks[0], condition=replace(block.tracks[0].condition, touch=touch))
+    memory = Memory()
+    run(
+        run_block(replace(block, tracks=(track,), n_attempts=1000), 1, 1, np.random.default_rng(1)), rig(finger), memory
+    )
+    return memory.trials
+
+
+@pytest.mark.parametrize("task", sorted(set(catalogue.TASKS) - {"adjustment"}))
+def test_a_row_has_a_reason_where_it_is_not_valid_and_nowhere_else(task):
+    trials = rows(task, GATED, FINGER)
+    assert {trial.valid for trial in trials} == {False, True}
+    assert all((trial.invalid_reason is None) == trial.valid for trial in trials)
+    assert {trial.n_gaps for trial in trials} == {None}
+    assert all(0 <= trial.speed_in_band <= 1 for trial in trials)
+
+
+def test_the_reason_is_the_side_on_which_the_force_or_the_speed_was():
+    trials = rows("yes_no", GATED, FINGER)
+    for trial in trials:
+        if trial.invalid_reason in ("too_light", "too_heavy"):
+            assert trial.force_in_band < 0.8
+            assert (trial.force_mean_n < 1.0) == (trial.invalid_reason == "too_light")
+        elif not trial.valid:
+            assert trial.speed_in_band < 0.8 <= trial.force_in_band
+            assert trial.invalid_reason == ("too_slow" if trial.speed_mean_m_per_s < 0.05 else "too_fast")
+    assert {trial.invalid_reason for trial in trials} >= {None, "too_slow", "too_fast"}
+
+
+def test_the_force_is_named_before_the_speed():
+    slide = GATED.request("tone", 5.0, None)
+    assert broken(slide, Compliance(2.0, 0.0, 0.0), Motion(0.1, 0.0)) == "too_heavy"
+    assert broken(slide, Compliance(1.0, 0.0, 0.8), Motion(0.1, 0.8)) is None
+
+
+TOUCHED = Touched(1.0, 5.0, "0")
+TORN = replace(TOUCHED, valid=False, invalid_reason="output_gap", n_gaps=2)
+
+
+def test_the_gaps_of_all_intervals_are_those_of_their_trial():
+    fine = replace(TOUCHED, n_gaps=0)
+    answer = reply(Chosen(1, 2.0, 0.5), 1.0)
+    assert Outcome((fine, fine), fine, (answer,)).n_gaps == 0
+    torn = Outcome((fine, TORN), fine, (answer,))
+    assert (torn.n_gaps, torn.valid, torn.invalid_reason) == (2, False, "output_gap")
+    assert Outcome((TOUCHED,), TOUCHED, (answer,)).n_gaps is None
+
+
+@pytest.mark.parametrize(("n_gaps", "reason"), [(None, "experimenter"), (0, "experimenter"), (1, "output_gap")])
+def test_a_level_that_was_set_is_not_valid_for_a_gap_or_as_the_experimenter_wanted(n_gaps, reason):
+    answer = reply(Adjusted(5.0, 1.0, 2.0, valid=False, n_gaps=n_gaps), 5.0, correct=True)
+    outcome = Outcome((), None, (answer,))
+    assert (outcome.valid, outcome.invalid_reason, outcome.n_gaps) == (False, reason, n_gaps)
+    assert answer.correct is None
+
+
+def test_what_has_no_reply_and_no_lost_touch_has_no_reason():
+    assert Outcome((), replies=(Reply(1.0),)).invalid_reason is None
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_every_reason_has_words(reason):
+    trial = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason=reason)
+    assert validity(trial) == f"not valid: {REASON_WORDS[reason]}"
+    assert validity(replace(trial, valid=True, invalid_reason=None)) == "valid"
+
+
+def test_a_reason_in_a_valid_row_is_a_defect(whole):
+    file = next((whole / "data").glob("*.csv"))
+    header, first, *rest = file.read_text().splitlines()
+    cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"invalid_reason": "lifted"}
+    found = list(defects("\n".join([header, ",".join(cells.values()), *rest]).encode(), file.name))
+    assert [each.text for each in found] == [
+        "column 'invalid_reason': found 'lifted' in a valid trial, expected nothing"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "expected"),
+    [
+        ("rig", "", "one of bench, console, simulated"),
+        ("rig", "replay", "one of bench, console, simulated"),
+        ("invalid_reason", "tired", f"one of {', '.join(REASONS)}, or nothing"),
+        ("n_gaps", "-1", "a whole number from 0"),
+        ("speed_in_band", "1.1", "a number from 0 to 1"),
+    ],
+)
+def test_what_the_columns_cannot_hold_is_a_defect(whole, column, value, expected):
+    file = next((whole / "data").glob("*.csv"))
+    header, first, *_ = file.read_text().splitlines()
+    cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"valid": "0", column: value}
+    (found,) = defects("\n".join([",".join(cells), ",".join(cells.values())]).encode(), file.name)
+    assert found.text == f"column {column!r}: found {value!r}, expected {expected}"

@@ -1,0 +1,149 @@
+"""Gaps in the sound belong to the stimulus that they tear: through PortAudio and a sound server that is held up."""
+
+import csv
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from benches import gain_toml
+from test_device_audio import server, sink, wait_for  # noqa: F401  # fixtures
+from test_device_sensors import Emulator
+from test_device_session import BENCH, needed, study_in  # noqa: F401  # fixture
+from test_window_session import any_keys, sit, tactometry
+
+from tactometry.devices.audio import AudioOutput, AudioSettings
+from tactometry.devices.course import Course
+from tactometry.devices.gain import Gain
+from tactometry.experiments.validation import validate
+
+N_TRIES = 3
+"""A busy computer may be late to hold the server up, or tear a stimulus by itself."""
+
+
+def held_up(process, for_s):
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(for_s)
+    process.send_signal(signal.SIGCONT)
+
+
+def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
+    needed,  # noqa: F811
+    display,
+    sink,  # noqa: F811
+    tmp_path,
+):
+    """A session in the window whose sound server is held up in the first stimulus."""
+    study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
+    study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
+    bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))
+    bench = bench.replace('"tofile"', '"pulse"\nshared = true\nlatency_s = 0.1')
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
+    process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})
+
+    def tear():
+        wait_for(lambda: sink.heard() > 4800 or process.poll() is not None, 60)
+        held_up(sink.server, 0.4)
+
+    tearing = threading.Thread(target=tear)
+    tearing.start()
+    try:
+        status, _, errors = sit(process, display, any_keys(5))
+    finally:
+        tearing.join()
+        device.close()
+    assert status == 0, errors
+    [trials] = (tmp_path / "data" / "data").glob("*_data.csv")
+    first, *others = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    assert (first["valid"], first["invalid_reason"], first["force_in_band"]) == ("0", "output_gap", "1")
+    assert int(first["n_gaps"]) >= 1
+    assert [row["attempt"] for row in others] == [str(n) for n in range(2, 2 + len(others))]
+    assert all((row["valid"] == "1") == (row["n_gaps"] == "0") for row in others)
+    assert others[-1]["valid"] == "1"
+    assert validate(tmp_path / "data").defects == ()
+
+
+@pytest.fixture
+def output(needed, sink, monkeypatch):  # noqa: F811
+    import sounddevice
+
+    for name, value in sink.env.items():
+        monkeypatch.setenv(name, value)
+    sounddevice._terminate()
+    sounddevice._initialize()
+    made = AudioOutput(AudioSettings(48e3, "pulse", latency_s=0.1, shared=True), Gain(50.0, 1.0))
+    made.open()
+    time.sleep(0.3)
+    yield made
+    made.close()
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
+
+
+def tone(duration_s):
+    from tactometry.signal import Signal
+
+    return Signal(np.full((1, round(48e3 * duration_s)), 1.0), 48e3, "V")
+
+
+def any_of(tries):
+    return any(tries() for _ in range(N_TRIES))
+
+
+def played(output, duration_s):
+    time.sleep(max(0.0, output.play(tone(duration_s)) + duration_s - time.perf_counter()))
+
+
+def test_an_undisturbed_stimulus_has_no_gap(output):
+    def undisturbed():
+        played(output, 0.3)
+        return output.n_gaps() == 0
+
+    assert any_of(undisturbed)
+
+
+def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):  # noqa: F811
+    def beside():
+        held_up(sink.server, 0.3)
+        time.sleep(0.2)
+        played(output, 0.3)
+        n_gaps = output.n_gaps()
+        held_up(sink.server, 0.3)
+        time.sleep(0.2)
+        return n_gaps == output.n_gaps() == 0
+
+    assert any_of(beside)
+    assert output.facts()["n_underruns"] >= 2
+
+
+def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):  # noqa: F811
+    def torn():
+        end_s = output.play(tone(1.0)) + 1.0
+        held_up(sink.server, 0.3)
+        time.sleep(max(0.0, end_s - time.perf_counter()))
+        return output.n_gaps() == 1
+
+    assert any_of(torn)
+
+
+def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):  # noqa: F811
+    end_s = output.play(tone(0.6)) + 0.6
+    sink.server.send_signal(signal.SIGSTOP)
+    try:
+        time.sleep(max(0.0, end_s - time.perf_counter()))
+        assert output.n_gaps() >= 1
+    finally:
+        sink.server.send_signal(signal.SIGCONT)
+
+
+def test_a_stimulus_is_torn_from_its_onset_to_its_end():
+    course = Course(np.zeros((1000, 1)), n_fade=1)
+    assert not course.is_torn_by(0.0, rate_hz=1000.0)
+    course.onset_s = 10.0
+    course.begun.set()
+    assert course.is_torn_by(10.9, rate_hz=1000.0)
+    assert not course.is_torn_by(11.1, rate_hz=1000.0)
