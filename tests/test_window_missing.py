@@ -9,7 +9,7 @@ import pytest
 
 OPEN = """
 from tactometry.errors import DeviceFailed
-from tactometry.rigs.bench import open_bench
+from tactometry.rigs.open_bench import open_bench
 try:
     open_bench({}, None, {}, fullscreen=False, size=(320, 200))
 except DeviceFailed as error:

@@ -95,8 +95,9 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     from tactometry.experiments.bench_file import device_facts
     from tactometry.experiments.learnt_bank import bank_of, learnt_facts
     from tactometry.experiments.recording import RigKind
-    from tactometry.rigs.bench import Bench, open_bench
+    from tactometry.rigs.bench import Bench
     from tactometry.rigs.desk import Desk
+    from tactometry.rigs.open_bench import open_bench
 
     del who
     screen, study = bench.screen, experiment.study

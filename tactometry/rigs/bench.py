@@ -12,7 +12,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 from tactometry.devices.force_sensor import ForceSensor
-from tactometry.devices.output import NullOutput, Output
+from tactometry.devices.output import Output
 from tactometry.devices.position_sensor import PositionSensor
 from tactometry.event import EventLog
 from tactometry.limits import Limits
@@ -44,7 +44,7 @@ from tactometry.rigs.logbook import CLOCK, Logbook
 from tactometry.rigs.page import Answer, Page, Screen
 from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
-from tactometry.rigs.texts import Texts, texts_in
+from tactometry.rigs.texts import Texts
 from tactometry.rigs.touch import Touch, moving_cue
 from tactometry.rigs.trace import Trace
 from tactometry.rigs.vigil import vigil
@@ -59,7 +59,7 @@ ASSUMED_DISPLAY_HEIGHT_M = 0.3
 
 
 class Bench:
-    """A rig with a person at it; see `open_bench`. It opens the devices, and closes all of them."""
+    """A rig with a person at it; see `tactometry.rigs.open_bench`. It opens the devices, and closes all of them."""
 
     def __init__(
         self,
@@ -319,81 +319,6 @@ class Bench:
         self._desk.end_line()
         self._logbook.trial(trial)
         return self._done()
-
-
-def open_bench(
-    bank: Mapping[str, Stimulus],
-    limits: Limits | None,
-    texts: Mapping[str, str],
-    *,
-    language: str = "en",
-    fullscreen: bool,
-    size: tuple[int, int] | None = None,
-    output: Output | None = None,
-    sensor: ForceSensor | None = None,
-    position: PositionSensor | None = None,
-    display_height_m: float | None = None,
-    ramp_s: float = RAMP_S,
-    device_facts: Callable[[], Facts] = dict,
-    log: EventLog | None = None,
-    desk: Desk | None = None,
-) -> Bench:
-    """A bench with a PsychoPy window.
-
-    Parameters
-    ----------
-    bank : mapping of str to Stimulus
-        The stimuli by the names that requests use.
-    limits : Limits or None
-        What the study allows, checked beside the limits of the output.
-    texts : mapping of str to str
-        The study's own messages and labels, above those of the language.
-    language : str
-        One of `tactometry.rigs.texts.languages()`.
-    fullscreen, size
-        The window; `size` in pixels where it is not full screen.
-    output : Output, optional
-        Without one, a `NullOutput` with the study's limits: nothing reaches a finger.
-    sensor : ForceSensor, optional
-        Without one, the force is not measured: its fields are None and every touch is valid.
-    position : PositionSensor, optional
-        Without one, the finger's speed is not measured.
-    ramp_s : float
-        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    device_facts : callable
-        What the head of the journal says of the devices, once they are open, and their clocks at any time.
-    display_height_m : float, optional
-        Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
-        `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
-    log : EventLog, optional
-        Where pauses, remarks, clocks and the timing of each trial are kept.
-    desk : Desk, optional
-        The experimenter's terminal.
-
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
-    DeviceFailed
-        If there is no PsychoPy, display or keyboard, or a device does not open.
-    """
-    from tactometry.rigs.window import Window
-
-    words = texts_in(language, texts)
-    return Bench(
-        Window(fullscreen=fullscreen, size=size),
-        NullOutput(limits) if output is None else output,
-        bank,
-        limits=limits,
-        texts=words,
-        sensor=sensor,
-        position=position,
-        display_height_m=display_height_m,
-        ramp_s=ramp_s,
-        device_facts=device_facts,
-        log=log,
-        desk=desk,
-    )
 
 
 def _utc(clock_s: float) -> str:
