@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
+from tactometry.analysis.level_scale import is_logarithm
 from tactometry.analysis.table import Trials, parsed, used_rows
 from tactometry.analysis.threshold import ThresholdFit, fit_many
 from tactometry.errors import InvalidFile
@@ -138,8 +139,8 @@ def n_alternatives(trials: Trials) -> int:
 
 def shape_of(unit: str) -> str:
     """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels
-    (Watson 1979, Vision Res. 19, 515), where levels are in decibels; else the cumulative normal."""
-    return DETECTION_SHAPE_IN_DB if unit.startswith("dB") else SHAPE
+    (Watson 1979, Vision Res. 19, 515), where levels are logarithms; else the cumulative normal."""
+    return DETECTION_SHAPE_IN_DB if is_logarithm(unit) else SHAPE
 
 
 def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from tactometry.analysis.level_scale import LevelScale
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.quantity import si_unit, unit_suffix, units
 from tactometry.strict import read_toml
 
 
@@ -27,6 +29,11 @@ class ColumnMap:
         Their name of a column, to the values of the rows that are trials; other rows are left out.
     from_name : mapping of str to str
         Our name of a column, to the key of the file's name that holds it: ``sub`` of ``sub-01_ses-2_beh.tsv``.
+    units : mapping of str to str
+        Our name of a column, to the unit that it has there: ``latency_s = "ms"`` divides by 1000. Levels come to the SI
+        unit, which is then `level_unit`.
+    level_scale : str
+        ``linear``, ``log10`` or ``db``: the axis on which the levels, as they stand after `units`, are fitted.
     missing : list of str
         What stands for a value that was not measured.
     decimal, separator : str
@@ -35,7 +42,8 @@ class ColumnMap:
     Raises
     ------
     InvalidParameter
-        If the decimal sign is another, the separator is not one sign, or both are the same.
+        If the decimal sign is another, the separator is not one sign, both are the same, or a unit is unknown or of
+        another dimension than the column's name.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -43,6 +51,8 @@ class ColumnMap:
     values: dict[str, dict[str, str | float | bool]] = field(default_factory=dict)
     keep: dict[str, tuple[str, ...]] = field(default_factory=dict)
     from_name: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    level_scale: LevelScale | None = None
     missing: tuple[str, ...] = ()
     decimal: str = "."
     separator: str = ""
@@ -54,6 +64,13 @@ class ColumnMap:
             raise InvalidParameter(
                 f"separator: found {self.separator!r}, expected one sign, and another than the decimal sign"
             )
+        for name, unit in self.units.items():
+            symbol, _ = si_unit(unit, f"units.{name}")
+            suffix = unit_suffix(name)
+            if suffix is not None and units(suffix)[0] != symbol:
+                raise InvalidParameter(
+                    f"units.{name}: found {unit!r}, which is in {symbol}, expected a unit of {units(suffix)[0]}"
+                )
 
 
 def read_column_map(path: Path) -> ColumnMap:
@@ -81,7 +98,17 @@ def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataF
     found = _renamed(found, column_map, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
         found[name] = _text(text)
-    return _meant(found, column_map, file)
+    return _in_si(_meant(found, column_map, file), column_map, file)
+
+
+def trials_of(found: pd.DataFrame) -> pd.DataFrame:
+    """The rows that hold a trial: a level, an answer, an item or a catch trial. Other programs write rows for routines
+    without any of these, too."""
+    is_trial = found["catch"] == "1" if "catch" in found.columns else pd.Series(False, index=found.index)
+    for name in ("level", "response", "item", "level_measured"):
+        if name in found.columns:
+            is_trial |= found[name] != ""
+    return found[is_trial]
 
 
 def _text(value: str | float | bool) -> str:
@@ -144,3 +171,26 @@ def _meant(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
             raise InvalidFile(f"{file}: found no column {ours!r}{hint}, whose values the column map names")
         found[ours] = found[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
     return found
+
+
+def _in_si(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    """Numbers in SI units; what is no number is left for the check of the table to name."""
+    for name, unit in column_map.units.items():
+        _expect(found, name, "the column map names in units", file)
+        symbol, factor = si_unit(unit, f"units.{name}")
+        numbers = pd.to_numeric(found[name].str.strip(), errors="coerce")
+        in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)  # 812 ms are 0.812 s to the last digit
+        scaled = [repr(float(number)) for number in in_si]
+        found[name] = found[name].where(numbers.isna(), scaled)
+        if name == "level":
+            found["level_unit"] = _level_unit(found, symbol, file)
+    return found
+
+
+def _level_unit(found: pd.DataFrame, symbol: str, file: Path) -> str:
+    said = sorted(set(found["level_unit"]) - {"", symbol}) if "level_unit" in found.columns else []
+    if said:
+        raise InvalidFile(
+            f"{file}: found the level_unit {said[0]!r}, expected {symbol!r}, to which units.level brings the levels"
+        )
+    return symbol

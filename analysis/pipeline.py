@@ -1,7 +1,7 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
@@ -109,8 +109,10 @@ def analyse(
     pdf: bool = False,
     within: Sequence[str] = (),
     column_map: ColumnMap | None = None,
+    level_scale: str | None = None,
     plan: Plan | None = None,
     figures: Path | None = None,
+    warnings: Sequence[str] = (),
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 
@@ -126,11 +128,15 @@ def analyse(
         Factors; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
+    level_scale : str, optional
+        ``linear``, ``log10`` or ``db``: the axis on which levels are fitted; by default that of the map, else linear.
     plan : Plan, optional
         What is left out, and which differences count as none, stated before the data; by default what the study of
         the data set states in its table ``[analysis]``.
     figures : Path, optional
         A folder for every figure as SVG and, at 300 dots per inch, PNG.
+    warnings : sequence of str
+        What is known of the data beside the table; it stands before the other warnings.
 
     Raises
     ------
@@ -145,7 +151,8 @@ def analyse(
         from tactometry.analysis.report import check_report
 
         check_report(report)
-    found = analysed(read_trials(path, within=within, column_map=column_map), plan or plan_of(path))
+    trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
+    found = analysed(replace(trials, notes=(*warnings, *trials.notes)), plan or plan_of(path))
     if report is None and figures is None:
         return found
     from tactometry.analysis.report import write_figures, write_report
@@ -201,6 +208,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | _growth(trials)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         warnings=(
+            *trials.notes,
             *words.exclusion_warnings(excluded),
             *(
                 text

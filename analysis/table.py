@@ -13,14 +13,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tactometry.analysis.column_map import ColumnMap, translated
+from tactometry.analysis.column_map import ColumnMap, translated, trials_of
+from tactometry.analysis.doubled import doubled
 from tactometry.analysis.fast_text import plain_numbers
+from tactometry.analysis.level_scale import scaled, wide_levels
 from tactometry.analysis.text_table import text_cells
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.dataset import keys_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.formats import ADDED
-from tactometry.rows import RESPONSES, TASKS, Rule
+from tactometry.rows import RESPONSES, TASKS, Rule, rows_text
 
 REQUIRED = ("participant", "level", "task", "response")
 NUMBERS = (
@@ -44,7 +46,7 @@ NUMBERED = frozenset({"same_different", "preference", "adjustment", "magnitude"}
 """Tasks whose answers are read as numbers by the rule that a data set's check has of them."""
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
-FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv")
+FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv", "*.json")
 """Where they stand in a folder of another program, read through a column map."""
 
 
@@ -61,24 +63,35 @@ class Trials:
     factors: tuple[str, ...]
     path: Path
     n_files: int
+    notes: tuple[str, ...] = ()
 
 
-def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap | None = None) -> Trials:
+def read_trials(
+    path: Path,
+    *,
+    within: Sequence[str] = (),
+    column_map: ColumnMap | None = None,
+    level_scale: str | None = None,
+) -> Trials:
     """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
 
     With a `column_map` a folder may also hold another program's tables, one a participant or session.
 
-    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`.
+    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`. Levels
+    are put on the `level_scale` (`scaled`), else on that of the map.
 
     Raises
     ------
     InvalidFile
         If there is nothing to read, or a table is damaged: file, row, column, what was found and expected.
     InvalidParameter
-        If `within` names a column that is not there.
+        If `within` names a column that is not there, or the levels cannot be put on the scale.
     """
     files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
-    tables = _alike([_one_file(file, column_map or ColumnMap()) for file in files])
+    given = column_map or ColumnMap()
+    raw = [_raw(file, given) for file in files]
+    own = raw if column_map is None else [_trials_of(table, file) for table, file in zip(raw, files, strict=True)]
+    tables = _alike([_checked(table, file) for table, file in zip(own, files, strict=True)])
     if column_map is None:
         for file, table in zip(files, tables, strict=True):
             _refuse_misnamed(table, file)
@@ -94,7 +107,19 @@ def read_trials(path: Path, *, within: Sequence[str] = (), column_map: ColumnMap
     for name in named:
         rows[name] = _factor_values(rows, name)
     factors = named if within else tuple(name for name in named if _is_filled(rows[name]))
-    return Trials(rows, factors, path, len(files))
+    scale = level_scale or given.level_scale
+    notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows), *([] if scale else wide_levels(rows))]
+    return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
+
+
+def _routines(n: int) -> list[str]:
+    """What is said of rows that hold no trial."""
+    rows = "1 row was" if n == 1 else f"{n} rows were"
+    return (
+        [f"{rows} left out that hold neither level nor answer nor item, as other programs write for routines"]
+        if n
+        else []
+    )
 
 
 def _alike(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
@@ -144,7 +169,7 @@ def _difference(header: list[str], first: list[str]) -> str:
     return ", ".join(odd) if odd else "in another order"
 
 
-def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
+def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     raw = translated(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
         if name not in raw.columns:
@@ -152,7 +177,14 @@ def _one_file(file: Path, column_map: ColumnMap) -> pd.DataFrame:
             raise InvalidFile(f"{file}: found no column {name!r}{hint}; name it with a column map (--columns)")
     if raw.empty:
         raise InvalidFile(f"{file}: found no row below the header, expected trials")
-    return _checked(raw, file)
+    return raw
+
+
+def _trials_of(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
+    found = trials_of(raw)
+    if found.empty:
+        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
+    return found
 
 
 def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -180,12 +212,49 @@ def _all_match(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str]
 
 
 def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str) -> None:
-    """Raise for the first row that is bad."""
-    first = int(np.flatnonzero(bad)[0])
-    cell = table[name].iloc[first]
+    """Raise for the rows that are bad, with the first of them."""
+    rows = [int(row) for row in table["row"].to_numpy()[np.asarray(bad, dtype=bool)]]
+    cell = table[name].iloc[int(np.flatnonzero(bad)[0])]
     found = "" if pd.isna(cell) else str(cell)
     shown = "nothing" if not found else repr(found if len(found) <= 40 else found[:40] + "...")
-    raise InvalidFile(f"{file}, row {table['row'].iloc[first]}, column {name!r}: found {shown}, expected {expected}")
+    where = f"{file}{rows_text(rows[0], rows[1:], len(rows))}, column {name!r}"
+    raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, found)}")
+
+
+NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined"))
+"""What other programs write where nothing was measured."""
+NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
+"""Columns whose values other programs write in words."""
+
+
+def _meaning(name: str, found: str) -> str:
+    """How to say in a column map what a word means.
+
+    >>> _meaning("response", "y")
+    "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"
+    >>> _meaning("response", "None"), _meaning("response", "7")
+    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
+    """
+    if name not in NAMED_VALUES or not found or _NUMBER.fullmatch(found):
+        return ""
+    word = _toml_text(found)
+    if found.strip().lower() in NOT_MEASURED:
+        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
+    return f"; say what it means in a column map (--columns), below [values.{name}]: {word} = 1"
+
+
+def _toml_text(text: str) -> str:
+    r"""
+    >>> print(_toml_text("y"), _toml_text("don't\n"))
+    'y' "don't\u000a"
+    """
+    if text.isprintable() and "'" not in text:
+        return f"'{text}'"
+    signs = {"\\": "\\\\", '"': '\\"'}
+    return '"' + "".join(signs.get(s, s if s.isprintable() else f"\\u{ord(s):04x}") for s in text) + '"'
+
+
+_NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
@@ -232,9 +301,10 @@ def _check_answers(table: pd.DataFrame, file: Path) -> None:
     if odd.any():
         _refuse(table, "response", file, odd.to_numpy(), "1, 0 or nothing in a yes/no or comparison task")
     choice = table["task"] == "forced_choice"
-    odd = choice & ~table["response"].str.fullmatch(r"|\d{1,3}(\.0)?")
+    odd = choice & ~table["response"].str.fullmatch(r"|[1-9]\d{0,2}(\.0)?")
     if odd.any():
-        _refuse(table, "response", file, odd.to_numpy(), "the number of an interval or nothing in a forced choice")
+        expected = "the number of an interval, from 1, or nothing in a forced choice"
+        _refuse(table, "response", file, odd.to_numpy(), expected)
     for task in sorted(NUMBERED.intersection(table["task"].unique())):
         rule, own = RESPONSES[task], table["task"] == task
         fine = {text for text in table.loc[own, "response"].unique() if text == "" or _fits(rule, text)}

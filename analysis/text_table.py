@@ -11,15 +11,14 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.analysis.fast_text import plain_cells
+from tactometry.analysis.json_table import json_cells
 from tactometry.errors import InvalidFile
 from tactometry.files import read_file
-
-MOST_COLUMNS = 5000
-"""More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
+from tactometry.rows import MOST_COLUMNS
 
 
 def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
-    """All cells as text, with the number of their row in the column `row`.
+    """All cells as text, with the number of their row in the column `row`; a ``.json`` file is read by `json_cells`.
 
     Columns without a name that are empty throughout are left out: PsychoPy ends each row with a comma. The `separator`
     is by default a comma, in ``.tsv`` a tab.
@@ -31,6 +30,8 @@ def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
         `MOST_COLUMNS`, or a column without a name or with that of another.
     """
     text = _text(file)
+    if file.suffix == ".json":
+        return json_cells(text, file)
     header = text[: text.find("\n")] if "\n" in text else text
     if not separator:
         separator = "\t" if file.suffix == ".tsv" else ","

@@ -157,7 +157,7 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
     return found
 
 
-CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (in decibels; Weibull of the amplitude)"}
+CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (of the level's logarithm; Weibull of the amplitude)"}
 
 
 CHOICES = {

@@ -21,7 +21,7 @@ from tactometry.files import drafts, listed, read_file
 from tactometry.formats import ADDED, columns_in
 from tactometry.journal import Recording, read
 from tactometry.provenance import sha256
-from tactometry.rows import Defect, defects
+from tactometry.rows import Defect, defects, grouped
 from tactometry.sittings import changes
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
@@ -53,7 +53,7 @@ def validate(path: Path) -> Soundness:
     n_trials, found = n_rows(content), list(defects(content, path.name))
     if not found and n_trials == 0:
         found = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
-    return Soundness(1, n_trials, tuple(found), ())
+    return Soundness(1, n_trials, tuple(grouped(found)), ())
 
 
 def _data_set(root: Path) -> Soundness:
@@ -68,7 +68,7 @@ def _data_set(root: Path) -> Soundness:
         found += _guarded(f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
     for journal in journals:
         found += _guarded(f"journals/{journal.name}", _session(root, journal, experiment, notes))
-    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(found), tuple(notes))
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(found)), tuple(notes))
 
 
 def _guarded(name: str, found: Iterator[Defect]) -> Iterator[Defect]:

@@ -65,6 +65,24 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
     return symbol, {prefix + symbol: factor for prefix, factor in _PREFIXES.items() if prefix != "c"}
 
 
+def si_unit(unit: str, where: str) -> tuple[str, float]:
+    """The SI unit of a unit's dimension, and what one of `unit` is in it.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such unit; `where` opens the sentence.
+
+    >>> si_unit("ms", "units"), si_unit("mV", "units"), si_unit("cm/s", "units")
+    (('s', 0.001), ('V', 0.001), ('m/s', 0.01))
+    """
+    tables = [units(suffix) for suffix in (*_SI, *_COMPOUND)]
+    known = {name: (symbol, factor) for symbol, table in tables for name, factor in table.items()}
+    if unit not in known:
+        raise InvalidParameter(f"{where}: found {unit!r}, expected a unit such as ms, mV or N{nearest(unit, known)}")
+    return known[unit]
+
+
 def si(text: str, suffix: str, where: str) -> float:
     """A quantity in SI units.
 

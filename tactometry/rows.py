@@ -4,8 +4,8 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from tactometry.columns import ALWAYS, FIRST, RIGS
@@ -27,19 +27,55 @@ TASKS = (
 )
 LARGEST_ANSWER = 1e15
 """What is beyond is no answer of a person, and its powers leave the range of numbers."""
+MOST_COLUMNS = 5000
+"""More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
+MOST_NAMED = 5
+"""So many rows with one defect are named."""
 REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 
 @dataclass(frozen=True)
 class Defect:
-    """What is wrong, and where: `row` is the line of the file, from 1 (the header)."""
+    """What is wrong, and where: `row` is the line of the file, from 1 (the header).
+
+    Defects of one `kind` in one file may stand as one: `n_rows` counts them, `others` are the rows of some more.
+    """
 
     file: str
     row: int | None
     text: str
+    kind: str = ""
+    n_rows: int = 1
+    others: tuple[int, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.file}, row {self.row}: {self.text}" if self.row is not None else f"{self.file}: {self.text}"
+        return f"{self.file}{rows_text(self.row, self.others, self.n_rows)}: {self.text}"
+
+
+def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> str:
+    """Where something stands, behind the name of a file: its first row, and how many more there are.
+
+    >>> rows_text(None), rows_text(3), rows_text(3, (4, 9), 3), rows_text(2, (3, 4, 5, 6), 737)
+    ('', ', row 3', ', row 3 and 2 more (4, 9)', ', row 2 and 736 more (3, 4, 5, 6, ...)')
+    """
+    if row is None:
+        return ""
+    named = others[: MOST_NAMED - 1]
+    more = f" and {n_rows - 1} more ({', '.join(map(str, named))}{', ...' if n_rows > len(named) + 1 else ''})"
+    return f", row {row}{more if n_rows > 1 else ''}"
+
+
+def grouped(found: Iterable[Defect]) -> list[Defect]:
+    """Defects of one kind in one file as one, in the place of the first."""
+    kinds: dict[object, list[Defect]] = {}
+    for n, defect in enumerate(found):
+        kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
+    return [_as_one(alike) for alike in kinds.values()]
+
+
+def _as_one(alike: Sequence[Defect]) -> Defect:
+    others = tuple(defect.row for defect in alike[1:MOST_NAMED] if defect.row is not None)
+    return replace(alike[0], n_rows=len(alike), others=others)
 
 
 @dataclass(frozen=True)
@@ -116,11 +152,14 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
         yield Defect(file, None, "found an empty file, expected a header and a row for each trial")
         return
     header, *rows = table
+    if len(header) > MOST_COLUMNS:
+        yield Defect(file, 1, f"found {len(header)} columns, expected at most {MOST_COLUMNS}: a row for each trial")
+        return
     yield from _header_defects(header, file)
     seen: dict[tuple[str, ...], int] = {}
     for number, cells in enumerate(rows, 2):
         if len(cells) != len(header):
-            yield Defect(file, number, f"found {len(cells)} cells, expected {len(header)} as in the header")
+            yield Defect(file, number, f"found {len(cells)} cells, expected {len(header)} as in the header", "cells")
             continue
         row = dict(zip(header, cells, strict=True))
         yield from _row_defects(row, file, number)
@@ -141,16 +180,20 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
         rule = RESPONSES.get(row.get("task", "")) if name == "response" else RULES.get(name)
         empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
         if rule is not None and not empty and not rule.holds(text):
-            yield Defect(file, number, f"column {name!r}: found {text!r}, expected {rule.words}")
+            yield Defect(
+                file, number, f"column {name!r}: found {text!r}, expected {rule.words}", f"{name} {rule.words}"
+            )
     if row.get("catch") == "1" and row.get("level"):
-        yield Defect(file, number, f"column 'level': found {row['level']!r} in a catch trial, expected nothing")
+        found = f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
+        yield Defect(file, number, found, "catch")
     if row.get("valid") == "1" and row.get("invalid_reason"):
         reason = row["invalid_reason"]
-        yield Defect(file, number, f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing")
+        found = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
+        yield Defect(file, number, found, "reason")
 
 
 def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
     key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
     if key in seen:
-        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once")
+        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once", "doubled")
     seen.setdefault(key, number)

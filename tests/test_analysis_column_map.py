@@ -58,10 +58,14 @@ missing = ["null"]
 participant = "subject"
 level = "amplitude"
 target = "interval"
+latency_s = "rt"
 
 [constants]
 task = "forced_choice"
 level_unit = "dB"
+
+[units]
+latency_s = "ms"
 
 [values.response]
 f = 1

@@ -136,10 +136,14 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         ),
         (
             [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
-            "{}, row 2, column 'response': "
-            "found 'left', expected the number of an interval or nothing in a forced choice",
+            "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1, or nothing in a "
+            "forced choice; say what it means in a column map (--columns), below [values.response]: 'left' = 1",
         ),
-        ([HEADER, changed("correct", "yes")], "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing"),
+        (
+            [HEADER, changed("correct", "yes")],
+            "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing; say what it means in a column map "
+            "(--columns), below [values.correct]: 'yes' = 1",
+        ),
         ([HEADER, changed("valid", "2")], "{}, row 2, column 'valid': found '2', expected 1, 0 or nothing"),
         ([HEADER, changed("block", "1.5")], "{}, row 2, column 'block': found '1.5', expected a whole number from 0"),
         ([HEADER, changed("force_n", "")], "{}, row 2, column 'force_n': found nothing, expected the factor's value"),

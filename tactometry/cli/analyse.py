@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     "--columns", type=click.Path(path_type=Path), metavar="MAP.toml", help="How a foreign table's columns are called."
 )
 @click.option(
+    "--level-scale",
+    type=click.Choice(("linear", "log10", "db")),
+    help="The axis on which levels are fitted: as they stand, or their logarithm.",
+)
+@click.option(
     "--plan", type=click.Path(path_type=Path), metavar="PLAN.toml", help="What is left out, and what counts as equal."
 )
 @click.option(
@@ -34,6 +39,7 @@ def command(
     report: Path | None,
     within: str,
     columns: Path | None,
+    level_scale: str | None,
     plan: Path | None,
     figures: Path | None,
     *,
@@ -52,6 +58,7 @@ def command(
         pdf=pdf,
         within=factors,
         column_map=None if columns is None else read_column_map(columns),
+        level_scale=level_scale,
         plan=None if plan is None else read_plan(plan),
         figures=figures,
     )

@@ -16,7 +16,7 @@ def command(path: Path, *, as_json: bool) -> int:
     from tactometry.experiments.validation import validate
 
     found = validate(path)
-    verdict = f"{len(found.defects)} defects" if found.defects else "sound"
+    verdict = f"{sum(defect.n_rows for defect in found.defects)} defects" if found.defects else "sound"
     summary = f"{path}: {verdict}; {found.n_sessions} sessions, {found.n_trials} trials"
     say("\n".join([*map(str, found.defects), *found.notes, summary]), asdict(found), as_json=as_json)
     return 1 if found.defects else 0
