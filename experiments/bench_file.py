@@ -22,6 +22,8 @@ from tactometry.rigs.texts import languages
 from tactometry.strict import build
 from tactometry.toml import located, read_table
 
+LONGEST_DELAY_S = 0.05
+"""Of a sensor: half of the time after which a silent one is lost (unverified default)."""
 RAMP_S = 0.005
 """Of a signal that does not begin and end at rest by itself (unverified default)."""
 
@@ -67,6 +69,24 @@ class OutputPart:
             stated(self.gain, "OutputPart.gain")
         if not 0 <= self.ramp_s <= 1:
             raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
+
+
+@dataclass(frozen=True)
+class SensorPart:
+    """A sensor; `delay_s` is how long its stamps are after what they tell of, as measured."""
+
+    settings: SensorSettings
+    delay_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.delay_s <= LONGEST_DELAY_S:
+            raise InvalidParameter(
+                f"SensorPart.delay_s: found {self.delay_s:g}, expected from 0 to {LONGEST_DELAY_S:g} s: a stop comes "
+                "so much later"
+            )
+
+    def reader(self) -> Reader:
+        return Reader(self.settings.source(), self.delay_s)
 
 
 @dataclass(frozen=True)
@@ -124,7 +144,7 @@ class BenchFile:
     screen: Screen = field(default_factory=Screen)
     output: OutputPart = field(default_factory=OutputPart)
     limits: Limits | None = None
-    sensors: Mapping[str, SensorSettings] = field(default_factory=dict)
+    sensors: Mapping[str, SensorPart] = field(default_factory=dict)
     force: ForcePart | None = None
     position: PositionPart | None = None
     time_reversal: Learnt | None = None
@@ -159,7 +179,7 @@ class BenchFile:
         if driver.connected and self.output.gain is not None:
             self.output.gain.check("output.gain", self.output.settings.chain(), today)
         limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
-        readers = {name: Reader(each.source()) for name, each in self.sensors.items()}
+        readers = {name: each.reader() for name, each in self.sensors.items()}
         return Devices(
             Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
         )
@@ -181,7 +201,7 @@ class BenchFile:
             )
         if self.force is not None and self.output.ungated:
             raise InvalidParameter("output.ungated: found true beside [force], expected one of them")
-        if self.force is not None and not self.sensors[self.force.sensor].live:
+        if self.force is not None and not self.sensors[self.force.sensor].settings.live:
             raise InvalidParameter(
                 f"force.sensor: found {self.force.sensor!r}, a recording, which knows of no finger, expected a sensor; "
                 "nothing was played"
@@ -231,6 +251,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     }
     facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
     for sensor, reader in devices.readers.items():
+        facts[f"{sensor}_delay_s"] = bench.sensors[sensor].delay_s
         facts |= {f"{sensor}_{name}": value for name, value in reader.facts().items()}
     return facts
 
@@ -300,11 +321,17 @@ def _output(table: dict[str, Any], path: str) -> OutputPart:
     return build(OutputPart, kept, path, hidden=("settings", "gain", "load"), settings=device, gain=gain, load=load)
 
 
-def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorSettings]:
+def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorPart]:
     for name, inner in table.items():
         if not isinstance(inner, dict):
             raise InvalidParameter(f"{path}.{name}: found {inner!r}, expected a table")
-    return {name: settings(SENSORS, inner, f"{path}.{name}") for name, inner in table.items()}
+    return {name: _sensor(inner, f"{path}.{name}") for name, inner in table.items()}
+
+
+def _sensor(table: dict[str, Any], path: str) -> SensorPart:
+    own = {key: value for key, value in table.items() if key != "delay_s"}
+    kept = {key: table[key] for key in ("delay_s",) if key in table}
+    return build(SensorPart, kept, path, hidden=("settings",), settings=settings(SENSORS, own, path))
 
 
 def _force(table: dict[str, Any], path: str) -> ForcePart:

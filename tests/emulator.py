@@ -1,5 +1,7 @@
 """A force sensor in a process of its own: `python emulator.py serial FD | udp PORT | lsl NAME`, 1 kHz.
 
+Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--twice` each datagram comes doubled.
+
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
 processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
 that comes again and again, and a count of - is a gap in which nothing is sent.
@@ -19,16 +21,17 @@ RATE_HZ = 1000.0
 LSL_CLOCKS = {}
 
 
-def samples(profile):
-    """(n, time_us, values) when they are due; a late sample keeps the time at which it was due."""
-    begin_s, n_due, n = time.perf_counter(), 0, 0
+def samples(asked):
+    """(n, stamp in s, values) when they are due; a late sample keeps the time at which it was due."""
+    begin_s, n_due, n, profile = time.perf_counter(), 0, 0, asked.profile
     while True:
         due_s = begin_s + n_due / RATE_HZ
         time.sleep(max(0.0, due_s - time.perf_counter()))
         force = counts_at(profile, n_due / RATE_HZ)
         n_due += 1
         if force is not None:
-            yield n, due_s, (n, round(due_s * 1e6) % 2**31, force)
+            stamp_s = begin_s + asked.clock * (due_s - begin_s) + asked.ahead
+            yield n, stamp_s, (n, round(due_s * 1e6) % 2**31, force)
             n += 1
 
 
@@ -47,25 +50,27 @@ def profile_of(text):
     return [(float(duration_s), None if counts == "-" else int(counts)) for duration_s, counts in parts]
 
 
-def run_serial(target, profile):
+def run_serial(asked):
     """A board that begins when its line is opened, as many do."""
     line = select.poll()
-    line.register(int(target), 0)
+    line.register(int(asked.target), 0)
     while line.poll(0):
         time.sleep(0.01)
-    for n, due_s, values in samples(profile):
-        os.write(int(target), encode_frame(Frame(n, round(due_s * 1e6) % 2**32, values)))
+    for n, stamp_s, values in samples(asked):
+        os.write(int(asked.target), encode_frame(Frame(n, round(stamp_s * 1e6) % 2**32, values)))
 
 
-def run_udp(target, profile):
+def run_udp(asked):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        line.bind(("127.0.0.1", int(target)))
+        line.bind(("127.0.0.1", int(asked.target)))
         print("ready", flush=True)
-        asked, address = line.recvfrom(64)
-        assert asked == BEGIN
+        request, address = line.recvfrom(64)
+        assert request == BEGIN
         line.setblocking(False)
-        for n, _, values in samples(profile):
-            line.sendto(RECORD.pack(n % 2**32, 7 * n % 2**32, 0, *values, 0, 0, 0), address)
+        for n, _, values in samples(asked):
+            record = RECORD.pack(n % 2**32, round(7 * asked.clock * n) % 2**32, 0, *values, 0, 0, 0)
+            for _ in range(2 if asked.twice else 1):
+                line.sendto(record, address)
             if n % 100 == 0 and ended(line):
                 return
 
@@ -77,16 +82,16 @@ def ended(line):
         return False
 
 
-def run_lsl(target, profile):
+def run_lsl(asked):
     import pylsl
 
-    info = pylsl.StreamInfo(target, "Force", 3, RATE_HZ, pylsl.cf_double64, f"{target}-{os.getpid()}")
+    info = pylsl.StreamInfo(asked.target, "Force", 3, RATE_HZ, pylsl.cf_double64, asked.source_id or asked.target)
     outlet = pylsl.StreamOutlet(info)
     offset_s = pylsl.local_clock() - time.perf_counter()
     print("ready", flush=True)
     outlet.wait_for_consumers(30)
-    for _, due_s, values in samples(profile):
-        outlet.push_sample(list(map(float, values)), due_s + offset_s)
+    for _, stamp_s, values in samples(asked):
+        outlet.push_sample(list(map(float, values)), stamp_s + offset_s)
 
 
 if __name__ == "__main__":
@@ -94,8 +99,12 @@ if __name__ == "__main__":
     parser.add_argument("kind", choices=["serial", "udp", "lsl"])
     parser.add_argument("target")
     parser.add_argument("--profile", type=profile_of, default=profile_of("1:100"))
+    parser.add_argument("--clock", type=float, default=1.0)
+    parser.add_argument("--ahead", type=float, default=0.0)
+    parser.add_argument("--twice", action="store_true")
+    parser.add_argument("--source-id", default="")
     asked = parser.parse_args()
     try:
-        {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked.target, asked.profile)
+        {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked)
     except (BrokenPipeError, OSError) as gone:
         sys.exit(str(gone))

@@ -17,7 +17,15 @@ from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.gain import Gain
 from tactometry.devices.lsl import LslSettings
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import RAMP_S, BenchFile, Learnt, device_facts, load_bench, parse_bench
+from tactometry.experiments.bench_file import (
+    RAMP_S,
+    BenchFile,
+    Learnt,
+    SensorPart,
+    device_facts,
+    load_bench,
+    parse_bench,
+)
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
@@ -58,6 +66,8 @@ kind = "lsl"
 stream = "force"
 rate_hz = "1 kHz"
 n_channels = 3
+source_id = "F7"
+delay_s = "5 ms"
 
 [force]
 sensor = "hand"
@@ -91,7 +101,7 @@ def test_a_whole_bench_is_read_with_its_units(tmp_path):
     assert bench.output.gain == Gain(2.0, 50.0, date(2026, 11, 1), "ZG", 90, "audio interface, int32")
     assert bench.output.load == Load("electrode", 1e-9, 1e7)
     assert bench.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
-    assert bench.sensors == {"hand": LslSettings("force", 1000.0, 3)}
+    assert bench.sensors == {"hand": SensorPart(LslSettings("force", 1000.0, 3, "F7"), delay_s=5e-3)}
     assert bench.force.calibration == ForceCalibration(
         polynomial=(-0.5, 0.01), measured_on=date(2026, 10, 1), measured_by="ZG", max_age_days=60
     )
@@ -281,6 +291,11 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, audio, touch, "),
         (('kind = "lsl"\n', ""), "sensors.hand.kind: found None, expected one of lsl"),
         (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
+        (
+            ('"5 ms"', '"60 ms"'),
+            "sensors.hand.delay_s: found 0.06, expected from 0 to 0.05 s: a stop comes so much later",
+        ),
+        (('"5 ms"', "-1"), "sensors.hand.delay_s: found -1, expected from 0 to 0.05 s"),
         (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
         (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),
         (('"1 mA"', '"1 mV"'), "limits.current_peak_a: found '1 mV', expected a number in A"),

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -33,10 +34,10 @@ LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
 class Emulator:
     """A sensor in a process of its own, and what reads it."""
 
-    def __init__(self, kind, folder, profile="1:100"):
-        self.kind, self.folder, self.profile = kind, folder, profile
+    def __init__(self, kind, folder, profile="1:100", options=(), name=None):
+        self.kind, self.folder, self.profile, self.options = kind, folder, profile, options
         self.port = folder / "force"
-        self.name = f"force-{uuid.uuid4().hex[:8]}"
+        self.name = name or f"force-{uuid.uuid4().hex[:8]}"
         self.process = self.master = None
         self.udp_port = free_port()
         self.plug()
@@ -49,7 +50,7 @@ class Emulator:
 
     def plug(self):
         target = {"serial": self.pty, "udp": lambda: str(self.udp_port), "lsl": lambda: self.name}[self.kind]()
-        command = [sys.executable, emulator.__file__, self.kind, target, "--profile", self.profile]
+        command = [sys.executable, emulator.__file__, self.kind, target, "--profile", self.profile, *self.options]
         passed = [self.master] if self.kind == "serial" else []
         self.process = subprocess.Popen(command, pass_fds=passed, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         if self.kind != "serial":
@@ -160,7 +161,7 @@ def plugged(request, tmp_path):
     def plug(kind, **more):
         if not available(kind):
             pytest.skip(f"no {LIBRARIES[kind]}: extra {kind}")
-        emulators.append(Emulator(kind, tmp_path, **more))
+        emulators.append(Emulator(kind, **{"folder": tmp_path, **more}))
         return emulators[-1]
 
     yield plug
@@ -273,6 +274,105 @@ def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monke
         LslSettings(device.name, 1000.0, 1).source().open()
     with pytest.raises(DeviceFailed, match="with rate_hz 1000, expected 500"):
         LslSettings(device.name, 500.0, 3).source().open()
+
+
+@pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
+def test_of_two_outlets_of_one_name_none_is_taken_unless_it_is_told_which(plugged, monkeypatch):
+    monkeypatch.setattr("tactometry.devices.lsl.LONGEST_SEARCH_S", 5.0)
+    one = plugged("lsl", options=("--source-id", "left"))
+    other = plugged("lsl", options=("--source-id", "right"), name=one.name, profile="1:700")
+    both = "found outlets of this name with the source ids 'left', 'right', expected one"
+    with pytest.raises(DeviceFailed, match=f"{both}; state source_id in the bench file"):
+        one.reader.open()
+    with pytest.raises(DeviceFailed, match=f"{both} with 'middle'"):
+        LslSettings(one.name, 1000.0, 3, "middle").source().open()
+    told = Reader(LslSettings(one.name, 1000.0, 3, "right").source())
+    force = streamed_force(told, 2, ForceCalibration(newtons_per_count=0.01))
+    force.open()
+    _, forces_n = collected(force, lambda times: len(times) > 100)
+    assert np.allclose(forces_n, 7.0)
+    assert told.facts()["source_id"] == "right"
+    force.close()
+    other.unplug()
+    other.plug()
+
+
+@pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
+def test_an_outlet_that_takes_the_place_of_one_that_died_is_not_believed(plugged):
+    device = plugged("lsl", options=("--source-id", "left"))
+    force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
+    force.open()
+    collected(force, lambda times: len(times) > 100)
+    device.unplug()
+    device.options = ("--source-id", "another")
+    device.plug()
+    wait_for(lambda: "expected one with 'left'" in str(device.reader.facts()["failure"]))
+    device.unplug()
+    device.options = ("--source-id", "left")
+    device.plug()
+    collected(force, lambda times: len(times) > 100)
+    force.close()
+
+
+CLOCKS = {
+    "fast by 1.3": ("--clock", "1.3"),
+    "fast by 10": ("--clock", "10"),
+    "slow by 0.7": ("--clock", "0.7"),
+    "standing still": ("--clock", "0"),
+}
+FAST, LATE = "found a stamp .* s after its arrival", "found samples that are .* s old when they come, expected at most"
+RATE = "found a clock that runs .* times as fast as this computer's, expected within 2%"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_sensor_whose_clock_does_not_run_as_ours_is_away_for_a_reason(plugged, kind, tmp_path):
+    """Four at once: each is found out within seconds."""
+    devices = []
+    for name, options in CLOCKS.items():
+        (tmp_path / name).mkdir()
+        devices.append(plugged(kind, options=options, folder=tmp_path / name))
+        devices[-1].reader.open()
+    for device in devices:
+        wait_for(lambda device=device: device.reader.facts()["n_outages"])
+        reason = device.reader.facts()["failure"]
+        assert re.search(f"^{kind} .*: ({'|'.join((FAST, LATE, RATE))})", reason)
+
+
+@pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
+@pytest.mark.parametrize(("ahead_s", "why"), [("5", FAST), ("-5", LATE)])
+def test_an_outlet_whose_stamps_are_of_another_clock_is_away_for_a_reason(plugged, ahead_s, why):
+    device = plugged("lsl", options=("--ahead", ahead_s))
+    device.reader.open()
+    wait_for(lambda: device.reader.facts()["n_outages"])
+    assert re.search(why, device.reader.facts()["failure"])
+
+
+def test_datagrams_that_come_twice_are_counted_and_harmless(plugged):
+    """They silenced the sensor, and no count said so."""
+    device = plugged("udp", options=("--twice",))
+    listener = device.reader.listen()
+    device.reader.open()
+    wait_for(lambda: device.reader.facts()["n_samples"] > 500)
+    device.reader.close()
+    counters, facts = listener.read(6).values[:, 0], device.reader.facts()
+    assert np.all(np.diff(counters) >= 1)
+    assert facts["n_lost"] <= 1 + np.sum(np.diff(counters) - 1)
+    assert facts["n_duplicates"] >= len(counters)
+
+
+def test_a_stated_delay_moves_the_stamps_of_all_that_share_a_sensor(plugged):
+    device = plugged("serial")
+    late = Reader(device.reader.source, delay_s=0.03)
+    straight, delayed = Listener(), late.listen()
+    take = late._take
+    late._take = lambda block: (straight.put(block) if block is not None and block.times_s.size else None, take(block))[
+        1
+    ]
+    late.open()
+    wait_for(lambda: late.facts()["n_samples"] > 200)
+    late.close()
+    one, other = straight.read(3), delayed.read(3)
+    assert np.allclose(one.times_s - other.times_s, 0.03, rtol=0, atol=1e-9)
 
 
 def recording(path: Path, text):

@@ -373,7 +373,7 @@ def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, 
     while reader.source.n_opened < 3:
         assert told.get(timeout=LONGEST_WAIT_S).values.shape == (0, 1)
     reader.close()
-    assert reader.facts() == {"n_samples": 0, "n_outages": 1, "failure": failure}
+    assert reader.facts() == {"n_samples": 0, "n_outages": 1, "failure": failure, "n_steps_back": 0}
 
 
 class Hanging(Gone):

@@ -168,14 +168,13 @@ def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
 
 
 def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
-    from tactometry.devices.reader import Reader
     from tactometry.errors import InvalidParameter, nearest
 
     if name not in bench.sensors:
         raise InvalidParameter(
             f"--sensor: found {name!r}, expected one of {', '.join(bench.sensors)}{nearest(name, bench.sensors)}"
         )
-    reader = Reader(bench.sensors[name].source())
+    reader = bench.sensors[name].reader()
     if not 0 <= channel < reader.source.n_channels:
         raise InvalidParameter(
             f"--channel: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of {name!r}"

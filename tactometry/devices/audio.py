@@ -280,6 +280,7 @@ class AudioInput:
         count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
         self._n_frames += len(frames)
         self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
+        self._clocks.check(self.name)
         shift_s = self._clocks.ours_s(0.0)
         return Block(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
 

@@ -2,12 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
 
-from tactometry.errors import InvalidParameter
+from tactometry.errors import DeviceFailed, InvalidParameter
 
 BIN_S = 0.5
 N_BINS = 8
 """The smallest delay of the last four seconds: at 100 ppm of drift, 0.4 ms (unverified defaults)."""
+RATE_TOLERANCE, SLOWEST = 0.02, 0.5
+"""Of a device's clock; those of crystals are within 1e-4, of ceramic resonators within 5e-3 (unverified defaults)."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,7 @@ class ClockMap:
     Parameters
     ----------
     smallest_s : tuple of (bin, difference)
-        The smallest difference in each of the last bins of `BIN_S`.
+        The smallest difference in each of the last bins of `BIN_S` of our time.
 
     Examples
     --------
@@ -44,7 +48,7 @@ class ClockMap:
         """
         if not (math.isfinite(device_s) and math.isfinite(arrival_s)):
             raise InvalidParameter(f"ClockMap: found times {device_s} and {arrival_s}, expected finite numbers")
-        now, difference_s = math.floor(device_s / BIN_S), arrival_s - device_s
+        now, difference_s = math.floor(arrival_s / BIN_S), arrival_s - device_s
         older = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
         if older and older[-1][0] == now:
             return ClockMap((*older[:-1], (now, min(older[-1][1], difference_s))))
@@ -61,6 +65,35 @@ class ClockMap:
         if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
         return device_s + self.offset_s
+
+    def check(self, name: str) -> None:
+        """Refuse a clock that does not run as ours: the difference falls from bin to bin, or rises by half of the time.
+
+        One of the bins may do something else. A difference that rises less is one of samples that are late.
+
+        Raises
+        ------
+        DeviceFailed
+            In one sentence that opens with `name`.
+
+        Examples
+        --------
+        >>> clocks = ClockMap()
+        >>> for n in range(50):
+        ...     clocks = clocks.after(device_s=0.13 * n, arrival_s=0.1 * n)
+        >>> clocks.check("board")
+        Traceback (most recent call last):
+        tactometry.errors.DeviceFailed: board: found a clock that runs 1.3 times as fast as this computer's, expected \
+within 2%; mend the device, or what the bench file says of its rate
+        """
+        slopes = sorted(
+            (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
+        )
+        if len(slopes) == N_BINS - 1 and (slopes[-2] < -RATE_TOLERANCE or slopes[1] > SLOWEST):
+            raise DeviceFailed(
+                f"{name}: found a clock that runs {1 - median(slopes):.3g} times as fast as this computer's, expected "
+                f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"
+            )
 
     @property
     def offset_s(self) -> float | None:

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.devices.arrival import Arrivals
 from tactometry.devices.deadline import CLOSE_WITHIN_S, within
 from tactometry.errors import DeviceFailed
 
@@ -96,22 +97,25 @@ class Listener:
 class Reader:
     """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away.
 
-    Whatever a source raises, it went away.
+    Whatever a source raises, it went away. What comes with stamps that arrival does not bear out is not told: that is
+    an outage, too. Stamps are moved back by `delay_s`, by which the source is known to be late.
     """
 
-    def __init__(self, source: Source) -> None:
-        self.source = source
+    def __init__(self, source: Source, delay_s: float = 0.0) -> None:
+        self.source, self._delay_s = source, delay_s
         self._hearers: tuple[Callable[[Block], None], ...] = ()
         self._n_open = 0
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
         self._n_samples = 0
-        self._n_outages = 0
+        self._n_outages = self._n_steps_back = 0
+        self._arrivals = Arrivals()
         self._failure: str | None = None
 
     def facts(self) -> dict[str, str | int | float | None]:
         counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self._failure}
-        return {**self.source.facts(), **counts}
+        n_steps_back = self._n_steps_back + self._arrivals.n_steps_back
+        return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
     def listen(self) -> Listener:
         """Another listener; it hears what comes from now on."""
@@ -166,6 +170,8 @@ class Reader:
                 self._find_again()
 
     def _open_source(self) -> None:
+        self._n_steps_back += self._arrivals.n_steps_back
+        self._arrivals = Arrivals()
         try:
             self.source.open()
         except Exception as error:
@@ -181,9 +187,15 @@ class Reader:
         if block is None or block.times_s.size == 0:
             self._say(None)
             return
+        self._arrivals = self._arrivals.after(block.times_s, now_s())
+        if self._arrivals.fault is not None:
+            self._n_outages += self._failure is None
+            self._failure = f"{self.source.name}: {self._arrivals.fault}"
+            self._say(None)
+            return
         self._n_samples += block.times_s.size
         self._failure = None
-        self._say(block)
+        self._say(Block(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
     def _say(self, block: Block | None) -> None:
         said = Block(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block

@@ -40,15 +40,15 @@ class SerialSource:
         self.n_channels: int = settings.n_channels
         self._settings = settings
         self._line: Any = None
-        self._n_skipped = 0
-        self._n_lost = 0
+        self._framing, self._samples = Framing(self.n_channels), CountedSamples(1e-6, name=self.name)
 
     def facts(self) -> dict[str, str | int | float | None]:
-        skipped, lost, offset_s = self._n_skipped, self._n_lost, None
-        if self._line is not None:
-            skipped, lost = skipped + self._framing.n_skipped, lost + self._samples.n_lost
-            offset_s = self._samples.offset_s
-        return {"n_bytes_skipped": skipped, "n_lost": lost, "clock_offset_s": offset_s}
+        return {
+            "n_bytes_skipped": self._framing.n_skipped,
+            "n_lost": self._samples.n_lost,
+            "n_duplicates": self._samples.n_duplicates,
+            "clock_offset_s": self._samples.offset_s,
+        }
 
     def open(self) -> None:
         serial = _library()
@@ -62,7 +62,8 @@ class SerialSource:
             raise DeviceFailed(
                 f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
             ) from None
-        self._framing, self._samples, self._line = Framing(self.n_channels), CountedSamples(1e-6), line
+        self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
+        self._samples.may_begin_anew()
 
     def receive(self) -> Block | None:
         serial = _library()
@@ -77,8 +78,6 @@ class SerialSource:
     def close(self) -> None:
         line, self._line = self._line, None
         if line is not None:
-            self._n_skipped += self._framing.n_skipped
-            self._n_lost += self._samples.n_lost
             line.close()
 
 

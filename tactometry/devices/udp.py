@@ -77,11 +77,16 @@ class UdpSource:
         self.rate_hz: float = settings.rate_hz
         self._settings = settings
         self._socket: socket.socket | None = None
-        self._samples = CountedSamples(1 / settings.sensor_rate_hz)
+        self._samples = CountedSamples(1 / settings.sensor_rate_hz, name=self.name)
         self._n_refused = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {"n_lost": self._samples.n_lost, "n_refused": self._n_refused, "clock_offset_s": self._samples.offset_s}
+        return {
+            "n_lost": self._samples.n_lost,
+            "n_duplicates": self._samples.n_duplicates,
+            "n_refused": self._n_refused,
+            "clock_offset_s": self._samples.offset_s,
+        }
 
     def open(self) -> None:
         try:
@@ -102,6 +107,7 @@ class UdpSource:
         try:
             if now_s() - self._heard_s >= SILENT_S:
                 self._socket.send(BEGIN)
+                self._samples.may_begin_anew()
                 self._heard_s = now_s()
             datagram = self._socket.recv(65_536)
         except (TimeoutError, ConnectionRefusedError):

@@ -1,0 +1,160 @@
+"""Clocks of devices: samples that come twice, clocks that do not run as ours, stamps that arrival does not bear out."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from hard_cases import exact_case
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactometry.devices.arrival import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals
+from tactometry.devices.clock_map import ClockMap
+from tactometry.devices.counted import CountedSamples
+from tactometry.devices.reader import Block, Reader
+from tactometry.errors import DeviceFailed
+
+
+@given(st.lists(st.tuples(st.integers(0, 40), st.booleans()), max_size=60))
+def test_samples_that_come_twice_or_after_later_ones_are_counted_and_change_nothing(repeats):
+    """Behind each of a row of samples one that came before may come again, at once or in a block of its own."""
+    straight, torn = CountedSamples(1e-3, settling_s=0.0), CountedSamples(1e-3, settling_s=0.0)
+    for n, (back, beside) in enumerate(repeats, start=50):
+        sample, again, arrival_s = (n, n, (n,)), (n - back, n - back, (n - back,)), 1e-3 * n
+        one = straight.block([sample], arrival_s)
+        other = torn.block([sample, again] if beside else [sample], arrival_s)
+        if not beside:
+            assert torn.block([again], arrival_s).times_s.size == 0
+        assert other.times_s.tolist() == one.times_s.tolist()
+        assert other.values.tolist() == [[n]]
+    assert (torn.n_duplicates, torn.n_lost) == (len(repeats), 0)
+    exact_case("samples that come twice", against="those that come once")
+
+
+def test_a_device_that_was_asked_to_send_may_count_from_anywhere():
+    samples = CountedSamples(1e-6, settling_s=0.0)
+    samples.block([(500, 500_000, (1,))], 5.0)
+    samples.may_begin_anew()
+    assert samples.block([(3, 3_000, (2,)), (4, 4_000, (3,))], 5.6).times_s[-1] == pytest.approx(5.6, abs=1e-9)
+    assert (samples.n_lost, samples.n_duplicates) == (0, 0)
+
+
+def counted(samples, rate):
+    for n in range(4500):
+        samples.block([(n, round(1e3 * n * rate), (0,))], 1e-3 * n)
+
+
+@pytest.mark.parametrize("rate", [10.0, 1.3, 1.03, 0.4, 0.0])
+def test_a_device_whose_clock_does_not_run_as_ours_is_refused_with_its_rate(rate):
+    message = rf"^line: found a clock that runs {rate:.3g} times as fast as this computer's, expected within 2%"
+    with pytest.raises(DeviceFailed, match=message):
+        counted(CountedSamples(1e-6, name="line"), rate)
+
+
+@pytest.mark.parametrize("rate", [1.01, 1.0, 0.99])
+def test_a_resonator_is_a_clock(rate):
+    counted(CountedSamples(1e-6, name="line"), rate)
+
+
+def test_a_clock_that_waits_and_catches_up_runs_as_ours():
+    """What was taken in the first three seconds comes at once."""
+    clocks = ClockMap()
+    for n in range(8000):
+        clocks = clocks.after(1e-3 * n, max(1e-3 * n, 3.0))
+        clocks.check("line")
+    assert clocks.offset_s == 0.0
+
+
+steady = st.lists(st.floats(0.0, LATE_S * 0.99), min_size=2, max_size=80)
+
+
+@given(steady, st.floats(-1e4, 1e4))
+def test_stamps_that_arrival_bears_out_are_believed(delays_s, begin_s):
+    arrivals = Arrivals()
+    for n, delay_s in enumerate(delays_s):
+        arrivals = arrivals.after(np.array([begin_s + 0.01 * n]), begin_s + 0.01 * n + delay_s)
+        assert arrivals.fault is None
+    assert arrivals.n_steps_back == 0
+
+
+def first_fault(rate, delay_s=0.0):
+    """When the stamps of such a clock are not believed any more, s, and why."""
+    arrivals = Arrivals()
+    for n in range(100_000):
+        arrivals = arrivals.after(np.array([1e-3 * n * rate]), 1e-3 * n + delay_s)
+        if arrivals.fault is not None:
+            return 1e-3 * n, arrivals.fault
+    pytest.fail("they are believed")
+
+
+@given(st.floats(1.05, 100.0), st.floats(0.0, 0.05))
+def test_stamps_that_run_fast_are_not_believed_once_they_gained_a_bound(rate, delay_s):
+    at_s, fault = first_fault(rate, delay_s)
+    assert (at_s - 1e-3) * (rate - 1) <= AHEAD_S + delay_s + 1e-9
+    assert "after its arrival, expected none later than that: its clock runs fast" in fault
+
+
+@given(st.floats(0.0, 0.95))
+def test_stamps_that_run_slow_or_stand_still_are_not_believed_after_a_while(rate):
+    at_s, fault = first_fault(rate)
+    assert at_s == pytest.approx(LATE_S / (1 - rate) + LATE_FOR_S, abs=3e-3)
+    assert "s old when they come, expected at most 0.1 s: its clock runs slow, stands still" in fault
+
+
+def test_what_had_waited_is_no_slow_clock():
+    """A second of samples at once; the next are of now."""
+    arrivals = Arrivals().after(np.arange(0.0, 1.0, 1e-3), 1.5)
+    assert arrivals.late_since_s == 1.5
+    arrivals = arrivals.after(np.array([1.5]), 1.51)
+    assert (arrivals.late_since_s, arrivals.fault) == (None, None)
+
+
+@pytest.mark.parametrize("stamp_s", [math.nan, math.inf, -math.inf])
+def test_a_stamp_is_a_finite_number(stamp_s):
+    assert Arrivals().after(np.array([1.0, stamp_s]), 1.0).fault.startswith("found a stamp that is no finite number")
+
+
+def test_steps_back_are_counted_within_blocks_and_between_them():
+    arrivals = Arrivals().after(np.array([1.0, 0.99, 1.01]), 1.02).after(np.array([1.0]), 1.02)
+    assert arrivals.n_steps_back == 2
+
+
+class Told:
+    """A source that hands out blocks of one sample, each with a stamp that is off by so much."""
+
+    name, n_channels, rate_hz = "told", 1, 100.0
+
+    def __init__(self, off_s):
+        self._off_s = iter(off_s)
+        self.n_opened = 0
+
+    def open(self):
+        self.n_opened += 1
+
+    def receive(self):
+        time.sleep(2e-3)
+        off_s = next(self._off_s, None)
+        return None if off_s is None else Block(np.array([time.perf_counter() + off_s]), np.array([[off_s]]))
+
+    def close(self):
+        pass
+
+    def facts(self):
+        return {}
+
+
+def test_what_is_not_believed_is_not_told_and_what_follows_is():
+    """The source stays open; its listeners are told that nothing came."""
+    source, n_silent = Told([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
+    reader = Reader(source)
+    listener = reader.listen()
+    reader.tell(lambda block: n_silent.append(block.times_s.size == 0))
+    reader.open()
+    while len(n_silent) < 10:
+        time.sleep(1e-3)
+    reader.close()
+    assert listener.read(1).values.tolist() == [[0.0]] * 4
+    assert n_silent[:7] == [False, False, True, True, False, True, False]
+    facts = reader.facts()
+    assert (facts["n_samples"], facts["n_outages"], facts["failure"], source.n_opened) == (4, 2, None, 1)
