@@ -7,6 +7,7 @@ import pandas as pd
 
 from tactometry.analysis.labels import percent_text
 from tactometry.analysis.mixed_model import MixedModel
+from tactometry.analysis.number_text import interval_texts, number_text
 from tactometry.analysis.post_hoc import evidence
 
 INTERVAL_OF_ETA = "90 %"
@@ -33,17 +34,13 @@ def share_text(x: float) -> str:
     return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
 
 
-def number_text(x: float) -> str:
-    """Two decimal places, or three digits where that would hide the number.
-
-    >>> number_text(-4.8125), number_text(2.5e-6), number_text(0.0)
-    ('-4.81', '2.5e-06', '0.00')
+def _with_interval(value: float, low: float, high: float, unit: str, level: str = "95 %") -> str:
     """
-    return f"{x:.2f}" if x == 0 or abs(x) >= 0.005 else f"{x:.3g}"
-
-
-def _ends(low: float, high: float) -> str:
-    return f"[{number_text(low)}, {number_text(high)}]"
+    >>> _with_interval(-4.8125, -5.21, -4.41, "dB"), _with_interval(0.02, -0.3, 0.35, "")
+    ('-4.81 dB, 95 % CI [-5.21, -4.41]', '0.020, 95 % CI [-0.300, 0.350]')
+    """
+    texts = interval_texts(value, low, high)
+    return f"{texts[0]}{' ' + unit if unit else ''}, {level} CI [{texts[1]}, {texts[2]}]"
 
 
 def bayes_text(bf10: float) -> str:
@@ -110,13 +107,14 @@ def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Ho
 
 
 def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}: {number_text(row['difference'])}{' ' + unit if unit else ''}"
+    name = f"{row['b']} less {row['a']}"
     if row["status"] != "ok":
-        return f"{name} in every participant: no test, as there is no error"
+        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
+        return f"{name}: {told} in every participant: no test, as there is no error"
+    told = _with_interval(row["difference"], row["difference_low"], row["difference_high"], unit)
     return (
-        f"{name}, 95 % CI {_ends(row['difference_low'], row['difference_high'])}, t({row['df']:.0f}) = "
-        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), dz = {row['dz']:.2f}, {bayes_text(row['bf10'])}, "
-        f"{evidence(row['bf10'])}"
+        f"{name}: {told}, t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), "
+        f"dz = {row['dz']:.2f}, {bayes_text(row['bf10'])}, {evidence(row['bf10'])}"
     )
 
 
@@ -133,13 +131,14 @@ def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "H
 
 
 def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}: {number_text(row['difference'])}{' ' + unit if unit else ''}"
+    name = f"{row['b']} less {row['a']}"
     if row["status"] != "ok":
-        return f"{name}, alike in all participants of a group: no test, as there is no error"
+        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
+        return f"{name}: {told}, alike in all participants of a group: no test, as there is no error"
+    told = _with_interval(row["difference"], row["difference_low"], row["difference_high"], unit)
     return (
-        f"{name}, 95 % CI {_ends(row['difference_low'], row['difference_high'])}, Welch's t({row['df']:.1f}) = "
-        f"{row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), g = {row['g']:.2f}, {bayes_text(row['bf10'])}, "
-        f"{evidence(row['bf10'])}"
+        f"{name}: {told}, Welch's t({row['df']:.1f}) = {row['t']:.2f}, {p_text(row['p_corr'])} "
+        f"({correction}), g = {row['g']:.2f}, {bayes_text(row['bf10'])}, {evidence(row['bf10'])}"
     )
 
 
@@ -150,14 +149,13 @@ def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
     >>> table = pd.DataFrame([row])
     >>> table.attrs |= {"p_all": 0.001, "bound": 1.0, "alpha": 0.05}
     >>> print(*equivalence_sentences(table, "dB"), sep=chr(10))
-    1.0 and 0.5 are equivalent within +-1 dB: difference 0.02 dB, 90 % CI [-0.30, 0.35], TOST p = .001
+    1.0 and 0.5 are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001
     """
-    unit = f" {unit}" if unit else ""
     level = percent_text(1 - 2 * tested.attrs["alpha"])
-    bound = f"+-{tested.attrs['bound']:g}{unit}"
+    bound = f"+-{tested.attrs['bound']:g}{' ' + unit if unit else ''}"
     each = [
         f"{row['b']} and {row['a']} {'are' if row['equivalent'] else 'were not shown to be'} equivalent within "
-        f"{bound}: difference {number_text(row['difference'])}{unit}, {level} CI {_ends(row['low'], row['high'])}, "
+        f"{bound}: difference {_with_interval(row['difference'], row['low'], row['high'], unit, level)}, "
         f"TOST {p_text(row['p'])}"
         for _, row in tested.iterrows()
     ]

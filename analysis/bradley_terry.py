@@ -19,7 +19,8 @@ from scipy.stats import t as student
 
 from tactometry.analysis.counts import Array
 from tactometry.analysis.table import Trials, parsed, used_rows
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.rows import rows_text
 
 Texts = NDArray[np.str_]
 
@@ -173,14 +174,34 @@ def _fitted(
 
 
 def preference_table(trials: Trials) -> pd.DataFrame:
-    """The worths of the items in each condition, then the order's effect; empty without paired preferences."""
+    """The worths of the items in each condition, then the order's effect; empty without paired preferences.
+
+    Raises
+    ------
+    InvalidFile
+        If the table does not say which two items were compared.
+    """
     rows = used_rows(trials)
     rows = rows[rows["task"] == TASK]
     if rows.empty:
         return pd.DataFrame()
+    _check_pairs(rows)
     varied = [name for name in trials.factors if rows[name].nunique() > 1]
     grouped = rows.groupby(varied, sort=True, observed=True) if varied else [((), rows)]
     return pd.concat([_of_a_condition(dict(zip(varied, key, strict=True)), part) for key, part in grouped])
+
+
+def _check_pairs(rows: pd.DataFrame) -> None:
+    expected = "the two items of a preference in item and item_b, the one that came first in item"
+    for name in ("item", "item_b"):
+        if name not in rows.columns:
+            hint = nearest(name, [str(column) for column in rows.columns])
+            raise InvalidFile(f"{rows['source'].iloc[0]}: found no column {name!r}{hint}, expected {expected}")
+    alike = (rows["item"] == rows["item_b"]) | (rows["item"] == "") | (rows["item_b"] == "")
+    if alike.any():
+        first = rows[alike].iloc[0]
+        where = f"{first['source']}{rows_text(first['row'], list(rows[alike]['row'])[1:], int(alike.sum()))}"
+        raise InvalidFile(f"{where}: found the items {first['item']!r} and {first['item_b']!r}, expected {expected}")
 
 
 def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFrame:

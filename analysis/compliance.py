@@ -11,6 +11,7 @@ import pandas as pd
 
 from tactometry.analysis.group import mean_with_interval, quality
 from tactometry.analysis.labels import percent_text
+from tactometry.analysis.number_text import decimals_of
 from tactometry.analysis.table import Trials, used_rows
 from tactometry.errors import InvalidParameter, nearest
 
@@ -150,5 +151,6 @@ def _force_row(part: pd.DataFrame, interval: float) -> dict[str, object]:
     if "force_in_band" in part.columns and part["force_in_band"].notna().any():
         in_band = float(part["force_in_band"].mean())
         row["in_band"], band = in_band, f", {percent_text(in_band)} in band"
-    sd = "" if row["sd"] is None else f" ± {row['sd']:.2f}"
-    return row | {"text": f"{row['mean']:.2f}{sd} N{band}"}
+    mean = float(values.mean())
+    sd = "" if row["sd"] is None else f" ± {row['sd']:.{decimals_of(mean)}f}"
+    return row | {"text": f"{mean:.{decimals_of(mean)}f}{sd} N{band}"}

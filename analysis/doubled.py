@@ -1,14 +1,19 @@
 """Trials that stand twice in a table: rows that were copied, or counted anew."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
-KEY = ("participant", "study", "session", "block", "trial", "attempt", "item", "item_b")
-"""What no two rows share; of them, those columns that are there."""
+KEY = (
+    *("participant", "study", "session", "block", "task", "procedure"),
+    *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
+)
+"""What no two rows share, with the factors: other programs count trials anew in each condition, or at each level. Of
+them, those columns that are there."""
 
 
-def doubled(rows: pd.DataFrame) -> list[str]:
+def doubled(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     """A warning with the number of rows that repeat a trial before them, and the first. None without numbers of trials.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
@@ -18,7 +23,7 @@ def doubled(rows: pd.DataFrame) -> list[str]:
     if "trial" not in rows.columns:
         return []
     numbered = rows[rows["trial"].notna()]
-    again = numbered[numbered.duplicated([name for name in KEY if name in rows.columns])]
+    again = numbered[numbered.duplicated([name for name in (*KEY, *factors) if name in rows.columns])]
     if again.empty:
         return []
     alike = int(numbered.duplicated([name for name in rows.columns if name not in ("source", "row")]).sum())

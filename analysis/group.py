@@ -11,6 +11,7 @@ from statsmodels.stats.proportion import proportion_confint
 from tactometry.analysis.cells import Cell
 from tactometry.analysis.counts import Array
 from tactometry.analysis.design import RELATIVE_ZERO, size_of
+from tactometry.analysis.number_text import interval_text
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
 
@@ -18,8 +19,6 @@ MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""
 MOST_COLUMNS = 8
 """Conditions across a table of text."""
-NARROW = 0.3
-"""An interval narrower than this, of a larger value, is told in more than one decimal place."""
 BOUNDED = ("threshold", "pse")
 """Values that have a bound where the status says so; a difference has none."""
 
@@ -90,36 +89,10 @@ def _text(row: dict[str, object], n: int) -> str:
     if row["n_below"] and row["n_above"]:
         return f"{row['n_below']} below, {row['n_above']} above the levels, of {n}"
     if row["n_below"]:
-        return f"< {number_text(row['mean_high'])} ({row['n_below']} of {n} below the levels)"
+        return f"< {interval_text(row['mean_high'])} ({row['n_below']} of {n} below the levels)"
     if row["n_above"]:
-        return f"> {number_text(row['mean_low'])} ({row['n_above']} of {n} above the levels)"
+        return f"> {interval_text(row['mean_low'])} ({row['n_above']} of {n} above the levels)"
     return f"none ({n} missing)"
-
-
-def number_text(value: object) -> str:
-    """One decimal place, or three digits where that would hide the number."""
-    assert isinstance(value, float)
-    return f"{value:.1f}" if value == 0 or 0.05 <= abs(value) < 1e6 else f"{value:.3g}"
-
-
-def interval_text(value: object, low: object, high: object) -> str:
-    """The value, with its interval if there is one, in as many digits as tell the ends apart.
-
-    >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25, None, None), interval_text(0.93, 0.87, 0.99)
-    ('1.2 [0.9, 1.6]', '1.2', '0.93 [0.87, 0.99]')
-    >>> interval_text(1e6 + 0.5, 1e6 + 0.4, 1e6 + 0.7)
-    '1000000.50 [1000000.40, 1000000.70]'
-    """
-    if low is None or high is None:
-        return number_text(value)
-    assert isinstance(low, float)
-    assert isinstance(high, float)
-    assert isinstance(value, float)
-    texts = [number_text(each) for each in (value, low, high)]
-    if low < high and (texts[1] == texts[2] or (abs(value) >= NARROW > high - low)):
-        decimals = max(0, 1 - math.floor(math.log10(high - low)))
-        texts = [f"{each:.{decimals}f}" for each in (value, low, high)]
-    return f"{texts[0]} [{texts[1]}, {texts[2]}]"
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -194,7 +167,7 @@ def quality(trials: Trials) -> pd.DataFrame:
             "n_rows": 1,
             "n_practice": _is(rows, "practice", 1),
             "n_invalid": _is(rows, "valid", 0),
-            "n_repeated": (rows["attempt"] > 1).astype(int) if "attempt" in rows.columns else 0,
+            "n_repeated": _is_repeated(rows),
             "n_unanswered": ((rows["response"] == "") & (_is(rows, "valid", 0) == 0)).astype(int),
         }
     )
@@ -205,6 +178,15 @@ def quality(trials: Trials) -> pd.DataFrame:
     table = flags.groupby("participant", sort=True).sum()
     rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)
     return table.assign(false_alarm_rate=rate).reset_index()
+
+
+def _is_repeated(rows: pd.DataFrame) -> "pd.Series[int]":
+    """1 in the first row of each attempt behind the first: a questionnaire has a row for each of its items."""
+    if "attempt" not in rows.columns:
+        return pd.Series(0, index=rows.index)
+    keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
+    first = rows["item"].eq("") | ~rows.duplicated(keys) if "item" in rows.columns else True
+    return ((rows["attempt"] > 1) & first).astype(int)
 
 
 def _is(rows: pd.DataFrame, name: str, value: int) -> "pd.Series[int]":

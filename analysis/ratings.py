@@ -9,6 +9,7 @@ import pandas as pd
 from tactometry.analysis import apa
 from tactometry.analysis.attrakdiff import consistency, item_scores, portfolio, scores, summary, word_pairs
 from tactometry.analysis.labels import value_of
+from tactometry.analysis.number_text import interval_text
 from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
 from tactometry.analysis.stated import forms_of
 from tactometry.analysis.table import Trials, used_rows
@@ -72,9 +73,8 @@ class Ratings:
 def _mean_text(row: "pd.Series[Any]") -> str:
     if pd.isna(row["mean"]):
         return f"none ({row['n_missing']} missing)"
-    ends = "" if pd.isna(row["mean_low"]) else f" [{row['mean_low']:.2f}, {row['mean_high']:.2f}]"
     lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
-    return f"{row['mean']:.2f}{ends} (n = {row['n']}{lost})"
+    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{lost})"
 
 
 def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[str]]) -> list[str]:

@@ -74,10 +74,11 @@ def figures_of(found: Analysis) -> list[Figure]:
         drawn.append(_loss_figure(found))
     if "force" in found.tables:
         drawn.append(_force_figure(found))
-    for task in sorted({outcome.task for outcome in found.outcomes} & set(RATE_LABEL)):
+    shown = [estimate for estimate in found.estimates if estimate.cell.levels]  # the others are catch trials alone
+    for task in sorted({estimate.cell.task for estimate in shown} & set(RATE_LABEL)):
         drawn += _rate_figures(found, task)
-    for code in sorted({estimate.cell.participant for estimate in found.estimates}):
-        own = [estimate for estimate in found.estimates if estimate.cell.participant == code]
+    for code in sorted({estimate.cell.participant for estimate in shown}):
+        own = [estimate for estimate in shown if estimate.cell.participant == code]
         drawn += [_curves(own, found, code), *_tracks(found, code)]
     return drawn
 

@@ -108,7 +108,7 @@ def read_trials(
         rows[name] = _factor_values(rows, name)
     factors = named if within else tuple(name for name in named if _is_filled(rows[name]))
     scale = level_scale or given.level_scale
-    notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows), *([] if scale else wide_levels(rows))]
+    notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows, named), *([] if scale else wide_levels(rows))]
     return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactometry.analysis.group import cross_table
+from tactometry.analysis.number_text import LARGEST, number_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,7 +48,7 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
         yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared
     for name in ("preference", "same_different"):
         if name in found.tables:
-            yield text_table(found.tables[name].round(3), name.replace("_", " ")), ()
+            yield text_table(found.tables[name], name.replace("_", " ")), ()
     if "loss" in found.tables:
         cross = cross_table(found.tables["loss"], found.trials.factors)
         yield text_table(cross, "loss of amplitude (mean, 95 % interval)"), ()
@@ -68,5 +69,17 @@ def text_table(cross: "pd.DataFrame", title: str) -> "Table":
     for name in cross.columns:
         table.add_column(str(name), justify="right")
     for row in cross.itertuples(index=False, name=None):
-        table.add_row(*(f"{v:g}" if isinstance(v, int | float | np.number) else str(v) for v in row))
+        table.add_row(*map(_cell, row))
     return table
+
+
+def _cell(value: object) -> str:
+    """
+    >>> _cell(240.0), _cell(12345.0), _cell(0.21349), _cell(7), _cell(None), _cell(float("nan"))
+    ('240', '12345', '0.213', '7', '', '')
+    """
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() and abs(value) < LARGEST else number_text(value)
+    return str(value)

@@ -9,8 +9,8 @@ import pandas as pd
 
 from tactometry.analysis import apa
 from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, shape_of
-from tactometry.analysis.group import interval_text, number_text
 from tactometry.analysis.hierarchical import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
+from tactometry.analysis.number_text import interval_text, number_text
 from tactometry.errors import InvalidParameter
 
 MOST_CELLS = 500

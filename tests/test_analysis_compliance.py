@@ -78,7 +78,7 @@ def test_one_participant_has_a_mean_without_an_interval(some) -> None:
     own = force_of_participants(some)
     table = force_table(own[own["participant"] == "P2"], ["force_n"])
     assert table["sd"].isna().all()
-    assert table["text"].tolist() == ["0.50 N, 100 % in band", "3.30 N, 90 % in band"]
+    assert table["text"].tolist() == ["0.500 N, 100 % in band", "3.30 N, 90 % in band"]
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def data_set(tmp_path, analysis):
         for code, alarm in (("P1", 1), ("P2", 0))
         for n, catch, answer in [*((n, 0, int(n > 3)) for n in range(1, 8)), (8, 1, alarm), (9, 1, alarm)]
     ]
-    name = "participant-P1_session-1_study-s_data.csv"
+    name = "all_data.csv"
     (tmp_path / "data" / name).write_text("\n".join([COLUMNS, *rows]) + "\n")
     return tmp_path
 

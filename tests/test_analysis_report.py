@@ -174,11 +174,11 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
     ("rows", "text"),
     [
         ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4)], "2.0 [-10.7, 14.7] (n = 2)"),
-        ([(1.0, "ok", 0, 2)], "1.0 (n = 1)"),
+        ([(1.0, "ok", 0, 2)], "1.00 (n = 1)"),
         ([(1.25e-300, "ok", 0, 2)], "1.25e-300 (n = 1)"),
         ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "> 3.0 (1 of 2 above the levels)"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "< -1.0 (1 of 2 below the levels)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "> 3.00 (1 of 2 above the levels)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "< -1.00 (1 of 2 below the levels)"),
         (
             [(None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, 0.0)],
             "1 below, 1 above the levels, of 2",

@@ -113,7 +113,7 @@ def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
 def test_a_threshold_above_the_levels_is_told_as_its_lower_end_and_one_below_as_its_upper() -> None:
     ends = [{"interval_low": 2.0, "interval_high": None}, {"interval_low": None, "interval_high": 2.0}]
     told = [_text(pd.Series({"threshold": None} | end)) for end in ends]
-    assert told == ["> 2.0", "< 2.0"]
+    assert told == ["> 2.00", "< 2.00"]
 
 
 def test_a_factor_between_participants_is_not_tested() -> None:

@@ -268,6 +268,6 @@ def test_participants_who_are_all_alike_have_a_mean_and_no_interval(tmp_path) ->
     file = written(tmp_path / "t.csv", constant([0, 1, 3, 6, 9, 11, 12]), 4, "comparison")
     found = analysed(file)
     first = found["outcomes"][0]["group"][0]
-    assert first["text"] == "4.0 (n = 4, all alike)"
+    assert first["text"] == "4.00 (n = 4, all alike)"
     assert (first["sd"], first["mean_low"], first["mean_high"]) == (0.0, None, None)
     assert found["outcomes"][0]["status"] == "constant"

@@ -364,7 +364,7 @@ def numbered(path: Path, *extra: str) -> Path:
 
 
 def test_copied_rows_are_warned_of(tmp_path, capsys):
-    file = numbered(tmp_path, "P1,1,1,3,a,staircase,3,yes_no,0,3.5", "P1,1,1,5,a,staircase,9,yes_no,0,9.5")
+    file = numbered(tmp_path, "P1,1,1,3,a,staircase,3,yes_no,0,3.5", "P1,1,1,5,a,staircase,5,yes_no,0,9.5")
     status, _, out = call(capsys, "analyse", file, "--json")
     assert status == 0
     assert (
@@ -374,7 +374,12 @@ def test_copied_rows_are_warned_of(tmp_path, capsys):
 
 
 def test_attempts_items_blocks_and_tables_without_numbers_are_no_copies(tmp_path):
-    assert read_trials(numbered(tmp_path, "P1,1,2,3,a,staircase,3,yes_no,0,3.5")).notes == ()
+    others = (
+        "P1,1,2,3,a,staircase,3,yes_no,0,3.5",
+        "P1,1,1,3,b,staircase,3,yes_no,0,3.5",
+        "P1,1,1,3,a,q,3,yes_no,0,3.5",
+    )
+    assert read_trials(numbered(tmp_path, *others)).notes == ()
     file = tmp_path / "n.csv"
     file.write_text("participant,side,level,task,response\n" + "P1,a,1,yes_no,1\n" * 5)
     assert read_trials(file, within=["side"]).notes == ()

@@ -50,6 +50,7 @@ def command(
     from tactometry.analysis.column_map import read_column_map
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.plan import read_plan
+    from tactometry.experiments.edited import edited
 
     factors = [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
@@ -61,6 +62,7 @@ def command(
         level_scale=level_scale,
         plan=None if plan is None else read_plan(plan),
         figures=figures,
+        warnings=edited(path),
     )
     say(summary_text(found), found.summary(), as_json=as_json)
 
