@@ -51,12 +51,12 @@ class Together:
 def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
     unit = f" {unit.partition(' re ')[0]}" if unit else ""
     names = {
-        "threshold": f"thresholds {{:.2f}}{unit}",
-        "threshold_cell": f"their deviations by condition {{:.2f}}{unit}",
-        "log_width": "logarithms of the width {:.2f}",
-        "log_width_cell": "their deviations by condition {:.2f}",
+        "threshold": f"thresholds {{}}{unit}",
+        "threshold_cell": f"their deviations by condition {{}}{unit}",
+        "log_width": "logarithms of the width {}",
+        "log_width_cell": "their deviations by condition {}",
     }
-    sds = [text.format(fit.components[name]) for name, text in names.items() if name in fit.components]
+    sds = [text.format(number_text(fit.components[name])) for name, text in names.items() if name in fit.components]
     rates = {"lapse": fit.lapse_rate, "guess": fit.guess_rate}
     told = [f"{name} rate of all {rate:.3f}" for name, rate in rates.items() if rate]
     found = [f"standard deviations between {fit.n_participants} participants: {', '.join(sds)}"] if sds else []

@@ -8,7 +8,7 @@ from time import perf_counter, process_time
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis import table
+from tactometry.analysis import text_table
 from tactometry.analysis.table import read_trials
 
 N_TRIALS = 1_000_000
@@ -56,7 +56,7 @@ def main() -> None:
         path = Path(folder) / "large.csv"
         write(path, np.random.default_rng())
         fast = seconds(path)
-        table.plain_cells = lambda text, separator: None  # type: ignore[assignment]
+        text_table.plain_cells = lambda text, separator: None  # type: ignore[assignment]
         slow = seconds(path)
         size = path.stat().st_size / 1e6
     print(f"{N_TRIALS} trials of {len(HEADER.split(','))} columns, {size:.0f} MB:")

@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -163,16 +164,18 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
             continue
         row = dict(zip(header, cells, strict=True))
         yield from _row_defects(row, file, number)
-        yield from _doubled(row, seen, file, number)
+        yield from _doubled(row, seen, file, number) if row.get("trial") else ()
 
 
 def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
-    for name in REQUIRED:
-        if name not in header:
-            yield Defect(file, 1, f"found no column {name!r}, expected it{nearest(name, header)}")
-    for n, name in enumerate(header):
-        if name in header[:n]:
-            yield Defect(file, 1, f"found the column {name!r} twice, expected it once")
+    missing = [name for name in REQUIRED if name not in header]
+    if len(missing) == 1:
+        yield Defect(file, 1, f"found no column {missing[0]!r}, expected it{nearest(missing[0], header)}")
+    elif missing:
+        yield Defect(file, 1, f"found no columns {', '.join(map(repr, missing))}, expected them")
+    for name, n in Counter(header).items():
+        if n > 1:
+            yield Defect(file, 1, f"found the column {name!r} {'twice' if n == 2 else f'{n} times'}, expected it once")
 
 
 def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:

@@ -105,6 +105,32 @@ def test_every_repeated_touch_of_other_tasks_is_one(tmp_path):
     assert quality(read_trials(written(tmp_path, rows)))["n_repeated"].tolist() == [2]
 
 
+# --- digits
+
+
+@pytest.mark.parametrize("factor", [1e-5, 0.01, 1.0, 400.0])
+def test_a_threshold_keeps_three_digits_wherever_it_is_told(tmp_path, capsys, factor):
+    """In volts that no table of one decimal place can show."""
+    rows = [
+        {"participant": f"P{person}", "trial": 100 * x + n, "side": side, "procedure": "c", "level": factor * x}
+        | {"level_unit": "V", "task": "comparison", "response": int(n % 10 < 2 * x - person - (side == "b"))}
+        for person in (1, 2, 3)
+        for side in "ab"
+        for x in range(1, 7)
+        for n in range(20)
+    ]
+    status, _, out = call(capsys, "analyse", written(tmp_path, rows), "--report", tmp_path / "r.html")
+    assert status == 0
+    group = pd.read_csv(tmp_path / "r_tables/group_pse.csv")
+    for row in group.itertuples():
+        told = re.match(r"(\S+) \[(\S+), (\S+)\]", row.text)
+        for text, exact in zip(told.groups(), (row.mean, row.mean_low, row.mean_high), strict=True):
+            assert float(text) == pytest.approx(exact, rel=0.005)
+        assert row.text.split(" (")[0] in " ".join(out.split())
+    (sd,) = re.findall(r"thresholds (\S+) V", out)
+    assert float(sd) > 0
+
+
 # --- a table that was edited by hand
 
 

@@ -1,6 +1,9 @@
 """What was lost or exchanged in a data set is found: lines, files, rigs, values."""
 
+import json
+
 import pytest
+from command_line import call
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of, live
 
 from tactometry.dataset import Session
@@ -8,7 +11,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.recording import RigKind, record, simulated
 from tactometry.experiments.validation import validate
 from tactometry.journal import checksum, encode, read
-from tactometry.rows import defects
+from tactometry.rows import Defect, defects, grouped
 
 
 def found(root):
@@ -111,3 +114,37 @@ def test_an_answer_of_two_options_is_1_or_0(whole, task):
 def test_the_trials_file_is_synced_at_the_end_of_a_sitting(tmp_path, synced):
     recorded = live(tmp_path)
     assert recorded.trials in synced
+
+
+def plain(n):
+    """A table of another program: no number of a trial, answers in words."""
+    rows = [f"P1,{level},yes_no,{'y' if level % 2 else 'n'}" for level in range(n)]
+    return "\n".join(["participant,level,task,response", *rows, ""])
+
+
+def test_alike_defects_are_one_sentence_with_their_number(tmp_path, capsys):
+    (tmp_path / "plain.csv").write_text(plain(737))
+    status, _, out = call(capsys, "validate", tmp_path / "plain.csv")
+    missing, answers, summary = out.splitlines()
+    assert status == 1
+    assert missing.startswith("plain.csv, row 1: found no columns 'session', 'study', 'block', ")
+    assert answers == (
+        "plain.csv, row 2 and 736 more (3, 4, 5, 6, ...): column 'response': found 'n', expected 1, 0 or nothing"
+    )
+    assert "738 defects" in summary
+    _, _, out = call(capsys, "validate", tmp_path / "plain.csv", "--json")
+    assert [(each["row"], each["n_rows"]) for each in json.loads(out)["defects"]] == [(1, 1), (2, 737)]
+
+
+def test_defects_of_different_kinds_stay_apart():
+    one, other = Defect("a.csv", 2, "x", "level"), Defect("a.csv", 3, "y", "task")
+    alike = [Defect("a.csv", n, "x", "level") for n in range(4, 10)]
+    apart = [Defect("b.csv", 2, "x", "level"), Defect("a.csv", 1, "x"), Defect("a.csv", 1, "x")]
+    found = grouped([one, other, *alike, *apart])
+    assert [str(each) for each in found] == [
+        "a.csv, row 2 and 6 more (4, 5, 6, 7, ...): x",
+        "a.csv, row 3: y",
+        "b.csv, row 2: x",
+        "a.csv, row 1: x",
+        "a.csv, row 1: x",
+    ]
