@@ -116,6 +116,39 @@ def test_hdf5_with_a_number_for_a_quantity_is_refused(tmp_path):
         read([path])
 
 
+def linked(file, h5py, secret):
+    file["samples"] = h5py.ExternalLink(str(secret), "samples")
+
+
+def linked_through_a_group(file, h5py, secret):
+    file["other"] = h5py.ExternalLink(str(secret), "/")
+    file["samples"] = h5py.SoftLink("/other/samples")
+
+
+def kept_elsewhere(file, h5py, secret):
+    file.create_dataset("samples", shape=(8,), dtype="u1", external=[(str(secret), 0, 8)])
+
+
+def virtual(file, h5py, secret):
+    layout = h5py.VirtualLayout(SAMPLES.shape, SAMPLES.dtype)
+    layout[...] = h5py.VirtualSource(str(secret), "samples", SAMPLES.shape, SAMPLES.dtype)
+    file.create_virtual_dataset("samples", layout)
+
+
+@pytest.mark.parametrize("point", [linked, linked_through_a_group, kept_elsewhere, virtual])
+def test_hdf5_that_points_to_another_file_is_refused(tmp_path, point):
+    h5py = pytest.importorskip("h5py", reason="the extra hdf5 is not installed")
+    with h5py.File(tmp_path / "secret.h5", "w") as file:
+        file["samples"] = SAMPLES
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["rate_hz"] = 1e5
+        point(file, h5py, tmp_path / "secret.h5")
+    with pytest.raises(
+        InvalidFile, match=r"a\.h5: cannot be read as impulse responses: samples: found (a link|values)"
+    ):
+        read([tmp_path / "a.h5"])
+
+
 def test_hdf5_without_its_extra_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     (tmp_path / "a.h5").touch()

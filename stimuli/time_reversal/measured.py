@@ -17,7 +17,7 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -232,8 +232,20 @@ def _read_hdf5(path: Path, full_scale: float, quantity: str) -> Responses:
 
     del full_scale
     with h5py.File(path, "r") as file:
+        for name in {"samples", "rate_hz", "quantity"} & set(file):
+            _refuse_elsewhere(file, name)
         said = file["quantity"].asstr()[()] if "quantity" in file else quantity
         return Responses(np.asarray(file["samples"], float), _one_number(file["rate_hz"][()]), str(said))
+
+
+def _refuse_elsewhere(file: Any, name: str) -> None:
+    """Refuse what an HDF5 file only points to, in another file: it would be opened and read, whatever it is."""
+    import h5py  # type: ignore[import-untyped, unused-ignore]
+
+    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
+        raise ValueError(f"{name}: found a link, perhaps to another file, expected the values themselves")
+    if isinstance(file[name], h5py.Dataset) and (file[name].external or file[name].is_virtual):
+        raise ValueError(f"{name}: found values that are kept in another file, expected them in this one")
 
 
 def _read_csv(path: Path, full_scale: float, quantity: str) -> Responses:
