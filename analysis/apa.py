@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from tactometry.analysis.labels import percent_text
+from tactometry.analysis.labels import percent_text, value_of
 from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.number_text import interval_texts, number_text
 from tactometry.analysis.post_hoc import evidence
@@ -57,28 +57,29 @@ def anova_sentences(anova: pd.DataFrame) -> list[str]:
     """For each effect F, corrected degrees of freedom where there is a correction, p, partial eta squared with its
     interval and generalised eta squared.
 
-    >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_unc": 2e-6, "p_GG_corr": 6e-6, "eps": 0.9}
+    >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_CM_corr": 6e-6, "eps_CM": 0.9}
     >>> size = {"np2": 0.845, "np2_low": 0.616, "np2_high": 0.892, "ng2": 0.106}
     >>> print(*anova_sentences(pd.DataFrame([row | size])))
     force: F(1.80, 12.60) = 38.12, p < .001, partial eta squared = .845, 90 % CI [.616, .892],
-    generalised eta squared = .106 (Greenhouse-Geisser, epsilon = 0.90)
+    generalised eta squared = .106 (Chi-Muller, epsilon = 0.90)
     """
-    return [_anova_sentence(anova, row) for _, row in anova.iterrows() if pd.notna(row.get("F"))]
+    return [_anova_sentence(row) for _, row in anova.iterrows() if pd.notna(row["F"])]
 
 
-def _anova_sentence(anova: pd.DataFrame, row: "pd.Series[float]") -> str:
-    first = row["ddof1"] if pd.notna(row.get("ddof1")) else row["DF"]
-    second = row["ddof2"] if pd.notna(row.get("ddof2")) else anova["DF"].iloc[-1]
-    corrected = pd.notna(row.get("p_GG_corr")) and first > 1 and row["eps"] < 1
-    epsilon = float(row["eps"]) if corrected else 1.0
-    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if corrected else f"{first:.0f}, {second:.0f}"
-    p = p_text(float(row["p_GG_corr"] if corrected else row["p_unc"]))
-    how = f" (Greenhouse-Geisser, epsilon = {epsilon:.2f})" if corrected else ""
+def _anova_sentence(row: "pd.Series[Any]") -> str:
     size = (
         f"partial eta squared = {share_text(row['np2'])}, {INTERVAL_OF_ETA} CI [{share_text(row['np2_low'])}, "
         f"{share_text(row['np2_high'])}], generalised eta squared = {share_text(row['ng2'])}"
     )
-    return f"{row['Source']}: F({degrees}) = {row['F']:.2f}, {p}, {size}{how}"
+    how = f" (Chi-Muller, epsilon = {row['eps_CM']:.2f})" if row["eps_CM"] < 1 else ""
+    return f"{row['Source']}: {_f_text(row)}, {p_text(row['p_CM_corr'])}, {size}{how}"
+
+
+def _f_text(row: "pd.Series[Any]") -> str:
+    """F with its degrees of freedom, corrected where they are."""
+    first, second = (row[name] * row["eps_CM"] for name in ("ddof1", "ddof2"))
+    degrees = f"{first:.2f}, {second:.2f}" if row["eps_CM"] < 1 else f"{first:.0f}, {_df(second)}"
+    return f"F({degrees}) = {row['F']:.2f}"
 
 
 def permutation_sentences(tested: pd.DataFrame) -> list[str]:
@@ -94,52 +95,70 @@ def permutation_sentences(tested: pd.DataFrame) -> list[str]:
     ]
 
 
-def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm") -> list[str]:
-    """One for each paired comparison of `pairs`.
+def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "") -> list[str]:
+    """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared.
 
-    >>> row = {"a": 60, "b": 120, "difference": -4.8125, "difference_low": -5.21, "difference_high": -4.41, "df": 7}
-    >>> row |= {"t": -28.527, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
+    >>> row = {"a": 60, "b": 120, "difference": -4.8125, "simultaneous_low": -5.21, "simultaneous_high": -4.41, "df": 7}
+    >>> row |= {"t": -28.527, "p_unc": 1e-8, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
     >>> print(*pair_sentences(pd.DataFrame([row]), "dB"))
-    120 less 60: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001 (Holm),
-    dz = -10.09, BF10 > 10 000, extreme evidence for a difference
+    120 less 60: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
+    extreme evidence for a difference
     """
-    return [_pair_sentence(row, unit, correction) for _, row in compared.iterrows()]
+    n = int(compared["p_unc"].notna().sum())
+    return [_pair_sentence(row, unit, correction, n, by) for _, row in compared.iterrows()]
 
 
-def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}"
+def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, by: str) -> str:
+    name = f"{_place(row, by)}{row['b']} less {row['a']}"
     if row["status"] != "ok":
         told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
         return f"{name}: {told} in every participant: no test, as there is no error"
-    told = _with_interval(row["difference"], row["difference_low"], row["difference_high"], unit)
-    return (
-        f"{name}: {told}, t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p_corr'])} ({correction}), "
-        f"dz = {row['dz']:.2f}, {bayes_text(row['bf10'])}, {evidence(row['bf10'])}"
-    )
+    return f"{name}: {_compared(row, unit, n, correction)}, dz = {row['dz']:.2f}{_evidence(row)}"
 
 
-def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm") -> list[str]:
+def _place(row: "pd.Series[Any]", by: str) -> str:
+    return f"{value_of(by, row[by])}: " if by else ""
+
+
+def _compared(row: "pd.Series[Any]", unit: str, n: int, correction: str, statistic: str = "t") -> str:
+    """Difference, interval, t and p of one of `n` comparisons; of several the interval and the p of all together."""
+    kind, how = (" simultaneous", f" ({correction})") if n > 1 else ("", "")
+    told = _with_interval(row["difference"], row["simultaneous_low"], row["simultaneous_high"], unit, f"95 %{kind}")
+    return f"{told}, {statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{how}"
+
+
+def _df(df: float) -> str:
+    """
+    >>> _df(9.0), _df(8.43)
+    ('9', '8.4')
+    """
+    return f"{df:.0f}" if abs(df - round(df)) < 1e-6 else f"{df:.1f}"
+
+
+def _evidence(row: "pd.Series[Any]") -> str:
+    return f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
+
+
+def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "") -> list[str]:
     """One for each pair of `group_pairs`.
 
-    >>> row = {"a": "left", "b": "right", "difference": 3.0, "difference_low": 0.73, "difference_high": 5.27, "df": 4.0}
-    >>> row |= {"t": 3.674, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
+    >>> row = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27}
+    >>> row |= {"df": 4.0, "t": 3.674, "p_unc": 0.021, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
     >>> print(*group_sentences(pd.DataFrame([row]), "dB"))
-    right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4.0) = 3.67, p = .021 (Holm),
-    g = 2.40, BF10 = 3.6, moderate evidence for a difference
+    right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
+    moderate evidence for a difference
     """
-    return [_group_sentence(row, unit, correction) for _, row in compared.iterrows()]
+    n = int(compared["p_unc"].notna().sum())
+    return [_group_sentence(row, unit, correction, n, by) for _, row in compared.iterrows()]
 
 
-def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str) -> str:
-    name = f"{row['b']} less {row['a']}"
+def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, by: str) -> str:
+    name = f"{_place(row, by)}{row['b']} less {row['a']}"
     if row["status"] != "ok":
         told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
         return f"{name}: {told}, alike in all participants of a group: no test, as there is no error"
-    told = _with_interval(row["difference"], row["difference_low"], row["difference_high"], unit)
-    return (
-        f"{name}: {told}, Welch's t({row['df']:.1f}) = {row['t']:.2f}, {p_text(row['p_corr'])} "
-        f"({correction}), g = {row['g']:.2f}, {bayes_text(row['bf10'])}, {evidence(row['bf10'])}"
-    )
+    compared = _compared(row, unit, n, correction, "Welch's t")
+    return f"{name}: {compared}, g = {row['g']:.2f}{_evidence(row)}"
 
 
 def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:

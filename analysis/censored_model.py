@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import log_ndtr
 
+from tactometry.analysis.bounded import ends_of
 from tactometry.analysis.counts import Array, Bools
-from tactometry.analysis.design import size_of
+from tactometry.analysis.design import expect_columns, size_of
 from tactometry.analysis.glmm import clustered
 from tactometry.analysis.laplace import MixedFit, maximise
 from tactometry.analysis.laplace import MixedModel as Clusters
@@ -31,7 +32,7 @@ from tactometry.analysis.mixed_model import (
     term_table,
 )
 from tactometry.analysis.quadrature import maximise_by_quadrature
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter
 from tactometry.psychometric import log1mexp
 
 N_NODES = 31
@@ -87,7 +88,8 @@ def censored_model(
     >>> found.n_censored, found.coefficients["estimate"].round(2).tolist()
     (1, [2.5, 1.5, 3.52])
     """
-    ends = _ends(table, dependent, low, high)
+    expect_columns(table, [dependent, low, high], "censored_model")
+    ends = _expect_some(ends_of(table, dependent, low, high), dependent)
     data = checked_rows(table.assign(**{dependent: _middle(ends)}), dependent, factors, covariates, subject)
     matrix = design_matrix(data, factors, covariates, interactions=interactions, base={})
     groups, names = pd.factorize(data[subject])
@@ -101,32 +103,14 @@ def censored_model(
     return _told(found, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
 
 
-def _ends(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
-    """The interval (row, 2) of each value; both ends meet where it is known."""
-    y, bottom, top = (_numbers(table, name) for name in (dependent, low, high))
-    known = ~np.isnan(y)
-    bottom, top = (np.where(known, y, np.where(np.isnan(b), e, b)) for b, e in ((bottom, -np.inf), (top, np.inf)))
-    bad = ~((bottom <= top) & (np.isfinite(bottom) | np.isfinite(top)))
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
+def _expect_some(ends: Array, dependent: str) -> Array:
+    nothing = np.flatnonzero(np.isinf(ends).all(axis=1))
+    if len(nothing):
         raise InvalidParameter(
-            f"{dependent}, row {row}: found the bounds {bottom[row]:g} and {top[row]:g}, expected a value, or a bound "
-            "below or above it, in this order; leave the row out"
+            f"{dependent}, row {nothing[0]}: found the bounds -inf and inf, expected a value, or a bound below or "
+            "above it, in this order; leave the row out"
         )
-    return np.stack([bottom, top], axis=1)
-
-
-def _numbers(table: pd.DataFrame, name: str) -> Array:
-    """A column with NaN where it is empty."""
-    known = [str(column) for column in table.columns]
-    if name not in known:
-        raise InvalidParameter(f"censored_model: found no column {name!r}{nearest(name, known)}")
-    found = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-    bad = np.isnan(found) & table[name].notna().to_numpy()
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a number or nothing")
-    return found
+    return ends
 
 
 def _middle(ends: Array) -> Array:

@@ -44,7 +44,7 @@ class Tested:
     name: str
     ss: float
     ss_error: float
-    df: tuple[int, int]
+    df: tuple[int, float]
     sphericity: Sphericity
 
     @property

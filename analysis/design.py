@@ -31,6 +31,8 @@ class DesignStatus(StrEnum):
     CONSTANT = "constant"
     NO_VARIANCE_WITHIN = "no_variance_within"
     ZERO_ERROR = "zero_error"
+    TOO_FEW_KNOWN = "too_few_known"
+    NO_MAXIMUM = "no_maximum"
 
 
 class UndefinedStatistic(InvalidParameter):
@@ -89,7 +91,7 @@ def within_design(
         raise InvalidParameter(f"within: found {', '.join(within)}, expected {counts} different factors")
     coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
-    _refuse_few(levels, subject, within)
+    refuse_few(levels, subject, within)
     shape = tuple(len(part) for part in levels)
     place = np.ravel_multi_index([codes for codes, _ in coded], shape)
     n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
@@ -136,12 +138,7 @@ def _averaged(n_values: NDArray[np.int64]) -> tuple[str, ...]:
 def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:
     """The named columns, with finite numbers in `dependent` and something in the others; a refusal names the first row
     that has none."""
-    known = [str(column) for column in table.columns]
-    for name in columns:
-        if name not in known:
-            raise InvalidParameter(f"{where}: found no column {name!r}{nearest(name, known)}")
-    if table.empty:
-        raise UndefinedStatistic("table: found no row, expected values to compare", DesignStatus.NO_DATA)
+    expect_columns(table, columns, where)
     data = table[list(dict.fromkeys(columns))].reset_index(drop=True)
     values = pd.to_numeric(data[dependent], errors="coerce").to_numpy(dtype=np.float64)
     bad = ~np.isfinite(values)
@@ -153,18 +150,34 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
             "participant or the condition out",
             DesignStatus.NOT_FINITE,
         )
+    expect_names(data, [name for name in columns if name != dependent])
+    return data.assign(**{dependent: values})
+
+
+def expect_columns(table: pd.DataFrame, columns: Sequence[str], where: str) -> None:
+    """Refuse a table without rows or without one of the columns."""
+    known = [str(column) for column in table.columns]
+    for name in columns:
+        if name not in known:
+            raise InvalidParameter(f"{where}: found no column {name!r}{nearest(name, known)}")
+    if table.empty:
+        raise UndefinedStatistic("table: found no row, expected values to compare", DesignStatus.NO_DATA)
+
+
+def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
+    """Refuse a row without a participant or a condition."""
     for name in columns:
         nothing = np.flatnonzero(data[name].isna().to_numpy())
-        if name != dependent and len(nothing):
+        if len(nothing):
             raise UndefinedStatistic(
                 f"{name}, row {nothing[0]}: found nothing, expected the name of a participant or a condition; leave "
                 "the row out",
                 DesignStatus.NO_NAME,
             )
-    return data.assign(**{dependent: values})
 
 
-def _refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
+def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
+    """Refuse fewer than three participants, or two levels of a factor; `levels` has the participants first."""
     n = len(levels[0])
     if n < MIN_PARTICIPANTS:
         raise UndefinedStatistic(

@@ -3,8 +3,11 @@
 That a test finds no difference does not show that there is none; this does, up to the bound.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 
 from tactometry.analysis.post_hoc import Pair, compare, has_error
 from tactometry.errors import InvalidParameter
@@ -45,29 +48,35 @@ def equivalence(
     if not 0 < alpha < 0.5:
         raise InvalidParameter(f"alpha: found {alpha}, expected a chance between 0 and 0.5")
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
-    result = pd.DataFrame([_row(pair, by, bound, alpha) for pair in compared])
-    result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha, "notes": notes}
+    result = told_equivalent([_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
+    result.attrs["notes"] = notes
+    return result
+
+
+def told_equivalent(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
+    """A table of pairs with the verdict on each, and that on all of them in `attrs`."""
+    result = pd.DataFrame(rows)
+    result["equivalent"] = result["p"] < alpha
+    result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
     return result
 
 
 def _row(pair: Pair, by: str | None, bound: float, alpha: float) -> dict[str, object]:
+    d = pair.differences
     start: dict[str, object] = {} if by is None else {by: pair.by}
-    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(pair.differences.mean()) * pair.size}
-    tested = (_tests if has_error(pair) else _certain)(pair, bound / pair.size, alpha)
+    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(d.mean()) * pair.size}
+    error = float(d.std(ddof=1)) / np.sqrt(len(d)) if has_error(pair) else 0.0
+    tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound / pair.size, alpha)
     tested |= {name: tested[name] * pair.size for name in ("low", "high")}
-    return start | tested | {"bound": bound, "n": len(pair.differences), "equivalent": bool(tested["p"] < alpha)}
+    return start | tested | {"bound": bound, "n": len(d)}
 
 
-def _tests(pair: Pair, bound: float, alpha: float) -> dict[str, float]:
-    from statsmodels.stats.weightstats import DescrStatsW, ttost_paired
-
-    p, (t_low, _, _), (t_high, _, _) = ttost_paired(pair.values[1], pair.values[0], -bound, bound)
-    low, high = DescrStatsW(pair.differences).tconfint_mean(2 * alpha)
-    return {"low": float(low), "high": float(high), "t_low": float(t_low), "t_high": float(t_high), "p": float(p)}
-
-
-def _certain(pair: Pair, bound: float, alpha: float) -> dict[str, float]:
-    """All participants differ alike: there is no error to test with, and the difference is what it is."""
-    del alpha
-    mean = float(pair.differences.mean())
-    return {"low": mean, "high": mean, "t_low": np.inf, "t_high": -np.inf, "p": float(abs(mean) >= bound)}
+def two_one_sided(difference: float, error: float, df: float, bound: float, alpha: float) -> dict[str, float]:
+    """The tests of a difference with a standard error; without one it is what it is."""
+    if error == 0:
+        p = float(abs(difference) >= bound)
+        return {"low": difference, "high": difference, "t_low": np.inf, "t_high": -np.inf, "p": p}
+    t_low, t_high = (difference + bound) / error, (difference - bound) / error
+    half = float(student.isf(alpha, df)) * error
+    p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
+    return {"low": difference - half, "high": difference + half, "t_low": t_low, "t_high": t_high, "p": p}

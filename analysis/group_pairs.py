@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.stats import ttest_ind
 
 from tactometry.analysis.design import RELATIVE_ZERO, Array, DesignStatus, UndefinedStatistic, finite_rows, size_of
-from tactometry.analysis.post_hoc import corrected, corrected_order
+from tactometry.analysis.post_hoc import all_together
 
 MIN_GROUP = 2
 
@@ -28,9 +28,9 @@ def group_pairs(
     Returns
     -------
     DataFrame
-        Per pair: `a`, `b`, `difference` (b less a) with its interval, `n_a`, `n_b`, `t`, `df`, `p_unc`, `p_corr`,
-        Hedges' `g`, `bf10` (Rouder et al. 2009, scale 0.707, from Student's t), and a `status`: `ok`, or `zero_error`
-        where participants within groups do not differ.
+        Per pair: `a`, `b`, `difference` (b less a) with its intervals as in `pairs`, `n_a`, `n_b`, `t`, `df`, `p_unc`,
+        `p_corr`, Hedges' `g`, `bf10` (Rouder et al. 2009, scale 0.707, from Student's t), and a `status`: `ok`, or
+        `zero_error` where participants within groups do not differ.
 
     Raises
     ------
@@ -49,8 +49,7 @@ def group_pairs(
     found = [
         ({by: level} if by else {}) | row for level, part in parts for row in _rows(part, dependent, between, interval)
     ]
-    result = pd.DataFrame(found)
-    return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
+    return all_together(pd.DataFrame(found), correction, interval)
 
 
 def _rows(part: pd.DataFrame, dependent: str, between: str, interval: float) -> list[dict[str, object]]:

@@ -48,7 +48,7 @@ def mixed_anova(
     factors = [within] if isinstance(within, str) else list(within)
     rows = finite_rows(table, [dependent, subject, *factors, between], dependent, "mixed_anova")
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
-    groups = _groups(rows, design.participants, subject, between)
+    groups = groups_of(rows, design.participants, subject, between)
     scaled, scale = scaled_design(design, dependent)
     found = [_between(participant_scores(scaled), groups, between)]
     for effect in effects(scaled):
@@ -59,10 +59,11 @@ def mixed_anova(
 
 @dataclass(frozen=True)
 class Groups:
-    """`of` each participant its group's place; `sizes` of the groups."""
+    """`of` each participant its group's place; `sizes` and `names` of the groups."""
 
     of: "np.ndarray[tuple[int], np.dtype[np.int64]]"
     sizes: Array
+    names: tuple[object, ...]
 
     def means(self, scores: Array) -> Array:
         """Shape (group, contrast)."""
@@ -71,7 +72,8 @@ class Groups:
         return found
 
 
-def _groups(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
+def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
+    """The group of each participant; refuses two groups of one, fewer than two groups, and a group of one."""
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
     if (n_groups > 1).any():
         raise InvalidParameter(
@@ -90,7 +92,7 @@ def _groups(rows: pd.DataFrame, participants: Sequence[object], subject: str, be
             f"{between} = {names[int(sizes.argmin())]}: found one participant, expected at least {MIN_GROUP} a group",
             DesignStatus.TOO_FEW_PARTICIPANTS,
         )
-    return Groups(of, sizes.astype(np.float64))
+    return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
 
 
 def _errors(scores: Array, groups: Groups) -> tuple[Array, int]:

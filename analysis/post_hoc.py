@@ -1,4 +1,4 @@
-"""Which conditions differ: paired comparisons with Holm's correction, sizes of effects and Bayes factors."""
+"""Which conditions differ: paired comparisons, Holm's correction, simultaneous intervals, sizes, Bayes factors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -57,10 +57,11 @@ def pairs(
     Returns
     -------
     DataFrame
-        Per pair: `a`, `b`, `difference` (b less a) with its interval, `t`, `df`, `p_unc`, `p_corr`, `dz` (mean
-        difference over the standard deviation of the differences) with its interval by the noncentral t
-        distribution, `bf10` (Rouder et al. 2009, scale 0.707), and a `status`: `ok`, or `zero_error` where all
-        participants differ alike, so that there is a difference and no test.
+        Per pair: `a`, `b`, `difference` (b less a) with the interval of this pair alone (`difference_low`,
+        `difference_high`; it goes with `p_unc`) and of all pairs together (`simultaneous_low`, `simultaneous_high`; it
+        goes with `p_corr`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean difference over the standard deviation of the
+        differences) with its interval by the noncentral t distribution, `bf10` (Rouder et al. 2009, scale 0.707), and a
+        `status`: `ok`, or `zero_error` where all participants differ alike, so that there is a difference and no test.
 
     Raises
     ------
@@ -75,9 +76,31 @@ def pairs(
     compared, notes = compare(table, dependent, factor, subject, by, "pairs")
     if reference is not None:
         compared = _against(compared, reference, factor)
-    result = pd.DataFrame([_row(pair, by, interval) for pair in compared])
+    result = all_together(pd.DataFrame([_row(pair, by, interval) for pair in compared]), correction, interval)
     result.attrs["notes"] = notes
-    return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
+    return result
+
+
+def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.DataFrame:
+    """With the p and the intervals of all rows together, after those of each alone.
+
+    The intervals are Bonferroni's, for every correction but none: all of them hold their differences in at least
+    `interval` of studies. Holm's p has no intervals of its own that say where a difference lies; it steps further than
+    they do, so that a simultaneous interval may hold 0 where Holm's p is below 5 %, and never the other way round.
+    """
+    n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
+    df = result["df"].astype(float).to_numpy()
+    wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
+    low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
+    half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2
+    added = {
+        "difference_high": {"simultaneous_low": middle - half, "simultaneous_high": middle + half},
+        "p_unc": {"p_corr": corrected(result["p_unc"], correction)},
+    }
+    columns: dict[str, object] = {}
+    for name in result.columns:
+        columns |= {str(name): result[name]} | added.get(str(name), {})
+    return pd.DataFrame(columns)
 
 
 def rank_pairs(
@@ -93,7 +116,8 @@ def rank_pairs(
     compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
     result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
     result.attrs["notes"] = notes
-    return result.assign(p_corr=corrected(result["p_unc"], correction)).reindex(columns=corrected_order(result))
+    result.insert(list(result.columns).index("p_unc") + 1, "p_corr", corrected(result["p_unc"], correction))
+    return result
 
 
 def compare(
@@ -152,13 +176,6 @@ def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
 
 
 _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
-
-
-def corrected_order(result: pd.DataFrame) -> list[str]:
-    """The columns, with `p_corr` after `p_unc`."""
-    names = [str(name) for name in result.columns]
-    place = names.index("p_unc") + 1
-    return [*names[:place], "p_corr", *names[place:]]
 
 
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:

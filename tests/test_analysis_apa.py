@@ -48,11 +48,12 @@ def test_the_sentence_of_an_effect_holds_its_numbers(table) -> None:
     found = repeated_measures(table, within=["force", "freq"], **ARGUMENTS)
     first, second, _ = anova_sentences(found)
     row = found.iloc[0]
-    assert first.startswith(f"force: F({2 * row['eps']:.2f}, {16 * row['eps']:.2f}) = {row['F']:.2f}, ")
-    assert p_text(row["p_GG_corr"]) in first
-    assert f"epsilon = {row['eps']:.2f}" in first
+    if row["eps_CM"] < 1:
+        assert first.startswith(f"force: F({2 * row['eps_CM']:.2f}, {16 * row['eps_CM']:.2f}) = {row['F']:.2f}, ")
+        assert f"(Chi-Muller, epsilon = {row['eps_CM']:.2f})" in first
+    assert p_text(row["p_CM_corr"]) in first
     assert second.startswith("freq: F(1, 8) = ")
-    assert "Greenhouse" not in second
+    assert "Muller" not in second
 
 
 def test_every_result_has_its_sentence(table) -> None:

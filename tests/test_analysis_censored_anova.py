@@ -1,0 +1,221 @@
+"""Analysis of variance of bounds: the analysis of variance where nothing is censored, integrals, recovery, refusals."""
+
+import re
+from itertools import product
+
+import mpmath
+import numpy as np
+import pandas as pd
+import pytest
+from hard_cases import exact_case, hard_case
+from scipy.integrate import dblquad
+from scipy.stats import multivariate_normal
+from test_analysis_contrasts import NAMES, drawn, long_table
+from test_analysis_mixed_anova import study as of_groups
+
+from tactometry.analysis.anova import repeated_measures
+from tactometry.analysis.censored_anova import censored_anova
+from tactometry.analysis.censored_model import censored_model
+from tactometry.analysis.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.group import group_table
+from tactometry.analysis.mixed_anova import mixed_anova
+from tactometry.analysis.strata import Bounded, fit_strata
+from tactometry.analysis.truncated import between
+from tactometry.errors import InvalidParameter
+
+GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "subject"}
+MAUCHLY = ("W_spher", "p_spher", "sphericity")
+
+
+def open_ended(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(low=np.nan, high=np.nan)
+
+
+def cut(table: pd.DataFrame, at: float) -> pd.DataFrame:
+    """Values below `at` are known to lie below it, no more."""
+    below = table["y"] < at
+    return table.assign(y=table["y"].where(~below), low=np.nan, high=np.where(below, at, np.nan))
+
+
+def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:
+    assert list(found.columns) == list(peer.columns)
+    for name in set(peer.columns) - {"Source", *MAUCHLY}:
+        expected = pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6, abs=1e-9, nan_ok=True)
+        assert found[name].to_numpy(dtype=float) == expected, name
+
+
+# --- where nothing is censored
+
+
+@pytest.mark.parametrize("shape", [(5, 2), (8, 4), (6, 3, 4), (5, 2, 3, 2)])
+def test_of_known_values_it_is_the_analysis_of_variance(shape) -> None:
+    """Every column but Mauchly's test, at any scale."""
+    table = long_table(drawn(shape, np.random.default_rng()))
+    within = NAMES[: len(shape) - 1]
+    peer = repeated_measures(table, dependent="y", within=within, subject="subject")
+    alike(censored_anova(open_ended(table), within=within, **GIVEN).table, peer)
+    large = censored_anova(open_ended(table.assign(y=1e300 * table["y"])), within=within, **GIVEN).table
+    hard_case("censored ANOVA of values of 1e300: F", large["F"].dropna(), peer["F"].dropna(), 1e-6, against="ANOVA")
+
+
+@pytest.mark.parametrize("sizes", [(6, 6), (4, 7, 5)])
+def test_of_known_values_of_groups_it_is_the_mixed_analysis_of_variance(sizes) -> None:
+    table = of_groups(sizes, 6, np.random.default_rng())
+    crossed = table.assign(force=table["freq"] // 3, freq=table["freq"] % 3)
+    within = ["force", "freq"]
+    peer = mixed_anova(crossed, dependent="y", within=within, between="hand", subject="subject")
+    found = censored_anova(open_ended(crossed), within=within, between="hand", **GIVEN)
+    alike(found.table, peer)
+    assert found.means()["hand"].nunique() == len(sizes)
+
+
+def test_of_known_values_the_means_are_those_of_the_group_table() -> None:
+    table = long_table(drawn((7, 3, 2), np.random.default_rng())).rename(columns={"subject": "participant"})
+    found = censored_anova(open_ended(table), within=NAMES[:2], **(GIVEN | {"subject": "participant"})).means()
+    peer = group_table(table.assign(status="ok"), NAMES[:2], "y")
+    for name in ("mean", "mean_low", "mean_high", "sd"):
+        assert found[name].to_numpy() == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-9)
+
+
+# --- bounds
+
+
+def test_one_factor_of_bounds_is_the_mixed_model_with_a_random_intercept() -> None:
+    """Whose integral is over one random effect, by quadrature."""
+    rng = np.random.default_rng()
+    table = cut(long_table(rng.normal(size=(10, 4)) + 2 * rng.normal(size=(10, 1))), -2.0)
+    found = censored_anova(table, within="force", **GIVEN)
+    peer = censored_model(table, factors=["force"], **GIVEN)
+    first, *others = peer.coefficients["estimate"]
+    sd = np.sqrt(peer.residual_variance)
+    means = found.means()["mean"].to_numpy()
+    if not peer.notes:
+        hard_case(
+            "means of conditions with bounds",
+            means / sd,
+            (first + np.array([0, *others])) / sd,
+            0.02,
+            against="quadrature",
+        )
+        assert found.table.loc[0, "F"] == pytest.approx(peer.terms.loc[0, "F"], rel=0.05)
+    assert found.n_censored == peer.n_censored == table["y"].isna().sum()
+
+
+def test_the_likelihood_is_that_of_the_integral() -> None:
+    """Of one participant with two bounds, at the covariance of two factors."""
+    rng = np.random.default_rng()
+    y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
+    low, high = y.copy(), y.copy()
+    low[0, 1], high[0, 2] = -np.inf, np.inf
+    fit = fit_strata(Bounded(low, high, np.zeros(4, dtype=np.int64), (2, 2)))
+    density = multivariate_normal(fit.means[0], fit.model)
+    (first, below, above, last), far = y[0], 12 * np.sqrt(fit.model[0, 0])
+    chance = dblquad(
+        lambda b, a: density.pdf([first, a, b, last]), below - far, below, above, above + far, epsabs=1e-13, epsrel=1e-8
+    )[0]
+    total = float(np.sum(density.logpdf(y[1:]))) + np.log(chance)
+    hard_case("likelihood of two bounds of one participant", fit.log_likelihood, total, 1e-3, against="an integral")
+
+
+@pytest.mark.parametrize(("low", "high"), [(-np.inf, -1.0), (0.5, np.inf), (-0.3, 0.4), (3.0, np.inf), (30.0, 31.0)])
+def test_points_between_ends_have_the_moments_of_the_truncated_normal(low, high) -> None:
+    from scipy.stats import truncnorm
+
+    found = between(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
+    peer = truncnorm(low, high)
+    assert found.log_chance == pytest.approx(float(peer.logcdf(high) + _log_mass(low, high)), abs=1e-9)
+    mean = float(found.weights @ found.points[:, 0])
+    assert mean == pytest.approx(float(peer.mean()), abs=5e-3 * float(peer.std()))
+    assert ((low <= found.points) & (found.points <= high)).all()
+
+
+def _log_mass(low: float, high: float) -> float:
+    with mpmath.workdps(40):
+        return (
+            float(mpmath.log(mpmath.ncdf(-low) - mpmath.ncdf(-high)))
+            if low > 0
+            else float(mpmath.log(mpmath.ncdf(high) - mpmath.ncdf(low)))
+        )
+
+
+def test_units_offset_and_mirror_do_not_matter() -> None:
+    values = long_table(drawn((9, 3), np.random.default_rng()))
+    table = cut(values, float(values["y"].quantile(0.15)))
+    one = censored_anova(table, within="force", **GIVEN)
+    moved = table.assign(y=-1e-9 * table["y"] + 7e-9, low=-1e-9 * table["high"] + 7e-9, high=np.nan)
+    other = censored_anova(moved, within="force", **GIVEN)
+    assert other.table["F"][0] == pytest.approx(one.table["F"][0], rel=1e-2)
+    assert other.means()["mean"].to_numpy() == pytest.approx(-1e-9 * one.means()["mean"].to_numpy() + 7e-9, rel=1e-2)
+
+
+def test_a_missing_value_is_no_bound_and_a_known_rest_counts() -> None:
+    table = open_ended(long_table(drawn((9, 4), np.random.default_rng())))
+    holed = table.assign(y=table["y"].where(table.index != 5))
+    found = censored_anova(holed, within="force", **GIVEN)
+    assert (found.n_missing, found.n_censored) == (1, 0)
+    assert censored_anova(holed.drop(index=5), within="force", **GIVEN).table["F"][0] == found.table["F"][0]
+    whole = found.table.loc[0, "ddof2"]
+    assert 3 * 7 < whole < 3 * 8
+
+
+def test_means_are_recovered_where_bounds_alone_are_too_high() -> None:
+    """Sixty participants, a third of one condition below its bound; within the standard error at 1e-4."""
+    rng = np.random.default_rng()
+    truth = np.array([0.0, 1.0, 2.0])
+    values = truth + rng.normal(0, 1.5, (60, 1)) + rng.normal(0, 0.7, (60, 3))
+    found = censored_anova(cut(long_table(values), -0.7), within="force", **GIVEN).means()
+    error = (found["mean_high"] - found["mean_low"]) / 2 / 2.0
+    assert (np.abs(found["mean"] - truth) < 3.9 * error).all()
+    at_bounds = np.maximum(values, -0.7).mean(axis=0)
+    assert found["mean"][0] < at_bounds[0]
+
+
+# --- refusals
+
+
+def refused(table: pd.DataFrame, message: str, status: DesignStatus | None = None, **options) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}") as refusal:
+        censored_anova(table, **(GIVEN | {"within": "force"} | options))
+    assert status is None or isinstance(refusal.value, UndefinedStatistic)
+    assert getattr(refusal.value, "status", None) == status
+
+
+def test_refuses_what_has_no_answer() -> None:
+    table = cut(long_table(drawn((8, 3), np.random.default_rng())), -9.0)
+    first = table["force"] == 0
+    bound = table.assign(y=table["y"].where(~first | (table["subject"] == 3)), high=table["high"].where(~first, 9.0))
+    refused(
+        bound,
+        "force = 0: found 1 known value, expected at least 2 beside the bounds; leave the condition out",
+        DesignStatus.TOO_FEW_KNOWN,
+    )
+    refused(table[table["subject"] < 2], "subject: found 2 participants", DesignStatus.TOO_FEW_PARTICIPANTS)
+    refused(table[first], "force: found 1 value, expected at least 2", DesignStatus.ONE_LEVEL)
+    refused(table.assign(y=3.0), "y: found the same value everywhere", DesignStatus.CONSTANT)
+    refused(table.iloc[:0], "table: found no row", DesignStatus.NO_DATA)
+    refused(
+        table.assign(force=table["force"].where(table.index != 4)), "force, row 4: found nothing", DesignStatus.NO_NAME
+    )
+    refused(pd.concat([table, table.iloc[:1]]), "subject = 0.0, force = 0.0: found 2 values, expected one in each cell")
+    refused(table.assign(y="much"), "y, row 0: found much, expected a number or nothing")
+    refused(table.assign(y=np.nan, low=2.0, high=1.0), "y, row 0: found the bounds 2 and 1")
+    refused(table.assign(y=np.inf), "y, row 0: found the bounds inf and inf")
+    refused(table, "censored_anova: found no column 'forze'; did you mean 'force'?", within=["forze"])
+    refused(table, "within: found force, force, expected up to 3 different factors", within=["force", "force"])
+    exact_case("bounds without known values beside them: ANOVA", against="one sentence")
+
+
+def test_an_effect_without_error_has_no_f() -> None:
+    rng = np.random.default_rng()
+    values = np.arange(6.0)[:, None, None] + np.array([0.0, 3.0])[None, :, None] + rng.normal(size=(6, 1, 3))
+    found = censored_anova(open_ended(long_table(values)), within=["force", "freq"], **GIVEN).table
+    assert found["F"].isna().tolist() == [True, False, True]
+
+
+def test_names_of_the_means_are_those_of_the_cells() -> None:
+    keys = list(product("abcd", ("x", "y"), (1, 2)))
+    table = pd.DataFrame(keys, columns=["subject", "where", "force"])
+    table["y"] = np.random.default_rng().normal(size=len(table)) + 100 * (table["where"] == "y") + 10 * table["force"]
+    means = censored_anova(open_ended(table), within=["where", "force"], **GIVEN).means()
+    assert means[["where", "force"]].values.tolist() == [["x", 1], ["x", 2], ["y", 1], ["y", 2]]
+    assert means["mean"].round(-1).tolist() == [10, 20, 110, 120]

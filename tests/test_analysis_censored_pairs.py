@@ -1,0 +1,71 @@
+"""Pairs of conditions and groups of which some values are bounds: those of known values, and the truth is recovered."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_analysis_censored_anova import GIVEN, cut, open_ended
+from test_analysis_contrasts import drawn, long_table
+from test_analysis_mixed_anova import study as of_groups
+
+from tactometry.analysis.censored_anova import CensoredAnova, censored_anova
+from tactometry.analysis.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.group_pairs import group_pairs
+from tactometry.analysis.post_hoc import pairs
+
+COMPARED = ["difference", "difference_low", "simultaneous_high", "t", "df", "p_unc", "p_corr"]
+
+
+def two_factors() -> tuple[pd.DataFrame, CensoredAnova]:
+    table = long_table(drawn((7, 3, 2), np.random.default_rng()))
+    return table, censored_anova(open_ended(table), within=["force", "freq"], **GIVEN)
+
+
+@pytest.mark.parametrize(("factor", "by"), [("force", None), ("freq", None), ("force", "freq"), ("freq", "force")])
+def test_of_known_values_they_are_paired_t_tests(factor, by) -> None:
+    table, found = two_factors()
+    peer = pairs(table, dependent="y", factor=factor, by=by, subject="subject")
+    own = censored_pairs(found, factor, by=by)
+    keys = [*([by] if by else []), "a", "b"]
+    table = own.set_index(keys).loc[peer.set_index(keys).index]
+    for name in [*COMPARED, "dz"]:
+        assert table[name].to_numpy(dtype=float) == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6)
+
+
+@pytest.mark.parametrize("by", [None, "freq"])
+def test_of_known_values_groups_differ_by_welchs_tests(by) -> None:
+    table = of_groups((5, 8, 6), 3, np.random.default_rng())
+    found = censored_anova(open_ended(table), within="freq", between="hand", **GIVEN)
+    own = censored_group_pairs(found, by=by)
+    peer = group_pairs(table, dependent="y", between="hand", subject="subject", by=by)
+    for name in [*COMPARED, "g", "n_a", "n_b"]:
+        assert own[name].to_numpy(dtype=float) == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6)
+
+
+def test_of_known_values_equivalence_is_that_of_the_differences() -> None:
+    table, found = two_factors()
+    own = censored_equivalence(found, "force", bound=2.0)
+    peer = equivalence(table, dependent="y", factor="force", subject="subject", bound=2.0)
+    for name in ("difference", "low", "high", "t_low", "p"):
+        assert own[name].to_numpy() == pytest.approx(peer[name].to_numpy(), rel=1e-6)
+    assert own.attrs["p_all"] == pytest.approx(peer.attrs["p_all"], rel=1e-6)
+
+
+def test_bounds_cost_degrees_of_freedom_and_width() -> None:
+    rng = np.random.default_rng()
+    table = long_table(rng.normal(size=(12, 3)) + rng.normal(size=(12, 1)))
+    known = censored_pairs(censored_anova(open_ended(table), within="force", **GIVEN), "force")
+    bounds = censored_pairs(censored_anova(cut(table, -1.0), within="force", **GIVEN), "force")
+    assert (bounds["df"] < known["df"]).all()
+    assert known["df"].to_numpy() == pytest.approx(11)
+    assert bounds["status"].tolist() == ["ok"] * 3
+    assert bounds["bf10"].isna().all()
+
+
+def test_conditions_that_differ_alike_in_all_participants_have_no_test() -> None:
+    rng = np.random.default_rng()
+    values = rng.normal(size=(6, 1)) + np.array([0.0, 2.0, 0.0]) + np.array([0, 0, 1]) * rng.normal(size=(6, 1))
+    found = censored_pairs(censored_anova(open_ended(long_table(values)), within="force", **GIVEN), "force")
+    assert found["status"].tolist() == ["zero_error", "ok", "ok"]
+    assert found["difference"][0] == pytest.approx(2.0)
+    assert found.loc[0, ["t", "p_corr"]].isna().all()
