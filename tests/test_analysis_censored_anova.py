@@ -83,7 +83,7 @@ def test_of_known_values_the_means_are_those_of_the_group_table() -> None:
 def test_one_factor_of_bounds_is_the_mixed_model_with_a_random_intercept() -> None:
     """Whose integral is over one random effect, by quadrature."""
     rng = np.random.default_rng()
-    table = cut(long_table(rng.normal(size=(10, 4)) + 2 * rng.normal(size=(10, 1))), -2.0)
+    table = cut(long_table(8 + rng.normal(size=(10, 4)) + 2 * rng.normal(size=(10, 1))), 6.0)
     found = censored_anova(table, within="force", **GIVEN)
     peer = censored_model(table, factors=["force"], **GIVEN)
     first, *others = peer.coefficients["estimate"]
