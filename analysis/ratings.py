@@ -83,7 +83,7 @@ def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[
         left_out = part["left_out"].iloc[0]
         tail = f" (left out, without a score: {left_out})" if left_out else ""
         tested = part[part["F" if "F" in part.columns else "t"].notna()] if {"F", "t"} & set(part.columns) else part[:0]
-        found += [f"{dimension}: {text}{tail}" for text in sentences(tested)]
+        found += [f"{dimension}: {text}{tail}" for text in (sentences(tested) if len(tested) else [])]
         found += [f"{dimension}: not tested, {note}" for note in part["note"][~part.index.isin(tested.index)]]
     return found
 
