@@ -20,6 +20,7 @@ from tactometry.provenance import sha256, versions
 from tactometry.rigs.rig import Rig
 from tactometry.run import run
 from tactometry.sittings import differences
+from tactometry.trial import Tally
 
 
 @dataclass(frozen=True)
@@ -50,13 +51,24 @@ class Who:
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a sitting left: where, how many trials in all, how each procedure ended, and what was repaired."""
+    """What a sitting left: where, how many trials in all and before it, how each procedure ended, and what was
+    repaired."""
 
     trials: Path
-    n_trials: int
+    tally: Tally
     n_resumed: int
     tracks: tuple[Track, ...]
     repaired: str | None
+
+    @property
+    def n_trials(self) -> int:
+        return self.tally.n_trials
+
+    @property
+    def endings(self) -> dict[str, int]:
+        """How many procedures ended in which way."""
+        endings = [track.ended for track in self.tracks]
+        return {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
 
 
 @dataclass(frozen=True)
@@ -117,7 +129,7 @@ def record(
             tracks = run(course, rig, keeper)
     finally:
         keeper.close()
-    return Recorded(keeper.trials, keeper.n_trials, n_resumed, tracks, keeper.repaired)
+    return Recorded(keeper.trials, keeper.tally, n_resumed, tracks, keeper.repaired)
 
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:

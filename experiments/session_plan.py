@@ -87,19 +87,21 @@ class Sitting:
         groups = itertools.groupby(factors, self._slow)
         blocks = [self._block(list(group)) for _, group in groups]
         practice = self._practice(blocks[0])
-        inquiries: dict[str, list[Part]] = {after: list(self._inquiries(after)) for after in ("block", "session")}
-        between: list[Part] = [part for block in blocks for part in (block, *inquiries["block"])]
-        return (*practice, *between, *inquiries["session"])
+        between = itertools.chain.from_iterable(self._with_inquiries(block) for block in blocks)
+        return (*practice, *between, *self._inquiries("session", {}))
+
+    def _with_inquiries(self, block: Block) -> tuple[Part, ...]:
+        return (block, *self._inquiries("block", block.factors))
 
     def _slow(self, factors: Factors) -> list[float | str]:
         return [level for name, level in factors.items() if name not in self.study.plan.interleave]
 
-    def _inquiries(self, after: str) -> Iterator[Inquiry]:
+    def _inquiries(self, after: str, condition: Factors) -> Iterator[Inquiry]:
         empty = dict.fromkeys(self.study.factors, "")
         for name, table in self.study.inquiries.items():
             if table.after == after:
                 form = form_of(self.study, table.form, f"inquiries.{name}.form")
-                yield Inquiry(form, table.shuffled, empty)
+                yield Inquiry(form, table.shuffled, empty, condition)
 
     def _practice(self, first: Block) -> list[Block]:
         rule = practice_of(self.study.practice)

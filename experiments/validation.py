@@ -13,7 +13,7 @@ from pathlib import Path
 from tactometry.agreement import REBUILD, disagreement
 from tactometry.dataset import Session, keys_of, participants, sessions, trials_csv
 from tactometry.description import NAME
-from tactometry.errors import InvalidFile, TactometryError, counted
+from tactometry.errors import InvalidFile, TactometryError
 from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import Experiment, wire
@@ -23,6 +23,7 @@ from tactometry.journal import Recording, read
 from tactometry.provenance import sha256
 from tactometry.rows import Defect, defects, grouped
 from tactometry.sittings import changes
+from tactometry.trial import tally
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -198,8 +199,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         yield Defect(name, 1, f"found {whose}, expected that of the file's name; remove the copy")
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]
     if not recording.complete:
-        n_trials = counted(len(recording.trials), "trial")
-        notes.append(f"{name}: the session is not finished ({n_trials}); go on with --resume")
+        notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
     if experiment is None:
         return
     if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:
@@ -251,10 +251,10 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
     if not os.path.lexists(file):
-        if recording.events:
+        if recording.told:
             yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
         return
-    differs = disagreement(read_file(file, "an events file"), events_tsv(recording.events))
+    differs = disagreement(read_file(file, "an events file"), events_tsv(recording.told))
     if differs is not None:
         yield Defect(name, *differs)
     if not file.with_suffix(".json").is_file():

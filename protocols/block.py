@@ -6,7 +6,7 @@ from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidParameter, counted
 from tactometry.protocols.pool import answered
 from tactometry.protocols.procedure import Procedure
 from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
@@ -36,15 +36,21 @@ class Condition:
 
 @dataclass(frozen=True)
 class Track:
-    """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart."""
+    """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart.
+
+    One whose block the session had no time for is not `begun`.
+    """
 
     condition: Condition
     procedure: Procedure
     name: str | None = None
     aborted: bool = False
+    begun: bool = True
 
     @property
     def ended(self) -> str | None:
+        if not self.begun:
+            return "not begun"
         return "aborted" if self.aborted else self.procedure.ended
 
 
@@ -215,7 +221,8 @@ def turns(interleaving: str, rng: np.random.Generator) -> Callable[[Sequence[int
 
 @dataclass(frozen=True)
 class Standing:
-    """How a block stands: its tracks, the presentations that must come again, and what ends it."""
+    """How a block stands: its tracks, the presentations that must come again, and what ends it; `late`: its time is
+    over."""
 
     block: Block
     tracks: tuple[Track, ...]
@@ -224,6 +231,7 @@ class Standing:
     in_a_row: Mapping[int, int] = field(default_factory=dict)
     begun_s: float | None = None
     n_valid: int = 0
+    late: bool = False
 
     def open(self) -> list[int]:
         """The tracks that have something left to present."""
@@ -246,7 +254,7 @@ class Standing:
         standing = replace(standing, next_trial=max(self.next_trial, asked.trial + 1))
         standing = standing._kept(asked, outcome) if outcome.valid else standing._put_back(asked)
         late = self.block.longest_s is not None and outcome.onset_s - begun_s > self.block.longest_s
-        return replace(standing, tracks=tuple(map(_stopped, standing.tracks))) if late else standing
+        return replace(standing, tracks=tuple(map(_stopped, standing.tracks)), late=True) if late else standing
 
     def _kept(self, asked: Asked, outcome: Outcome) -> "Standing":
         standing = self if asked.level is None else self._told(asked, outcome)
@@ -307,8 +315,9 @@ def run_block(
         if asked is None:
             level = None if next(catches[index]) else standing.tracks[index].procedure.level
             asked = Asked(index, standing.next_trial, level)
-        outcome = yield from _presented(block, number, asked, standing.tracks[index], rng)
-        standing = standing.after(asked, outcome)
+        outcome = yield from block.task.trial(_presentation(standing.tracks[index], asked), rng)
+        before, standing = standing, standing.after(asked, outcome)
+        yield from _recorded(number, asked, outcome, before, standing)
         if block.rest_after and outcome.valid and standing.open() and standing.n_valid % block.rest_after == 0:
             if block.rest_s is not None:
                 yield Show("resting", duration_s=block.rest_s)
@@ -316,16 +325,36 @@ def run_block(
     return standing.tracks, standing.next_trial
 
 
-def _presented(block: Block, number: int, asked: Asked, track: Track, rng: np.random.Generator) -> Course[Outcome]:
+def _presentation(track: Track, asked: Asked) -> Presentation:
     condition = track.condition
-    shown = Presentation(condition.stimulus, asked.level, condition.touch, condition.alternatives)
-    outcome = yield from block.task.trial(shown, rng)
-    for reply in outcome.replies or (Reply(),):
+    return Presentation(condition.stimulus, asked.level, condition.touch, condition.alternatives)
+
+
+def _recorded(number: int, asked: Asked, outcome: Outcome, before: Standing, after: Standing) -> Course[None]:
+    """The rows of a presentation, the last with what it aborts, and what is said of the answer."""
+    block, track = before.block, before.tracks[asked.track]
+    *replies, last = outcome.replies or (Reply(),)
+    for reply in replies:
         yield Record(trial_row(block, number, asked, track, outcome, reply))
+    yield Record(trial_row(block, number, asked, track, outcome, last), _aborted(number, before, after))
     correct = outcome.replies[0].correct if outcome.valid else None
     if block.feedback and correct is not None:
         yield Show("right" if correct else "wrong", duration_s=FEEDBACK_S)
-    return outcome
+
+
+def _aborted(number: int, before: Standing, after: Standing) -> str | None:
+    """What ends unfinished, and why; None where nothing does."""
+    pairs = zip(before.tracks, after.tracks, strict=True)
+    lost = [then.name for was, then in pairs if then.aborted and not was.aborted]
+    if not lost:
+        return None
+    block = before.block
+    n_lost = counted(block.n_attempts, "presentation")
+    why = f"{n_lost} in a row, or of one trial, {'was' if block.n_attempts == 1 else 'were'} not valid"
+    if block.longest_s is not None and after.late:
+        why = f"it has lasted longer than {block.longest_s:g} s"
+    names = ", ".join(name for name in lost if name)
+    return f"block {number} is aborted{f' ({names})' if names else ''}: {why}"
 
 
 def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: Outcome, reply: Reply) -> Trial:

@@ -1,7 +1,7 @@
 """A session: blocks and questionnaires in their order."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -30,6 +30,9 @@ class Part(Protocol):
     @property
     def factors(self) -> Mapping[str, float | str]: ...
 
+    @property
+    def tracks(self) -> tuple[Track, ...]: ...
+
     def course(
         self, number: int, first_trial: int, rng: np.random.Generator
     ) -> Course[tuple[tuple[Track, ...], int]]: ...
@@ -38,6 +41,8 @@ class Part(Protocol):
 @dataclass(frozen=True)
 class Inquiry:
     """A questionnaire on its own: a row for each item, all of one trial.
+
+    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about.
 
     Raises
     ------
@@ -48,9 +53,11 @@ class Inquiry:
     form: Questionnaire
     shuffled: bool = False
     factors: Mapping[str, float | str] = field(default_factory=dict)
+    condition: Mapping[str, float | str] = field(default_factory=dict)
 
     instructions = "instructions_rating"
     page = "block"
+    tracks = ()
 
     def __post_init__(self) -> None:
         of_kind("Inquiry", Questionnaire, form=self.form)
@@ -64,7 +71,7 @@ class Inquiry:
         return Trial(
             block=number,
             trial=trial,
-            factors=self.factors,
+            factors={**self.factors, **self.condition},
             procedure=self.form.name,
             level=None,
             level_unit="",
@@ -103,7 +110,7 @@ def pages(parts: Sequence[Part]) -> Iterator[Show]:
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None
 ) -> Course[tuple[Track, ...]]:
-    """All parts in their order, with a page before each, the instructions first, and a last page.
+    """All parts in their order, with a page before each, the instructions first, and a last page: how all tracks ended.
 
     No part begins later than `longest_s` after the start.
     """
@@ -115,6 +122,7 @@ def session(
     for number, part in enumerate(parts, 1):
         shown: Done = yield _page(parts, number, part)
         if longest_s is not None and shown.at_s - begun.at_s > longest_s:
+            tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
         ended, trial = yield from part.course(number, trial, rng)
         tracks += ended

@@ -11,14 +11,14 @@ from tactometry.columns import Column
 from tactometry.errors import InvalidParameter
 
 Fact = str | int | float | bool | None
-Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop"]
+Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 
 FACTS: Final = (
     Column("block", "Number of the block of the trial"),
     Column("trial", "Number of the trial, of a row of kind trial"),
     Column("attempt", "Number of the attempt at this trial, from 1"),
-    Column("n_frames", "Frames of the screen since the trial before"),
+    Column("n_frames", "Frames of the screen since the trial or the questionnaire before"),
     Column("n_dropped_frames", "Frames that were not shown in time: whole periods that an interval was too long"),
     Column("frame_interval_median_s", "Median interval between frames", "s"),
     Column("frame_interval_p99_s", "99th percentile of the intervals between frames", "s"),
@@ -30,7 +30,7 @@ FACTS: Final = (
     Column("device", "Whose clock, of a row of kind clock: a sensor, output, keyboard or utc"),
     Column("clock_offset_s", "Session's clock (time.perf_counter) minus that of the device", "s"),
     Column("clock_drift", "Seconds that the session's clock gained per second since the first such row of the sitting"),
-    Column("text", "The remark; who or what caused a pause, a repetition or a stop"),
+    Column("text", "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why"),
 )
 COLUMNS: Final = (
     Column("onset", "When it happened since the start of the session", "s"),

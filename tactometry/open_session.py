@@ -13,11 +13,13 @@ from tactometry.errors import InvalidFile, InvalidParameter, counted
 from tactometry.event import Event, events_tsv
 from tactometry.files import drafts, read_file, replaced, write_atomically, write_whole
 from tactometry.formats import FORMAT, as_kept, columns_in
-from tactometry.journal import Head, Journal
+from tactometry.journal import Head, abortion
+from tactometry.open_journal import Journal
 from tactometry.provenance import sha256
-from tactometry.request import Record, Request
+from tactometry.request import Done, Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.sittings import heads
+from tactometry.trial import tally
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
@@ -76,7 +78,7 @@ class OpenSession:
             self._columns = columns_in(design.columns, self.format)
             told = replace(design, columns=self._columns)
             describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
-            self.n_trials = len(self.journal.recording.trials)
+            self.tally = tally(self.journal.recording.trials)
             self._say_cut()
             self._rebuild()
         except BaseException:
@@ -102,6 +104,11 @@ class OpenSession:
         return self._trials
 
     @property
+    def n_trials(self) -> int:
+        """Trials that are recorded."""
+        return self.tally.n_trials
+
+    @property
     def complete(self) -> bool:
         return self.journal.recording.complete
 
@@ -111,6 +118,9 @@ class OpenSession:
     def note(self, event: Event) -> None:
         """Keep what happened unasked, in the journal and in the events file."""
         self.journal.note(event)
+        self._tell(event)
+
+    def _tell(self, event: Event) -> None:
         if self._events_file < 0:
             self._events_file = self._new_events(())
         line = events_tsv([event]).partition(b"\n")[2]
@@ -123,7 +133,9 @@ class OpenSession:
             self.recorded_s = time.perf_counter()
             line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
             write_whole(self._file, line, self._trials, durable=False)
-            self.n_trials += 1
+            self.tally = self.tally.after(request.trial)
+            if request.aborted is not None and isinstance(answer, Done):
+                self._tell(abortion(request, answer))
 
     def finish(self) -> None:
         self.journal.finish()
@@ -146,11 +158,11 @@ class OpenSession:
         content = trials_csv(recording.trials, self._session, self._rig, self._columns)
         for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
             self._keep_surplus(path, content)
-        self._keep_surplus(self._session.events(self._root), events_tsv(recording.events))
+        self._keep_surplus(self._session.events(self._root), events_tsv(recording.told))
         write_atomically(self._session.sidecar(self._root), sidecar_json(self._columns))
         self._file = replaced(self._trials, content)
-        if recording.events:
-            self._events_file = self._new_events(recording.events)
+        if recording.told:
+            self._events_file = self._new_events(recording.told)
         for folder in (self._trials.parent, self.journal.path.parent):
             for draft in drafts(folder, f"{self._session.stem}*"):
                 draft.unlink()

@@ -51,7 +51,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
         while recorded.n_left:
             request = _advance(course, request.put_to(recorded))
         if recorded.elapsed_s:
-            rig.resume(recorded.n_trials, recorded.elapsed_s)
+            rig.resume(recorded.trials, recorded.elapsed_s)
         while True:
             answer = request.put_to(rig)
             journal.append(request, answer)

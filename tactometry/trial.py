@@ -1,8 +1,11 @@
 """One row of the trials table."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Final, Literal, get_args
+
+from tactometry.errors import counted
 
 Value = str | int | float | bool | None
 Reason = Literal[
@@ -75,6 +78,11 @@ class Trial:
     extra: Mapping[str, Value] = field(default_factory=dict)
 
     @property
+    def key(self) -> tuple[int, int, int]:
+        """What all rows of one trial share: block, trial and attempt."""
+        return self.block, self.trial, self.attempt
+
+    @property
     def is_form(self) -> bool:
         """Whether it is an answer to a questionnaire on its own, which is no trial: nothing was to be felt.
 
@@ -95,12 +103,37 @@ def validity(trial: Trial) -> str:
     return "not valid" if trial.invalid_reason is None else f"not valid: {REASON_WORDS[trial.invalid_reason]}"
 
 
-def n_presented(trials: Iterable[Trial]) -> int:
-    """How many trials there were: the rows of one are one, and those of questionnaires on their own are none.
+@dataclass(frozen=True)
+class Tally:
+    """What was counted of rows: the rows of one trial are one trial, answers to questionnaires on their own are none.
 
-    >>> from dataclasses import replace
+    Examples
+    --------
     >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
-    >>> n_presented([item, replace(item, item="SUS2"), replace(item, trial=2, level=None)])
-    1
+    >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
+    >>> str(tally(rows))
+    '2 trials, 1 of them not valid, and 1 answer to questionnaires'
     """
-    return len({(trial.block, trial.trial, trial.attempt) for trial in trials if not trial.is_form})
+
+    n_trials: int = 0
+    n_invalid: int = 0
+    n_answers: int = 0
+    last: tuple[int, int, int] | None = None
+
+    def after(self, trial: Trial) -> "Tally":
+        """With another row."""
+        if trial.is_form:
+            return replace(self, n_answers=self.n_answers + 1)
+        if trial.key == self.last:
+            return self
+        return Tally(self.n_trials + 1, self.n_invalid + (not trial.valid), self.n_answers, trial.key)
+
+    def __str__(self) -> str:
+        invalid = f", {self.n_invalid} of them not valid" if self.n_invalid else ""
+        answers = f", and {counted(self.n_answers, 'answer')} to questionnaires" if self.n_answers else ""
+        return f"{counted(self.n_trials, 'trial')}{invalid}{answers}"
+
+
+def tally(trials: Iterable[Trial]) -> Tally:
+    """The count of rows in their order."""
+    return reduce(Tally.after, trials, Tally())

@@ -90,7 +90,7 @@ def test_validate_names_the_defect(copied, capsys, defect):
 
 def test_validate_finds_nothing_in_a_sound_data_set(copied, capsys):
     status, _, out = call(capsys, "validate", copied)
-    assert (status, out.strip()) == (0, f"{copied}: sound; 2 sessions, {n_trials(copied)} trials")
+    assert (status, out.strip()) == (0, f"{copied}: sound; 2 sessions, {n_trials(copied)} rows")
 
 
 def n_trials(root):

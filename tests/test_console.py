@@ -1,14 +1,16 @@
 """The console: what counts as an answer, and when it gives up."""
 
 import io
+from dataclasses import replace
 
 import catalogue
 import pytest
 
 from tactometry.errors import Stopped
-from tactometry.request import Choose
+from tactometry.request import Choose, Record
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import texts_in
+from tactometry.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
 
@@ -54,5 +56,22 @@ def test_after_twenty_lines_that_are_none_the_session_stops():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.choose(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
-    with pytest.raises(Stopped, match="20 lines in trial 1 were no answers: the 0 trials before are safe"):
+    with pytest.raises(
+        Stopped, match="20 lines in trial 1 were no answers: what was recorded before is safe \\(0 trials\\)"
+    ):
         rig.choose(FELT)
+
+
+def test_a_block_that_is_aborted_is_told_at_once():
+    rig, said = console("")
+    rig.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1), aborted="block 1 is aborted: so"))
+    assert said.getvalue() == "! block 1 is aborted: so\n"
+
+
+def test_trials_are_counted_and_rows_of_questionnaires_are_not():
+    rig, said = console("yes\n")
+    item = Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1")
+    rig.resume([item, replace(item, task="yes_no", level=5.0)], 10.0)
+    rig.record(Record(replace(item, item="SUS2")))
+    rig.choose(FELT)
+    assert "[trial 2]" in said.getvalue()

@@ -249,6 +249,29 @@ def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
     terminal.shows("no answer, not valid: too light")
 
 
+def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
+    bench = bench_with()
+    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
+    assert terminal.sees("no force was held in time\r\n! block 2 is aborted: so\r\n")
+
+
+def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):
+    def rows(level, n_trial):
+        item = replace(ROW.trial, trial=n_trial, task="rating", procedure="vas", level=level, response=3.0)
+        return [Record(replace(item, item=name)) for name in ("pleasant", "intense")]
+
+    bench = bench_with()
+    for row in [*rows(5.0, 7), *rows(None, 8), *rows(5.0, 9)]:
+        bench.wait(Wait(0.05))
+        bench.record(row)
+    bench.wait(Wait(0.0))
+    trials = [event.facts for event in kept.events if event.kind == "trial"]
+    assert [facts["trial"] for facts in trials] == [7, 9]
+    assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
+    bench.press(PRESS)
+    terminal.shows("trial 3: tone 5")
+
+
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")

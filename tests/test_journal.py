@@ -18,7 +18,8 @@ from tutorial_session import EXPERIMENT, TOML, journal_of, live
 from tactometry.dataset import Session, trials_csv
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
 from tactometry.experiments.recording import Who, record, simulated
-from tactometry.journal import Journal, encode_entry, read
+from tactometry.journal import encode_entry, read
+from tactometry.open_journal import Journal
 from tactometry.request import Choose, Chosen, Done, Record, Wait
 from tactometry.trial import Trial
 
@@ -100,7 +101,7 @@ def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_
 
 def test_a_second_process_is_refused(lived):
     script = (
-        "import sys; from pathlib import Path; from tactometry.journal import Journal\n"
+        "import sys; from pathlib import Path; from tactometry.open_journal import Journal\n"
         "try: Journal(Path(sys.argv[1]), resume=True)\n"
         "except Exception as error: print(type(error).__name__, error)"
     )

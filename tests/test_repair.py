@@ -12,7 +12,8 @@ from tutorial_session import journal_of
 from tactometry.errors import DeviceFailed, SessionInUse
 from tactometry.event import Event
 from tactometry.files import drafts
-from tactometry.journal import Journal, encode_event, read
+from tactometry.journal import encode_event, read
+from tactometry.open_journal import Journal
 from tactometry.request import Done, Wait
 
 TOLD = tuple(
@@ -109,7 +110,7 @@ def test_a_repaired_journal_is_locked_and_read_by_who_comes_then(cut_off):
 
 def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off, monkeypatch):
     """Who waited with the old file in hand locks the new one."""
-    from tactometry import journal as module
+    from tactometry import open_journal as module
 
     lock, content = module._lock, cut_off.read_bytes()
 

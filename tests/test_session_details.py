@@ -14,9 +14,10 @@ from tactometry.dataset import cell
 from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.recording import Who
 from tactometry.files import write_atomically
-from tactometry.journal import Journal, checksum, encode, read
+from tactometry.journal import checksum, encode, read
 from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
+from tactometry.open_journal import Journal
 from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.block import catch_schedule, run_block
 from tactometry.quantity import si

@@ -23,9 +23,9 @@ from tactometry.experiments.study import load
 from tactometry.experiments.validation import validate
 from tactometry.experiments.wiring import wire
 from tactometry.force_gate import ForceGate
-from tactometry.journal import Journal
 from tactometry.limits import Limits
 from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.open_journal import Journal
 from tactometry.open_session import OpenSession
 from tactometry.protocols import Staircase, counterbalanced
 from tactometry.quantity import si
@@ -209,7 +209,7 @@ def test_a_console_holds_signals_against_the_limits():
 
 def test_the_clock_of_a_console_goes_on_after_an_interruption():
     console = catalogue.console()
-    console.resume(3, 100.0)
+    console.resume([], 100.0)
     assert 100.0 <= console.wait(Wait(0.0)).at_s < 200.0
 
 

@@ -288,7 +288,7 @@ def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output,
 
 
 def test_a_session_that_goes_on_keeps_its_time(bench):
-    bench.resume(12, elapsed_s=100.0)
+    bench.resume([TRIAL], elapsed_s=100.0)
     assert 100.0 < bench.record(Record(TRIAL)).at_s < 160.0
 
 

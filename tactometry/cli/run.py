@@ -148,6 +148,13 @@ def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "Rig
     return simulated(experiment, who)
 
 
+UNFINISHED = {"aborted", "not begun"}
+ENDINGS = {
+    "trials": "came to their last trial",
+    "censored_above": "censored above the levels",
+    "censored_below": "censored below the levels",
+}
+"""How procedures end, where that is not what is said of it."""
 RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
     "bench": _bench,
     "console": _console,
@@ -175,18 +182,32 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
 
 
 def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> int:
-    """Print what was recorded: status 1 if no block came to its end."""
-    endings = [track.ended for track in recorded.tracks]
-    counts = {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
-    ended = ", ".join(f"{n} {ending}" for ending, n in counts.items())
-    failed = bool(endings) and all(ending == "aborted" for ending in endings)
-    advice = "no block came to its end: mend what made the touches invalid" if failed else f"tactometry analyse {root}"
-    text = f"{recorded.trials}: {recorded.n_trials} trials; blocks ended: {ended}; next: {advice}"
+    """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
+    counts = recorded.endings
+    failed = bool(UNFINISHED & counts.keys())
+    whole = not failed or bool(counts.keys() - UNFINISHED)
+    advice = f"tactometry analyse {root}" if whole else "mend what made the touches invalid: no block came to its end"
+    text = f"{recorded.trials}: {recorded.tally}{_ended(counts)}; next: {advice}"
     result = {
         "data_set": str(root),
         "trials_file": str(recorded.trials),
         "trials": recorded.n_trials,
+        "not_valid": recorded.tally.n_invalid,
         "ended": counts,
     }
     say(text, result, as_json=as_json)
     return int(failed)
+
+
+def _ended(counts: dict[str, int]) -> str:
+    """How the procedures of a session ended, in words.
+
+    >>> _ended({"trials": 2, "aborted": 1})
+    '; 3 procedures: 2 came to their last trial, 1 aborted'
+    """
+    from tactometry.errors import counted
+
+    if not counts:
+        return ""
+    told = [f"{n} {ENDINGS.get(ending, ending)}" for ending, n in counts.items()]
+    return f"; {counted(sum(counts.values()), 'procedure')}: {', '.join(told)}"

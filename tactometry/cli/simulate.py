@@ -31,7 +31,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    from tactometry.errors import InvalidParameter
+    from tactometry.errors import InvalidParameter, counted
     from tactometry.experiments.simulating import Simulation, simulate
     from tactometry.experiments.study import load
 
@@ -47,5 +47,8 @@ def command(
         if session.repaired:
             click.echo(session.repaired, err=True)
     n_trials = sum(session.n_trials for session in recorded)
+    n_aborted = sum(session.endings.get("aborted", 0) for session in recorded)
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
-    say(f"{out}: {n_participants} participants, {n_trials} trials", result, as_json=as_json)
+    aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
+    text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
+    say(text, {**result, "aborted": n_aborted}, as_json=as_json)

@@ -13,10 +13,11 @@ from tactometry.cli.output import json_option, say
 @json_option
 def command(path: Path, *, as_json: bool) -> int:
     """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
+    from tactometry.errors import counted
     from tactometry.experiments.validation import validate
 
     found = validate(path)
-    verdict = f"{sum(defect.n_rows for defect in found.defects)} defects" if found.defects else "sound"
-    summary = f"{path}: {verdict}; {found.n_sessions} sessions, {found.n_trials} trials"
+    verdict = counted(sum(defect.n_rows for defect in found.defects), "defect") if found.defects else "sound"
+    summary = f"{path}: {verdict}; {counted(found.n_sessions, 'session')}, {counted(found.n_trials, 'row')}"
     say("\n".join([*map(str, found.defects), *found.notes, summary]), asdict(found), as_json=as_json)
     return 1 if found.defects else 0

@@ -6,7 +6,7 @@ Whatever goes wrong, or is stopped with Escape, the output is at zero before any
 import functools
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -50,7 +50,7 @@ from tactometry.rigs.trace import Trace
 from tactometry.rigs.vigil import vigil
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
-from tactometry.trial import validity
+from tactometry.trial import Tally, Trial, tally, validity
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -85,7 +85,7 @@ class Bench:
         self._attendant = Attendant(screen, self._desk, log, self._emitter.mute, pausing)
         self._stage = Stage(screen, self._attendant.attend)
         self._logbook = Logbook(self._attendant, screen, self._clocks)
-        self._n_trials = 0
+        self._tally = Tally()
         self.closed = False
         self._open()
 
@@ -118,8 +118,8 @@ class Bench:
         keyboard_s, utc_s = self._screen.clock_offset_s(), time.perf_counter() - time.time()
         return {**self._device_facts(), f"keyboard{CLOCK}": keyboard_s, f"utc{CLOCK}": utc_s}
 
-    def resume(self, n_trials: int, elapsed_s: float) -> None:
-        self._n_trials = n_trials
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
+        self._tally = tally(trials)
         self._attendant.zero_s = time.perf_counter() - elapsed_s
 
     def turn(self) -> None:
@@ -172,7 +172,7 @@ class Bench:
     def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
         self._attendant.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
-        self._desk.add(f"trial {self._n_trials + 1}: {request.stimulus} {level}")
+        self._desk.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
         parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
@@ -313,10 +313,12 @@ class Bench:
     @safely
     def record(self, request: Record) -> Done:
         trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
-        self._n_trials += 1
+        self._tally = self._tally.after(trial)
         response = "no answer" if trial.response is None else f"{trial.response}"
         self._desk.add(f"{response}, {validity(trial)}")
         self._desk.end_line()
+        if request.aborted:
+            self._desk.tell(f"! {request.aborted}")
         self._logbook.trial(trial)
         return self._done()
 

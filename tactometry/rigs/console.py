@@ -32,6 +32,7 @@ from tactometry.request import (
 )
 from tactometry.rigs.texts import Texts
 from tactometry.signal import Signal, Stimulus
+from tactometry.trial import Tally, Trial, tally
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
@@ -58,7 +59,7 @@ class Console:
         self._source = sys.stdin if source is None else source
         self._output = sys.stdout if output is None else output
         self._zero_s = time.perf_counter()
-        self._n_trials = 0
+        self._tally = Tally()
 
     def facts(self) -> dict[str, str | int | float | bool | None]:
         clock = time.get_clock_info("perf_counter")
@@ -69,8 +70,8 @@ class Console:
             "terminal": self._source.isatty(),
         }
 
-    def resume(self, n_trials: int, elapsed_s: float) -> None:
-        self._n_trials = n_trials
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
+        self._tally = tally(trials)
         self._zero_s = time.perf_counter() - elapsed_s
 
     def close(self) -> None:
@@ -90,16 +91,16 @@ class Console:
             line = self._source.readline()
             if not line:
                 raise Stopped(
-                    f"the input ended in trial {self._n_trials + 1}: the {self._n_trials} trials before are safe; go "
-                    "on with --resume"
+                    f"the input ended in trial {self._tally.n_trials + 1}: what was recorded before is safe "
+                    f"({self._tally}); go on with --resume"
                 )
             try:
                 return read(line.strip()), onset_s, round(self._now_s() - onset_s, 6)
             except ValueError:
                 self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
         raise Stopped(
-            f"{N_TRIES} lines in trial {self._n_trials + 1} were no answers: the {self._n_trials} trials before are "
-            "safe; go on with --resume"
+            f"{N_TRIES} lines in trial {self._tally.n_trials + 1} were no answers: what was recorded before is safe "
+            f"({self._tally}); go on with --resume"
         )
 
     def _signal(self, stimulus: str, level: float | None) -> Signal | None:
@@ -110,7 +111,7 @@ class Console:
         return signal
 
     def _present(self, what: str, interval: int | None) -> None:
-        self._say(f"[trial {self._n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
+        self._say(f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
 
     def play(self, request: Play) -> Played:
         signal = self._signal(request.stimulus, request.level)
@@ -136,7 +137,7 @@ class Console:
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        prompt = f"[trial {self._n_trials + 1}] {question} ({words}):"
+        prompt = f"[trial {self._tally.n_trials + 1}] {question} ({words}):"
         option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request.options, labels))
         assert isinstance(option, int)
         return Chosen(option, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
@@ -183,8 +184,9 @@ class Console:
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:
-        del request
-        self._n_trials += 1
+        self._tally = self._tally.after(request.trial)
+        if request.aborted:
+            self._say(f"! {request.aborted}")
         return Done(self._now_s())
 
 

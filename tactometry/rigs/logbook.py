@@ -28,6 +28,7 @@ class Logbook:
     def __init__(self, attendant: Attendant, screen: Screen, facts: Callable[[], Mapping[str, Fact]]) -> None:
         self._attendant, self._screen, self._facts = attendant, screen, facts
         self._trial: Trial | None = None
+        self._last: tuple[int, int, int] | None = None
         self._block: int | None = None
         self._first: dict[str, tuple[float, float]] = {}
         self._delays_s: list[float] = []
@@ -42,12 +43,17 @@ class Logbook:
         self._answered_s = at_s
 
     def trial(self, trial: Trial) -> None:
-        """A trial is about to be recorded."""
+        """A row is about to be recorded: the first of a trial, another of it, or one of a questionnaire on its own, in
+        which the frames are nobody's."""
         self.turn()
+        if trial.is_form:
+            self._screen.frame_intervals_s()
+            return
         if trial.block != self._block:
             self._block = trial.block
             self._note_clocks()
-        self._trial = trial
+        if trial.key != self._last:
+            self._trial, self._last = trial, trial.key
 
     def turn(self) -> None:
         """Note the trial that was recorded, if there is one that was not noted."""

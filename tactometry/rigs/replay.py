@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from tactometry.errors import Diverged
 from tactometry.formats import FORMAT, as_kept
+from tactometry.request import Record
 
 if TYPE_CHECKING:
     from tactometry.request import (
@@ -22,13 +23,13 @@ if TYPE_CHECKING:
         Press,
         Rate,
         Rated,
-        Record,
         Request,
         Show,
         Slide,
         Touched,
         Wait,
     )
+    from tactometry.trial import Trial
 
 A = TypeVar("A")
 
@@ -64,13 +65,14 @@ class Replay:
         return len(self._entries) - self._next
 
     @property
-    def n_trials(self) -> int:
-        return sum(type(request).__name__ == "Record" for request, _ in self._entries)
+    def trials(self) -> list["Trial"]:
+        """The recorded rows."""
+        return [request.trial for request, _ in self._entries if isinstance(request, Record)]
 
     @property
     def elapsed_s(self) -> float:
         """When the session stopped: the time of the last recorded trial, or of what happened after it."""
-        times_s = [answer.at_s for request, answer in self._entries if type(request).__name__ == "Record"]
+        times_s = [answer.at_s for request, answer in self._entries if isinstance(request, Record)]
         return float(max([self._lasted_s, *times_s[-1:]]))
 
     def refuse_rest(self) -> None:
@@ -106,8 +108,8 @@ class Replay:
     def facts(self) -> dict[str, str | int | float | bool | None]:
         return {"rig": "replay"}
 
-    def resume(self, n_trials: int, elapsed_s: float) -> None:
-        del n_trials, elapsed_s
+    def resume(self, trials: Sequence["Trial"], elapsed_s: float) -> None:
+        del trials, elapsed_s
 
     def close(self) -> None:
         pass
@@ -142,7 +144,7 @@ class Replay:
     def show(self, request: "Show") -> "Done":
         return self._answer(request, request.answer)
 
-    def record(self, request: "Record") -> "Done":
+    def record(self, request: Record) -> "Done":
         return self._answer(request, request.answer)
 
 

@@ -1,5 +1,6 @@
 """The one interface of everything that answers requests."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
 from tactometry.request import (
@@ -22,20 +23,21 @@ from tactometry.request import (
     Touched,
     Wait,
 )
+from tactometry.trial import Trial
 
 
 class Rig(Protocol):
     """Whatever answers: a bench, a simulated participant, a recording, a terminal.
 
     Only a rig owns a clock. `resume` is called once, before the first live request of a session that goes on after an
-    interruption, with the number of trials that are recorded and the time of the last of them. `close` may be called
+    interruption, with the rows that are recorded and the time at which the session stopped. `close` may be called
     more than once and leaves every output at zero.
     """
 
     def facts(self) -> dict[str, str | int | float | bool | None]:
         """What the journal's head says of display, outputs, clock."""
 
-    def resume(self, n_trials: int, elapsed_s: float) -> None: ...
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None: ...
 
     def close(self) -> None: ...
 

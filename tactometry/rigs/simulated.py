@@ -37,6 +37,7 @@ from tactometry.request import (
 from tactometry.scale import value_at
 from tactometry.signal import Signal, Stimulus
 from tactometry.speed_gate import Motion, motion
+from tactometry.trial import Trial
 
 
 class Sensation(Protocol):
@@ -141,9 +142,9 @@ class SimulatedRig:
     def facts(self) -> dict[str, str | int | float | bool | None]:
         return {"rig": "simulated", "clock": "simulated"}
 
-    def resume(self, n_trials: int, elapsed_s: float) -> None:
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         self._now_s = elapsed_s
-        self._begin_trial(n_trials)
+        self._begin_trial(len(trials))
 
     def close(self) -> None:
         pass
