@@ -32,6 +32,8 @@ def mutants() -> dict[str, str]:
         "patches need no duration": ('"piezo": ("duration_s", ', '"piezo": ('),
         "patches need no displacement": ('"duration_s", "displacement_peak_m"', '"duration_s"'),
         "a signal as long as it likes": ("return LONGEST_SIGNAL_S if", "return 1e9 if"),
+        "a force as large as it likes": ("target_n * (1 + tolerance)", "target_n"),
+        "the looser of two forces": ('    "force_peak_n",\n)', ")"),
         "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
         "any value of a limit": ('positive("Limits", ', "dict("),
         "a duty above 1": ("self.duty is not None and self.duty > 1", "False"),

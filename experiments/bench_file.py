@@ -91,11 +91,12 @@ class SensorPart:
 
 @dataclass(frozen=True)
 class ForcePart:
-    """The force: one channel (from 0) of a sensor of the file."""
+    """The force: one channel (from 0) of a sensor of the file; `release` if it must leave its band between touches."""
 
     sensor: str
     calibration: ForceCalibration
     channel: int = 0
+    release: bool = True
 
 
 @dataclass(frozen=True)
@@ -212,12 +213,18 @@ class BenchFile:
         """What the file allows and a session should be told."""
         settings = self.output.settings
         allowed = {
-            "ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
-            "shared = true: other programs may play to the output and change its volume": getattr(
+            "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
+            "output.shared = true: other programs may play to the output and change its volume": getattr(
                 settings, "shared", False
             ),
+            "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
         }
-        return tuple(f"bench file, [output]: {words}" for words, said in allowed.items() if said)
+        return tuple(f"bench file, {words}" for words, said in allowed.items() if said)
+
+    @property
+    def release(self) -> bool:
+        """Whether the force must leave its band between touches."""
+        return self.force is None or self.force.release
 
     def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
         if self.force is None:
@@ -247,6 +254,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
         "output_load": None if load is None else load.kind,
         "output_capacitance_f": None if load is None else load.capacitance_f,
         "ramp_s": bench.output.ramp_s,
+        "force_release": bench.release,
         "force_measured": None if bench.force is None else _when(bench.force.calibration.measured),
     }
     facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
@@ -335,7 +343,7 @@ def _sensor(table: dict[str, Any], path: str) -> SensorPart:
 
 
 def _force(table: dict[str, Any], path: str) -> ForcePart:
-    own = {key: value for key, value in table.items() if key in ("sensor", "channel")}
+    own = {key: value for key, value in table.items() if key in ("sensor", "channel", "release")}
     calibration = build(ForceCalibration, {key: table[key] for key in table if key not in own}, path)
     return build(ForcePart, own, path, calibration=calibration)
 

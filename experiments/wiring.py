@@ -21,6 +21,7 @@ from tactometry.protocols.session import Part, session
 from tactometry.protocols.task import Task
 from tactometry.quantity import unit_suffix, units
 from tactometry.questionnaire import own
+from tactometry.request import Play
 from tactometry.require import at_most
 from tactometry.rigs.simulated import Sensation, SimulatedRig
 from tactometry.run import Course
@@ -132,6 +133,7 @@ def wire(study: Study, where: str) -> Experiment:
         for name, inquiry in study.inquiries.items():
             form_of(study, inquiry.form, f"inquiries.{name}.form")
         own(study.forms)
+        _check_forces(experiment)
         _check_levels(experiment)
         if isinstance(experiment.task, AdjustmentTask):
             _check_starts(experiment.cells.values(), experiment.task)
@@ -168,6 +170,19 @@ def _levels(experiment: Experiment, cell: Cell) -> Iterator[tuple[str, float]]:
         level = getattr(experiment.task, key, None)
         if level is not None and experiment.asking.kind != "magnitude":
             yield f"task.{key}", level
+
+
+def _check_forces(experiment: Experiment) -> None:
+    for condition in experiment.conditions:
+        request = condition.touch.request(condition.stimulus, None, None)
+        if isinstance(request, Play):
+            continue
+        try:
+            experiment.study.limits.check_force(request.target_n, request.tolerance)
+        except TactometryError as error:
+            raise InvalidParameter(
+                f"touch.force_n: found {request.target_n:g} N, expected one within the limits ({error})"
+            ) from None
 
 
 def _check_levels(experiment: Experiment) -> None:

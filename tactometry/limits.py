@@ -14,6 +14,10 @@ ROUNDING = 1e-12
 LONGEST_SIGNAL_S = 60.0
 """Of a signal where nobody stated another limit and nothing is connected (unverified default)."""
 
+FORCE_PEAK_N = 10.0
+"""Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
+below what small force sensors and thin glass bear (unverified default)."""
+
 OPTIONAL = ("duration_s", "current_peak_a", "charge_peak_c", "displacement_peak_m", "duty", "session_s")
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
@@ -40,6 +44,8 @@ class Limits:
         Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
     session_s : float, optional
         How long after it was opened an output may emit, above 0.
+    force_peak_n : float
+        Above this force of the finger nothing plays, above 0.
 
     Raises
     ------
@@ -55,6 +61,7 @@ class Limits:
     duty: float | None = None
     duty_window_s: float = 60.0
     session_s: float | None = None
+    force_peak_n: float = FORCE_PEAK_N
 
     def __post_init__(self) -> None:
         positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
@@ -120,6 +127,16 @@ class Limits:
                 "limits.displacement_peak_m: found a limit, but no displacement_m_per_v of the load to compute it "
                 "from; state it in the bench file; nothing was played"
             )
+
+    def check_force(self, target_n: float, tolerance: float) -> None:
+        """Refuse a touch that asks for more than the limit of force.
+
+        Raises
+        ------
+        LimitExceeded
+            If the upper edge of its band is above.
+        """
+        _hold("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float) -> None:
         """Refuse a signal from `begin_s` that would play too often, or too late in the session.
@@ -198,6 +215,7 @@ _COMPARABLE = (
     "charge_peak_c",
     "displacement_peak_m",
     "session_s",
+    "force_peak_n",
 )
 
 

@@ -82,6 +82,11 @@ STUDIES = {
         "s.toml, procedure: found the highest level 60, expected one within the limits (limits.voltage_peak_v: found a "
         "peak of 951.052 V, the limit is 100 V; lower the level; nothing was played)",
     ),
+    "force above the limit": (
+        TUTORIAL.replace("force_n = 1.0", "force_n = 9.0"),
+        "s.toml, touch.force_n: found 9 N, expected one within the limits (limits.force_peak_n: found a force of up to "
+        "10.8 N, the limit is 10 N; ask for less; nothing was played)",
+    ),
     "no repeats": (
         TUTORIAL.replace("repeats = 4", "repeats = 0"),
         "s.toml, procedure.repeats: found 0, expected a whole number, at least 1",

@@ -266,9 +266,7 @@ def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
 def test_what_is_ungated_is_told(kind):
     ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
     devices = ungated.devices(STUDY, TODAY)
-    assert ungated.cautions == (
-        "bench file, [output]: ungated = true: nothing stops the output when the finger leaves",
-    )
+    assert ungated.cautions == ("bench file, output.ungated = true: nothing stops the output when the finger leaves",)
     assert device_facts(ungated, devices)["output_ungated"] is True
 
 

@@ -125,7 +125,7 @@ def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa): 
     bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
     found = {each.what: each for each in _devices(bench, Limits(80.0), None, hands_off=False)}
     assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
-    assert found["caution"].found.startswith("bench file, [output]: ungated = true: nothing stops the output")
+    assert found["caution"].found.startswith("bench file, output.ungated = true: nothing stops the output")
     assert "opened" not in found
 
 

@@ -74,7 +74,14 @@ class Loop:
         position = streamed_position(device.reader, (0,), metres_per_count=5e-5)
         texts = texts_in("en", {})
         self.bench = Bench(
-            screen, self.output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, position=position
+            screen,
+            self.output,
+            {"tone": TONE},
+            limits=None,
+            texts=texts,
+            sensor=sensor,
+            position=position,
+            release=False,
         )
         wait_for(lambda: device.reader.facts()["n_samples"] > 0)
 

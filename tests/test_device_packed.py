@@ -354,7 +354,16 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, le
     guard = Guarded(
         output, Limits(40.0, 60.0, current_peak_a=10.0, duty=1.0, session_s=600.0), Load("electrode", 1e-12)
     )
-    bench = Bench(watched, guard, {"bits": Bits()}, limits=None, texts=texts_in("en", {}), sensor=sensor, ramp_s=0.0)
+    bench = Bench(
+        watched,
+        guard,
+        {"bits": Bits()},
+        limits=None,
+        texts=texts_in("en", {}),
+        sensor=sensor,
+        ramp_s=0.0,
+        release=False,
+    )
     board.hang()
     participant.answers(1.0, "Escape")
     begin_s = time.perf_counter()

@@ -57,6 +57,7 @@ n_channels = 3
 sensor = "hand"
 channel = 2
 newtons_per_count = 0.01
+release = false
 """
 
 
@@ -164,6 +165,7 @@ rate_hz = 1000
 sensor = "hand"
 channel = 2
 newtons_per_count = 0.01
+release = false
 """
 
 
@@ -191,7 +193,8 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
         status, _, errors = sit(process, display, any_keys(4))
     finally:
         device.close()
-    assert (status, errors) == (0, "")
+    assert (status, errors.count("\n")) == (0, 1)
+    assert errors.startswith("bench file, force.release = false: a force sensor that is stuck")
     [trials] = (data / "data").glob("*_data.csv")
     rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
     assert [(row["valid"], row["attempt"]) for row in rows] == [("0", "1"), ("1", "2")]

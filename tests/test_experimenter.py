@@ -104,7 +104,9 @@ def bench_with(watched, output, kept, terminal, log):
             reader = Reader(Sampled(force_n, log))
             sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
         texts, more = texts_in("en", {}), {"log": kept, "desk": terminal.desk}
-        rigs.append(Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, **more))
+        rigs.append(
+            Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, release=False, **more)
+        )
         return rigs[-1]
 
     yield make

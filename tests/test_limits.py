@@ -126,6 +126,13 @@ def test_what_is_no_number_is_no_number_within_a_limit():
     assert refused(lambda: limits.check_exposure(Exposure(0.0), math.nan, 0.1), "session_s")
 
 
+@given(st.floats(1e-3, 100), st.floats(0.01, 1.0), st.floats(1e-3, 100))
+def test_no_touch_asks_for_more_force_than_its_limit(target_n, tolerance, limit):
+    limits = Limits(1.0, force_peak_n=limit)
+    over = target_n * (1 + tolerance) > limit * (1 + 1e-12)
+    assert refused(lambda: limits.check_force(target_n, tolerance), "force_peak_n") == over
+
+
 # --- a limit is not tighter than it says
 
 
@@ -210,7 +217,16 @@ def test_samples_that_are_no_volts_are_refused():
 
 
 @pytest.mark.parametrize(
-    "name", ["voltage_peak_v", "duration_s", "current_peak_a", "charge_peak_c", "displacement_peak_m", "session_s"]
+    "name",
+    [
+        "voltage_peak_v",
+        "duration_s",
+        "current_peak_a",
+        "charge_peak_c",
+        "displacement_peak_m",
+        "session_s",
+        "force_peak_n",
+    ],
 )
 @pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan])
 def test_a_limit_is_finite_and_above_zero(name, value):
@@ -255,6 +271,7 @@ some_limits = st.builds(
     duty=st.none() | st.floats(0.01, 1.0),
     duty_window_s=st.floats(1, 100),
     session_s=st.none() | st.floats(1, 1e4),
+    force_peak_n=st.floats(1, 20),
 )
 
 
@@ -276,7 +293,7 @@ def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
 @given(some_limits, some_limits)
 def test_the_tighter_limits_are_stated_where_one_is(one, other):
     both = one.tighter(other)
-    for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s"):
+    for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s", "force_peak_n"):
         stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
         assert getattr(both, name) == min(stated, default=None)
 

@@ -112,7 +112,7 @@ class Scene:
         sensor = streamed_force(Reader(self.source), 0, ForceCalibration(newtons_per_count=1.0))
         output = Guarded(driver, LIMITS, Load("electrode", 1e-9))
         bank, texts = {"noise": Noise(20.0), "short": Noise(0.5)}, texts_in("en", {})
-        self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor)
+        self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor, release=False)
 
     def felt(self, time_s):
         del time_s

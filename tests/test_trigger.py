@@ -73,22 +73,55 @@ def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs,
         assert math.isnan(trace[n]) == (held.grip.force_n is None)
 
 
-def test_a_slide_begins_only_where_both_are_held():
+class Clock:
+    """Ours, at the last stamp that was heard."""
+
+    now_s = 0.0
+
+    def perf_counter(self):
+        return self.now_s
+
+    def follows(self, times_s):
+        for n, self.now_s in enumerate(times_s.tolist()):
+            yield n
+
+
+def test_a_slide_begins_only_where_both_are_held(monkeypatch):
     """Force from the first sample, motion from the 40th; then the other way round."""
+    monkeypatch.setattr("tactometry.rigs.trace.time", clock := Clock())
     for first_moves, first_holds in ((40, 0), (0, 40)):
         held, n_samples = Held(slide(hold_s=0.1), moving=True), 100
         times_s = stamps_s(n_samples)
+        clock.now_s = times_s[0]
         steps_m = np.where(np.arange(n_samples) > first_moves, SPEED * PERIOD_S, 0.0)
         places_m = np.cumsum(steps_m)[:, None]
         forces = np.where(np.arange(n_samples) >= first_holds, 1.0, 0.5)
         heard = zip(
-            in_turns(held.grip.hear, times_s, forces), in_turns(held.glide.hear, times_s, places_m), strict=True
+            clock.follows(times_s),
+            in_turns(held.grip.hear, times_s, forces),
+            in_turns(held.glide.hear, times_s, places_m),
+            strict=True,
         )
-        opened = [n for n, _ in heard if held.open]
+        opened = [n for n, _, _ in heard if held.open]
         needed_s = {40: MOVING_S, 0: 0.1}[first_moves]
         assert opened
         assert opened[0] >= 40 + needed_s / PERIOD_S
         assert held.opened_s == max(held.grip.opened_s, held.glide.opened_s) == times_s[opened[0]]
+
+
+def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkeypatch):
+    """All stamps of a hold come at once, then one of each millisecond: the gate is open by its stamps, and waits."""
+    monkeypatch.setattr("tactometry.rigs.trace.time", clock := Clock())
+    held, times_s = Held(press(hold_s=0.1), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
+    clock.now_s = times_s[150]
+    held.grip.hear(times_s[:150], np.ones(150))
+    opened = []
+    for n in range(150, 300):
+        clock.now_s = times_s[n]
+        held.grip.hear(times_s[n : n + 1], np.ones(1))
+        assert held.grip.gate.open
+        opened.append(held.open)
+    assert opened == [n >= 250 for n in range(150, 300)]
 
 
 def test_a_finger_that_halts_is_lost_though_its_force_is_held():

@@ -3,17 +3,22 @@
 import math
 import threading
 import time
+from contextlib import suppress
 
+import numpy as np
 import pytest
 from conftest import LONGEST_WAIT_S
 from hard_cases import exact_case
 from sampled import Sampled
 
 from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.reader import Reader
+from tactometry.devices.reader import Block, Reader
 from tactometry.devices.streamed import streamed_force
+from tactometry.errors import LimitExceeded, Stopped
+from tactometry.limits import Limits
 from tactometry.request import Adjust, Play, Press, Record, Slide, Wait
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.page import Text
 from tactometry.rigs.texts import texts_in
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trial import Trial
@@ -26,11 +31,11 @@ PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout
 def bench_with(watched, output, log):
     rigs = []
 
-    def make(force_n, output=output, screen=watched):
+    def make(force_n, output=output, screen=watched, limits=None, release=False):
         reader = Reader(Sampled(force_n, log))
         sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
         texts = texts_in("en", {})
-        rigs.append(Bench(screen, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor))
+        rigs.append(Bench(screen, output, {"tone": TONE}, limits=limits, texts=texts, sensor=sensor, release=release))
         return rigs[-1]
 
     yield make
@@ -127,6 +132,122 @@ def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(benc
     assert not touched.valid
 
 
+def test_a_force_above_its_limit_stops_the_output(bench_with, log):
+    request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
+    touched = bench_with(lambda time_s: 3.1 if "play 5 V" in log else 1.0, limits=Limits(50.0, force_peak_n=3.0)).press(
+        request
+    )
+    assert (touched.valid, touched.invalid_reason) == (False, "too_heavy")
+    assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_a_touch_of_more_force_than_its_limit_is_refused(bench_with, log):
+    bench = bench_with(lambda time_s: 1.0, limits=Limits(50.0, force_peak_n=1.1))
+    with pytest.raises(
+        LimitExceeded, match=r"limits\.force_peak_n: found a force of up to 1\.2 N, the limit is 1\.1 N"
+    ):
+        bench.press(PRESS)
+    assert "play 5 V" not in log
+
+
+def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_anew(bench_with, log, watched):
+    heavy = iter([11.0] * 300)
+    bench = bench_with(lambda time_s: next(heavy, 1.0) if "play 5 V" in log else 1.0)
+    bench.play(Play("tone", 5.0, 1.0))
+    assert log[:3] == ["output.open", "play 5 V", "output.stop"]
+    assert (log.count("play 5 V"), bench._attendant._n_pauses) == (2, 1)
+
+
+class Fast:
+    """A sensor whose stamps run at a rate that is not ours; it holds its force from the first sample on."""
+
+    name, n_channels, rate_hz = "fast", 1, 1000.0
+
+    def __init__(self, rate):
+        self._rate = rate
+
+    def open(self):
+        self._zero_s, self._n_read = time.perf_counter(), 0
+
+    def receive(self):
+        time.sleep(2e-3)
+        n_due = int((time.perf_counter() - self._zero_s) * 1000)
+        stamps_s = self._zero_s + self._rate * np.arange(self._n_read, n_due) / 1000
+        self._n_read = n_due
+        return Block(stamps_s, np.ones((len(stamps_s), 1)))
+
+    def close(self):
+        pass
+
+    def facts(self):
+        return {}
+
+
+class Timed:
+    """An output that notes when it plays."""
+
+    def __init__(self, output):
+        self._output, self.played_s = output, []
+
+    def __getattr__(self, name):
+        return getattr(self._output, name)
+
+    def play(self, signal):
+        self.played_s.append(time.perf_counter())
+        return self._output.play(signal)
+
+
+@pytest.mark.parametrize("rate", [1.01, 1.1, 1.3, 10.0])
+def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, rate):
+    """By our clock: those that ran 1.3 times as fast opened it after 0.23 of 0.3 s."""
+    sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(newtons_per_count=1.0)), Timed(output)
+    bench = Bench(watched, timed, {"tone": TONE}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False)
+    participant.answers(1.0, "Escape")
+    begin_s = time.perf_counter()
+    with suppress(Stopped):
+        bench.press(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
+    bench.close()
+    assert all(played_s >= begin_s + 0.3 for played_s in timed.played_s)
+    assert len(timed.played_s) == (rate < 1.3)
+
+
+STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=0.8)
+
+
+def test_a_force_that_never_left_its_band_lets_nothing_through(bench_with, log, watched):
+    """A sensor that is stuck from the beginning: the page says to lift the finger."""
+    touched = bench_with(lambda time_s: 1.0, release=True).press(STUCK)
+    assert (touched.valid, touched.invalid_reason) == (False, "timeout")
+    assert log == ["output.open"]
+    assert "Lift your finger, then press again" in words_of(watched.drawn[-1])
+
+
+@pytest.mark.parametrize(
+    ("between_n", "plays"), [(1.0, False), (0.9, False), (1.3, True), (0.1, True), (math.nan, False)]
+)
+def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched, between_n, plays):
+    """It was 0.3 N before the first; after the first stimulus it is so much for a while, then held."""
+    ended = []
+
+    def force_n(time_s):
+        if "output.stop" not in log:
+            return 1.0 if time_s > 0.3 else 0.3
+        ended.append(time_s)
+        return between_n if len(ended) < 100 else 1.0
+
+    bench = bench_with(force_n, release=True)
+    assert bench.press(STUCK).valid
+    time.sleep(0.2)
+    touched = bench.press(STUCK)
+    assert touched.valid is plays
+    assert log.count("play 5 V") == 1 + plays
+    assert ("Lift your finger, then press again" in words_of(watched.drawn[-1])) is not plays
+
+
+def words_of(page):
+    return [item.words for item in page.items if isinstance(item, Text)]
+
+
 @pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
 def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log, drifted_n, reason):
     touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).press(PRESS)
@@ -152,7 +273,9 @@ def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_l
     reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
     sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
     kept, tone = Kept(), Sine(frequency_hz=60.0, duration_s=0.8, ramp_s=0.02, level_unit="V")
-    bench = Bench(watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, log=kept)
+    bench = Bench(
+        watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False, log=kept
+    )
     touched = bench.press(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
     bench.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
     bench.wait(Wait(0.0))

@@ -27,7 +27,7 @@ def slid(watched, output, log):
     def slide(place_m, request=SLIDE):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
         sensor = streamed_force(force, 0, ForceCalibration(newtons_per_count=1.0))
-        parts = {"sensor": sensor, "position": streamed_position(place, (0,), 1.0)}
+        parts = {"sensor": sensor, "release": False, "position": streamed_position(place, (0,), 1.0)}
         rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), **parts)
         try:
             return rig.slide(request)

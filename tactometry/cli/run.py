@@ -122,6 +122,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             position=devices.position,
             display_height_m=screen.height_m,
             ramp_s=bench.output.ramp_s,
+            release=bench.release,
             device_facts=lambda: device_facts(bench, devices) | learnt,
             log=log,
             desk=Desk(sys.stdin, sys.stderr),

@@ -19,6 +19,10 @@ class ForceSensor(Told, Protocol):
     def rate_hz(self) -> float:
         """The nominal rate of the samples."""
 
+    @property
+    def failure(self) -> str | None:
+        """Why it says nothing, where that is known."""
+
     def open(self) -> None:
         """Begin to collect. Raises `DeviceFailed`."""
 

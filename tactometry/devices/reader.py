@@ -112,6 +112,11 @@ class Reader:
         self._arrivals = Arrivals()
         self._failure: str | None = None
 
+    @property
+    def failure(self) -> str | None:
+        """Why it tells nothing, since it last did."""
+        return self._failure
+
     def facts(self) -> dict[str, str | int | float | None]:
         counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self._failure}
         n_steps_back = self._n_steps_back + self._arrivals.n_steps_back

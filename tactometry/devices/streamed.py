@@ -27,6 +27,10 @@ class StreamedSensor:
     def rate_hz(self) -> float:
         return self._reader.source.rate_hz
 
+    @property
+    def failure(self) -> str | None:
+        return self._reader.failure
+
     def facts(self) -> dict[str, str | int | float | None]:
         return self._reader.facts()
 

@@ -15,7 +15,7 @@ from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.output import Output
 from tactometry.devices.position_sensor import PositionSensor
 from tactometry.event import EventLog
-from tactometry.limits import Limits
+from tactometry.limits import FORCE_PEAK_N, Limits
 from tactometry.request import (
     Adjust,
     Adjusted,
@@ -42,6 +42,7 @@ from tactometry.rigs.desk import Desk
 from tactometry.rigs.emitter import RAMP_S, Emitter
 from tactometry.rigs.logbook import CLOCK, Logbook
 from tactometry.rigs.page import Answer, Page, Screen
+from tactometry.rigs.release import Release
 from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
 from tactometry.rigs.texts import Texts
@@ -73,6 +74,7 @@ class Bench:
         position: PositionSensor | None = None,
         display_height_m: float | None = None,
         ramp_s: float = RAMP_S,
+        release: bool = True,
         device_facts: Callable[[], Facts] = dict,
         log: EventLog | None = None,
         desk: Desk | None = None,
@@ -86,6 +88,7 @@ class Bench:
         self._stage = Stage(screen, self._attendant.attend)
         self._logbook = Logbook(self._attendant, screen, self._clocks)
         self._tally = Tally()
+        self._limits, self._release = limits, Release(needed=release)
         self.closed = False
         self._open()
 
@@ -95,6 +98,8 @@ class Bench:
         for sensor in (self._sensor, self._position):
             if sensor is not None:
                 sensor.open()
+        if self._sensor is not None:
+            self._sensor.listen(self._release.hear)
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
@@ -148,7 +153,7 @@ class Bench:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         page = layout.marker_page(request.interval, playing=True)
         begin_s = self._stage.present(page)
-        with vigil(self._sensor, self._emitter.stop, self._pause) as look:
+        with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
             while True:
                 onset_s = self._emitter.emit(signal)
                 self._stage.hold(onset_s + request.duration_s, page, each_frame=look)
@@ -170,18 +175,25 @@ class Bench:
         return self._touch(request, "slide", moving_cue(request, height_m, places), places)
 
     def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
+        if self._limits is not None:
+            self._limits.check_force(request.target_n, request.tolerance)
         self._attendant.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._desk.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
         parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
-        felt = Touch(request, *parts, places).felt(signal)
+        words = self._texts.message("release")
+        felt = Touch(request, *parts, places, self._release, words, self._force_peak_n).felt(signal)
         self._logbook.decided(felt.gate_delay_s)
         touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
         if touched.valid and self._attendant.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
+
+    @property
+    def _force_peak_n(self) -> float:
+        return FORCE_PEAK_N if self._limits is None else self._limits.force_peak_n
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._attendant.pause(by, over)
@@ -274,7 +286,7 @@ class Bench:
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
         self._attendant.under_way = True
-        with vigil(self._sensor, self._emitter.stop, self._pause) as look:
+        with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
             played = adjusting.Repeated(request, self._emitter, look)
             n_steps, onset_s, end_s = self._stage.converse(
                 0, lambda n_steps: page, functools.partial(adjusting.stepped, request), played.keep_playing

@@ -4,7 +4,7 @@ import numpy as np
 
 from tactometry.devices.reader import FloatArray
 from tactometry.judgement import side_of
-from tactometry.rigs.trace import Trace
+from tactometry.rigs.trace import Since, Trace
 from tactometry.speed_gate import Motion, SpeedGate, motion
 from tactometry.trial import Reason
 
@@ -22,19 +22,20 @@ class Glide:
 
     def __init__(self, gate: SpeedGate) -> None:
         self._gate = gate
-        self._trace = Trace()
+        self._trace, self._since = Trace(), Since()
         self._moved_s: float | None = None
         self.opened_s: float | None = None
 
     @property
     def open(self) -> bool:
-        """Whether the finger has moved at its speed long enough."""
-        return self._gate.open
+        """Whether the finger has moved at its speed long enough, by the sensor's stamps and by our clock."""
+        return self._gate.open and self._since.lasts(self._gate.hold_s)
 
     def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
         self._trace.hear(times_s, positions_m)
         for time_s, place_m in zip(times_s.tolist(), positions_m.tolist(), strict=True):
             was_open, self._gate = self._gate.open, self._gate.after(time_s, place_m[0])
+            self._since.hear(self._gate.since_s)
             self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
             self._moved_s = time_s if self._moved_s is None or self._gate.moving else self._moved_s
 

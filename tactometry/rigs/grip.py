@@ -4,7 +4,8 @@ import math
 
 from tactometry.devices.reader import FloatArray
 from tactometry.force_gate import Compliance, ForceGate, compliance
-from tactometry.rigs.trace import Trace
+from tactometry.limits import FORCE_PEAK_N
+from tactometry.rigs.trace import Since, Trace
 from tactometry.trial import Reason
 
 SILENT_S = 0.1
@@ -14,11 +15,14 @@ AWAY_PART = 0.1
 
 
 class Grip:
-    """Hears the samples of one touch; `opened_s` is the stamp of the sample that opened the gate."""
+    """Hears the samples of one touch; `opened_s` is the stamp of the sample that opened the gate.
 
-    def __init__(self, gate: ForceGate) -> None:
-        self._gate = gate
-        self._trace = Trace()
+    A force above `force_peak_n` stops what plays.
+    """
+
+    def __init__(self, gate: ForceGate, force_peak_n: float = FORCE_PEAK_N) -> None:
+        self._gate, self._force_peak_n = gate, force_peak_n
+        self._trace, self._since = Trace(), Since()
         self._known_s: float | None = None
         self.opened_s: float | None = None
         self.force_n: float | None = None
@@ -26,13 +30,19 @@ class Grip:
 
     @property
     def open(self) -> bool:
-        """Whether the force was held long enough, and is known of now: not of what waited to be read."""
-        return self._gate.open and self._trace.age_s <= SILENT_S
+        """Whether the force was held long enough, by the sensor's stamps and by our clock, and is known of now."""
+        return self._gate.open and self._since.lasts(self._gate.hold_s) and self._trace.age_s <= SILENT_S
+
+    @property
+    def gate(self) -> ForceGate:
+        """The gate after the last sample."""
+        return self._gate
 
     def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         self._trace.hear(times_s, forces_n)
         for time_s, force_n in zip(times_s.tolist(), forces_n.tolist(), strict=True):
             was_open, self._gate = self._gate.open, self._gate.after(time_s, force_n)
+            self._since.hear(self._gate.since_s)
             self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
             self.force_n = force_n if math.isfinite(force_n) else None
             self._known_s = time_s if self._known_s is None or self.force_n is not None else self._known_s
@@ -46,11 +56,15 @@ class Grip:
 
     @property
     def loss(self) -> Reason | None:
-        """Why nothing may play any more: the sensor is silent, or the finger has left."""
+        """Why nothing may play any more: the sensor is silent, the finger has left, or it presses too much."""
+        force_n = self.force_n
         if self.silent:
             return "sensor_lost"
-        force_n = self.force_n
-        return "lifted" if force_n is not None and force_n < AWAY_PART * self._gate.target_n else None
+        if force_n is None:
+            return None
+        if force_n > self._force_peak_n:
+            return "too_heavy"
+        return "lifted" if force_n < AWAY_PART * self._gate.target_n else None
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
         """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""

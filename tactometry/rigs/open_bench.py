@@ -27,6 +27,7 @@ def open_bench(
     position: PositionSensor | None = None,
     display_height_m: float | None = None,
     ramp_s: float = RAMP_S,
+    release: bool = True,
     device_facts: Callable[[], Facts] = dict,
     log: EventLog | None = None,
     desk: Desk | None = None,
@@ -53,6 +54,8 @@ def open_bench(
         Without one, the finger's speed is not measured.
     ramp_s : float
         Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    release : bool
+        Whether the force must leave its band between touches.
     device_facts : callable
         What the head of the journal says of the devices, once they are open, and their clocks at any time.
     display_height_m : float, optional
@@ -83,6 +86,7 @@ def open_bench(
         position=position,
         display_height_m=display_height_m,
         ramp_s=ramp_s,
+        release=release,
         device_facts=device_facts,
         log=log,
         desk=desk,

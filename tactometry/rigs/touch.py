@@ -10,16 +10,18 @@ from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.position_sensor import PositionSensor
 from tactometry.force_gate import ForceGate
 from tactometry.judgement import broken
+from tactometry.limits import FORCE_PEAK_N
 from tactometry.request import Press, Slide, Touched
 from tactometry.rigs import layout
 from tactometry.rigs.emitter import Emitter
 from tactometry.rigs.glide import MOVING_S, Glide
 from tactometry.rigs.grip import Grip
 from tactometry.rigs.page import Page
+from tactometry.rigs.release import Release
 from tactometry.rigs.stage import Dress, Stage
 from tactometry.rigs.trace import Trace, speed_m_per_s
 from tactometry.rigs.trigger import Trigger, hearing, quick_turns
-from tactometry.rigs.vigil import SILENT, Pause
+from tactometry.rigs.vigil import Pause, silence
 from tactometry.signal import Signal
 from tactometry.speed_gate import SpeedGate
 from tactometry.trial import Reason
@@ -48,8 +50,16 @@ def _finger(places: Trace, length_m: float) -> float | None:
 class Held:
     """What the sensors of one held touch say: force, and speed where it is gated."""
 
-    def __init__(self, request: Press | Slide, *, moving: bool) -> None:
-        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s))
+    def __init__(
+        self,
+        request: Press | Slide,
+        *,
+        moving: bool,
+        force_peak_n: float = FORCE_PEAK_N,
+        release: Release | None = None,
+    ) -> None:
+        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
+        self.release = Release(needed=False) if release is None else release
         self.glide: Glide | None = None
         self.let_through_s = 0.0
         """The stamp of the sample that opened the last gate when the stimulus began."""
@@ -59,7 +69,12 @@ class Held:
 
     @property
     def open(self) -> bool:
-        return self.grip.open and (self.glide is None or self.glide.open)
+        return self.grip.open and (self.glide is None or self.glide.open) and self.released
+
+    @property
+    def released(self) -> bool:
+        """Whether the finger let go since the last touch."""
+        return self.release.given(self.grip.gate)
 
     @property
     def opened_s(self) -> float:
@@ -109,6 +124,9 @@ class Touch:
     pause: Pause
     say: Callable[[str], None]
     places: Trace = field(default_factory=Trace)
+    release: Release = field(default_factory=lambda: Release(needed=False))
+    release_words: str = ""
+    force_peak_n: float = FORCE_PEAK_N
 
     def felt(self, signal: Signal | None) -> Felt:
         """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
@@ -151,7 +169,8 @@ class Touch:
 
         The threads of the sensors decide; here it is shown what they hear.
         """
-        held = Held(self.request, moving=self.position is not None)
+        moving = self.position is not None
+        held = Held(self.request, moving=moving, force_peak_n=self.force_peak_n, release=self.release)
         trigger = Trigger(
             lambda: held.open,
             held.breaks,
@@ -164,19 +183,20 @@ class Touch:
             if held.glide is not None:
                 last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))
             last_first.callback(trigger.disarm)
-            begun = self._begun(held, trigger)
+            begun = self._begun(held, trigger, sensor)
             if begun is None:
                 self.say("not played")
                 return Felt(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
             cut_by = self._cut_by(held, trigger, *begun)
         self.emitter.stop()
+        self.release.begin()
         decided_s, onset_s = begun
         touched = self._judged(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
         self.say(f"played, {mean}")
         return Felt(touched, held.delay_s(decided_s))
 
-    def _begun(self, held: Held, trigger: Trigger) -> tuple[float, float] | None:
+    def _begun(self, held: Held, trigger: Trigger, sensor: ForceSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
 
         A silent sensor pauses the session; no time counts in a pause.
@@ -185,7 +205,7 @@ class Touch:
         while trigger.begun is None:
             said_s = self._said(held, said_s)
             if held.grip.silent:
-                self.pause(SILENT, lambda: not held.grip.silent)
+                self.pause(silence(sensor), lambda: not held.grip.silent)
             if time.perf_counter() > max(begin_s, self.stage.paused_until_s) + self.request.timeout_s:
                 trigger.disarm()
                 break
@@ -197,7 +217,7 @@ class Touch:
         now_s, force_n = time.perf_counter(), held.grip.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
             return said_s
-        self.say(f"{force_n:.2f} N")
+        self.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
         return now_s
 
     def _cut_by(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
@@ -219,8 +239,8 @@ class Touch:
         return self.stage.present(self.dress(page, time.perf_counter()))
 
     def _bar(self, held: Held, *, playing: bool) -> Page:
-        request = self.request
-        marker = layout.marker_page(request.interval, playing=playing, words=self.words)
+        request, words = self.request, self.words if playing or held.released else self.release_words
+        marker = layout.marker_page(request.interval, playing=playing, words=words)
         return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
 
     def _judged(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:

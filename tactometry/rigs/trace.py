@@ -50,6 +50,25 @@ class Trace:
         return (times_s[kept], values[kept]) if sound else (times_s[:0], values[:0])
 
 
+class Since:
+    """How long we have heard of something that a sensor's stamps say began: a second opinion, by our own clock.
+
+    Samples that waited and came at once were heard of only now: what needs both opinions is late at most, never early.
+    """
+
+    def __init__(self) -> None:
+        self._began_s: float | None = None
+        self._heard_s = time.perf_counter()
+
+    def hear(self, began_s: float | None) -> None:
+        """It began at this stamp; None where it is over."""
+        if began_s != self._began_s:
+            self._began_s, self._heard_s = began_s, time.perf_counter()
+
+    def lasts(self, longest_s: float) -> bool:
+        return self._began_s is not None and time.perf_counter() - self._heard_s >= longest_s
+
+
 def speed_m_per_s(places: Trace, begin_s: float, end_s: float) -> float | None:
     """The mean speed of positions; None where it was not measured."""
     times_s, positions_m = places.between(begin_s, end_s)

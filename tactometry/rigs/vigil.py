@@ -7,6 +7,7 @@ import numpy as np
 
 from tactometry.devices.force_sensor import ForceSensor
 from tactometry.devices.reader import FloatArray
+from tactometry.limits import FORCE_PEAK_N
 from tactometry.rigs.grip import SILENT_S
 from tactometry.rigs.trace import Trace
 from tactometry.rigs.trigger import hearing
@@ -16,21 +17,37 @@ Pause = Callable[[str, Callable[[], bool]], None]
 """Pauses the session for a reason, until it is over."""
 
 
-@contextmanager
-def vigil(sensor: ForceSensor | None, stop: Callable[[], None], pause: Pause) -> Iterator[Callable[[], None]]:
-    """Until the block ends, `stop` is called in the sensor's thread when that has said nothing for `SILENT_S`.
+def silence(sensor: ForceSensor | None) -> str:
+    """Why a session pauses whose force sensor says nothing, with what is known of it."""
+    failure = None if sensor is None else sensor.failure
+    return SILENT if failure is None else f"{SILENT} ({failure})"
 
-    The value is for each frame: it pauses the session where that happened, until the sensor speaks again.
+
+@contextmanager
+def vigil(
+    sensor: ForceSensor | None, stop: Callable[[], None], pause: Pause, force_peak_n: float = FORCE_PEAK_N
+) -> Iterator[Callable[[], None]]:
+    """Until the block ends, `stop` is called in the sensor's thread when nothing may play.
+
+    That is when it has said nothing for `SILENT_S`, or the force is above `force_peak_n`. The value is for each frame:
+    it pauses the session where that happened, until the sensor speaks again of a force below.
     """
-    trace, lost = Trace(), False
+    trace, lost, force_n = Trace(), False, 0.0
 
     def hear(times_s: FloatArray, forces_n: FloatArray) -> None:
+        nonlocal force_n
         known = np.isfinite(forces_n)
         trace.hear(times_s[known], forces_n[known])
+        force_n = float(forces_n[known][-1]) if known.any() else force_n
+
+    def wrong() -> str | None:
+        if trace.quiet(SILENT_S):
+            return silence(sensor)
+        return f"the force is above {force_peak_n:g} N" if force_n > force_peak_n else None
 
     def consider() -> None:
         nonlocal lost
-        if trace.quiet(SILENT_S):
+        if wrong() is not None:
             lost = True
             stop()
 
@@ -39,7 +56,7 @@ def vigil(sensor: ForceSensor | None, stop: Callable[[], None], pause: Pause) ->
         if sensor is not None:
             consider()
         if lost:
-            pause(SILENT, lambda: not trace.quiet(SILENT_S))
+            pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
     with hearing(sensor, hear, consider):
