@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from tactometry.dataset import Session
+from tactometry.dataset import LARGEST_NUMBER, Session
 from tactometry.description import Design
 from tactometry.errors import InvalidParameter
 from tactometry.event import EventLog, Fact
 from tactometry.experiments.rehearsal import flaw
 from tactometry.experiments.wiring import Experiment
-from tactometry.journal import Head
+from tactometry.head import Head
 from tactometry.open_session import OpenSession
 from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
@@ -41,10 +41,11 @@ class Who:
         """
         digits = self.participant[len(self.participant.rstrip("0123456789")) :]
         number = int(digits) if self.number is None and digits else self.number
-        if number is None or number < 1:
+        if number is None or not 1 <= number <= LARGEST_NUMBER:
+            upto = f" to {LARGEST_NUMBER}" if number is not None and number > 1 else ""
             raise InvalidParameter(
-                f"participant {self.participant!r}: found no number from 1 for counterbalancing, expected a code that "
-                "ends with one, such as P01; or give --number"
+                f"participant {self.participant!r}: found no number from 1{upto} for counterbalancing, expected a code "
+                "that ends with one, such as P01; or give --number"
             )
         return number
 

@@ -10,6 +10,9 @@ from tactometry.experiments.rehearsal import flaw
 from tactometry.experiments.session_plan import all_sessions
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import wire
+from tactometry.head import LARGEST_SEED
+
+MOST_PARTICIPANTS = 100_000
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,12 @@ class Simulation:
     def __post_init__(self) -> None:
         if self.n_participants < 1:
             raise InvalidParameter(f"--participants: found {self.n_participants}, expected at least 1")
+        if self.n_participants > MOST_PARTICIPANTS:
+            raise InvalidParameter(f"--participants: found {self.n_participants}, expected at most {MOST_PARTICIPANTS}")
         if self.seed < 0:
             raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at least 0")
+        if self.seed > LARGEST_SEED:
+            raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at most {LARGEST_SEED}")
 
     def sessions(self) -> list[Who]:
         """Every session of every participant, as the plan has them."""

@@ -8,7 +8,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from tactometry.columns import FIRST, Column
@@ -20,6 +20,9 @@ from tactometry.trial import Trial, Value
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+LARGEST_NUMBER = 999_999_999
+"""Of a session, and of a participant for counterbalancing."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ class Session:
             )
         if self.session < 1:
             raise InvalidParameter(f"session: found {self.session}, expected a number from 1")
+        if self.session > LARGEST_NUMBER:
+            raise InvalidParameter(f"session: found {self.session}, expected a number up to {LARGEST_NUMBER}")
 
     @property
     def stem(self) -> str:
@@ -80,16 +85,19 @@ def cell(value: Value) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
+_MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("factors", "extra"))
+
+
 def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
     """The cells of a trial."""
     known: dict[str, Value] = {
         **asdict(session),
         "rig": rig,
-        **{name: value for name, value in vars(trial).items() if name not in ("factors", "extra")},
+        **{name: getattr(trial, name) for name in _MEASURED},
         **trial.factors,
         **trial.extra,
     }
-    return [cell(known[column.name]) for column in columns]
+    return [cell(known.get(column.name)) for column in columns]
 
 
 def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:

@@ -10,7 +10,7 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 
 import zlib
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,33 +20,11 @@ from tactometry.errors import DeviceFailed, InvalidFile
 from tactometry.event import Event, Fact, decode_event
 from tactometry.files import read_file
 from tactometry.formats import FORMAT
-from tactometry.request import REQUESTS, Done, Record, Request
+from tactometry.head import Head, head_of
+from tactometry.lines import Entry, decode_entry, kind_of_line
+from tactometry.request import Done, Record, Request
 from tactometry.rigs.replay import Replay
 from tactometry.trial import Trial
-
-Entry = tuple[Request, Any]
-
-
-@dataclass(frozen=True)
-class Head:
-    """Of a sitting: what is needed to ask the same again, and where and on what it was asked.
-
-    `begun_s` is the time of the session at which the sitting began.
-    """
-
-    study: str
-    study_sha256: str
-    participant: str
-    session: int
-    number: int
-    seed: int
-    rig: str
-    versions: dict[str, str]
-    facts: dict[str, Fact] = field(default_factory=dict)
-    observer: dict[str, Fact] = field(default_factory=dict)
-    started_utc: str | None = None
-    begun_s: float = 0.0
-    format: int = FORMAT
 
 
 @dataclass(frozen=True)
@@ -116,13 +94,17 @@ def encode_entry(request: Request, answer: object, before: int = 0) -> bytes:
     Raises
     ------
     DeviceFailed
-        If it would not read back as it was (a number that is not finite).
+        If it would not read back as it was (a number that is not finite), or is no answer to that request.
     """
     line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
-    if not _reads_back(line, request, answer):
+    try:
+        loss = None if decode_entry(msgspec.json.decode(line)) == (request, answer) else "it would be another"
+    except msgspec.ValidationError as error:
+        loss = str(error)
+    if loss is not None:
         raise DeviceFailed(
-            f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers; a device gave a "
-            "value that is not a number: check it, then go on with --resume"
+            f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers and an answer to "
+            f"what was asked ({loss}); a device gave something else: check it, then go on with --resume"
         )
     return line
 
@@ -138,18 +120,6 @@ def encode_sitting(head: Head, before: int = 0) -> bytes:
     return encode({"sitting": asdict(head)}, before)
 
 
-def _reads_back(line: bytes, request: Request, answer: object) -> bool:
-    try:
-        return decode_entry(msgspec.json.decode(line)) == (request, answer)
-    except msgspec.ValidationError:
-        return False
-
-
-def decode_entry(value: dict[str, Any]) -> Entry:
-    kind = REQUESTS[value["request"]]
-    return msgspec.convert(value["asked"], kind), msgspec.convert(value["answer"], kind.answer)
-
-
 def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
@@ -157,7 +127,12 @@ def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
             f"{where}: the line is damaged, or one before it is missing (its checksum does not fit), expected a line "
             "as the journal wrote it; restore the file from a copy"
         )
-    value: dict[str, Any] = msgspec.json.decode(body + b"}")
+    try:
+        value: dict[str, Any] = msgspec.json.decode(body + b"}", type=dict[str, Any])
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InvalidFile(
+            f"{where}: found no table in JSON ({error}), expected a line as the journal wrote it"
+        ) from None
     return value
 
 
@@ -196,15 +171,17 @@ def decoded(content: bytes, path: Path) -> Recording:
         try:
             if number == 1:
                 head = head_of(value)
-            elif "end" in value:
-                complete = True
-            elif "sitting" in value:
-                resumed[number] = head_of(value["sitting"])
-            elif "event" in value:
-                events[number] = decode_event(value)
-            else:
-                entries[number] = decode_entry(value)
-        except (KeyError, msgspec.ValidationError) as error:
+                continue
+            match kind_of_line(value):
+                case "end":
+                    complete = True
+                case "sitting":
+                    resumed[number] = head_of(value["sitting"], head)
+                case "event":
+                    events[number] = decode_event(value)
+                case _:
+                    entries[number] = decode_entry(value)
+        except msgspec.ValidationError as error:
             raise InvalidFile(
                 f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal "
                 f"of format {FORMAT}; read it with the version that wrote it"
@@ -220,14 +197,6 @@ def decoded(content: bytes, path: Path) -> Recording:
         tuple(resumed.values()),
         tuple(resumed),
     )
-
-
-def head_of(value: object) -> Head:
-    """A head from its line. Raises `msgspec.ValidationError`."""
-    head = msgspec.convert(value, Head)
-    if head.format > FORMAT:
-        raise msgspec.ValidationError(f"the format {head.format}")
-    return head
 
 
 def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:

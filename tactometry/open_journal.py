@@ -12,8 +12,8 @@ import portalocker
 from tactometry.errors import InvalidFile, SessionInUse
 from tactometry.event import Event
 from tactometry.files import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from tactometry.head import Head
 from tactometry.journal import (
-    Head,
     Recording,
     checksum,
     decoded,

@@ -13,7 +13,8 @@ from tactometry.errors import InvalidFile, InvalidParameter, counted
 from tactometry.event import Event, events_tsv
 from tactometry.files import drafts, read_file, replaced, write_atomically, write_whole
 from tactometry.formats import FORMAT, as_kept, columns_in
-from tactometry.journal import Head, abortion
+from tactometry.head import Head
+from tactometry.journal import abortion
 from tactometry.open_journal import Journal
 from tactometry.provenance import sha256
 from tactometry.request import Done, Record, Request

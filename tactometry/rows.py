@@ -7,11 +7,12 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 
+from tactometry.answers import LARGEST_ANSWER
 from tactometry.columns import ALWAYS, FIRST, RIGS
 from tactometry.dataset import PARTICIPANT, STUDY
 from tactometry.errors import nearest
+from tactometry.head import is_time
 from tactometry.trial import REASONS
 
 TASKS = (
@@ -26,8 +27,6 @@ TASKS = (
     "preference",
     "measurement",
 )
-LARGEST_ANSWER = 1e15
-"""What is beyond is no answer of a person, and its powers leave the range of numbers."""
 MOST_COLUMNS = 5000
 """More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
 MOST_NAMED = 5
@@ -97,14 +96,6 @@ def _number(low: float, high: float = math.inf) -> Callable[[str], bool]:
     return holds
 
 
-def _is_time(text: str) -> bool:
-    try:
-        datetime.fromisoformat(text)
-    except ValueError:
-        return False
-    return True
-
-
 _COUNT = Rule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
 _ANY = Rule("a number", _number(-math.inf))
 _POSITIVE = Rule("a number, at least 0", _number(0))
@@ -123,7 +114,7 @@ RULES: Mapping[str, Rule] = {
     **dict.fromkeys(("force_in_band", "speed_in_band"), Rule("a number from 0 to 1", _number(0, 1))),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
     "task": Rule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
-    "timestamp_utc": Rule("a time in ISO 8601", _is_time),
+    "timestamp_utc": Rule("a time in ISO 8601", is_time),
     "rig": Rule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
     "invalid_reason": Rule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
     "n_gaps": Rule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),

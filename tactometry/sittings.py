@@ -11,7 +11,7 @@ import msgspec
 from tactometry.errors import InvalidFile
 from tactometry.event import Fact
 from tactometry.files import read_file
-from tactometry.journal import Head, head_of
+from tactometry.head import Head, head_of
 
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
 """Names of counts, clocks and what is measured anew each time: they differ in every sitting and say nothing of it."""

@@ -125,7 +125,8 @@ def test_a_copy_under_another_name_is_not_analysed(lived, capsys):
     copied_as(lived, "P99")
     status, said, _ = call(capsys, "analyse", lived)
     assert status == 2
-    assert "P99_session-1_study-tutorial_data.csv, row 2, column 'participant': found 'P01', expected 'P99'" in said
+    assert "P99_session-1_study-tutorial_data.csv, row 2" in said
+    assert "column 'participant': found 'P01', expected 'P99' as in the file's name; remove the file" in said
 
 
 def test_a_copy_under_another_name_does_not_go_on(lived, capsys):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
 @click.option("--rig", type=click.Choice(["bench", "console", "simulated"]), default="bench", show_default=True)
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
-@click.option("--seed", type=click.IntRange(min=0), help="Default: a new one, which the journal keeps.")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which the journal keeps.")
 @click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
 @click.option("--out", type=click.Path(path_type=Path), help="The data set; default: STUDY's name and -data.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")

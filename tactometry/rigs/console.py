@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TextIO
 
+from tactometry.answers import LARGEST_ANSWER
 from tactometry.errors import Stopped
 from tactometry.limits import Limits
 from tactometry.request import (
@@ -151,7 +152,7 @@ class Console:
     def enter(self, request: Enter) -> Rated:
         most = "" if request.high is None else f" to {request.high:g}"
         prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
-        high = math.inf if request.high is None else request.high
+        high = LARGEST_ANSWER if request.high is None else request.high
         value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, high))
         assert isinstance(value, float)
         return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
