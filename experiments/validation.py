@@ -62,22 +62,24 @@ def _data_set(root: Path) -> Soundness:
     notes = [*_alike(root), *_drafts(root)]
     files, journals = listed(root / "data", "*.csv"), sessions(root)
     contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", found)) is not None}
-    found += _guarded(NAME, _description(root, contents))
+    found += _guarded(root, NAME, _description(root, contents))
     if not files:
         found.append(Defect("data", None, "found no trials file, expected at least one"))
     for file, content in contents.items():
-        found += _guarded(f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
+        found += _guarded(root, f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
     for journal in journals:
-        found += _guarded(f"journals/{journal.name}", _session(root, journal, experiment, notes))
+        found += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
     return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(found)), tuple(notes))
 
 
-def _guarded(name: str, found: Iterator[Defect]) -> Iterator[Defect]:
+def _guarded(root: Path, name: str, found: Iterator[Defect]) -> Iterator[Defect]:
     """Defects, the last of which may be that a file cannot be read."""
     try:
         yield from found
     except InvalidFile as error:
-        yield Defect(name, None, str(error).partition(": ")[2])
+        path, _, what = str(error).partition(": ")
+        within = Path(path).is_relative_to(root)
+        yield Defect(Path(path).relative_to(root).as_posix() if within else name, None, what)
 
 
 def _read(file: Path, name: str, found: list[Defect], what: str = "a trials file") -> bytes | None:

@@ -56,7 +56,7 @@ def listed(folder: Path, pattern: str = "*") -> list[Path]:
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as failure:
-        raise InvalidFile(f"{folder}: cannot be read ({failure.strerror}), expected a folder that may be") from None
+        raise InvalidFile(f"{folder}: cannot be read ({failure.strerror}), expected a folder to read") from None
     return sorted(folder / name for name in fnmatch.filter(names, pattern) if not name.startswith("."))
 
 

@@ -182,12 +182,15 @@ class OpenSession:
         if is_beginning(found, content):
             return
         known = set(content.split(b"\n"))
-        rows = [line.decode("utf-8", "backslashreplace") for line in found.split(b"\n") if line not in known]
-        if rows:
-            self.journal.keep(after_trials=self.n_trials, file=path.name, rows=rows)
+        header, *rows = found.split(b"\n")
+        lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
+        if lost:
+            self.journal.keep(
+                after_trials=self.n_trials, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
+            )
             self._repaired.append(
-                f"{path.name} held {counted(len(rows), 'row')} that the journal with its "
-                f"{counted(self.n_trials, 'trial')} does not: {'it is' if len(rows) == 1 else 'they are'} kept in "
+                f"{path.name} held {counted(len(lost), 'row')} that the journal with its "
+                f"{counted(self.n_trials, 'trial')} does not: {'it is' if len(lost) == 1 else 'they are'} kept in "
                 f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
             )
 

@@ -1,5 +1,6 @@
 """Devices and files that this user may not open: one clear sentence, status 3 for devices, and nothing was played."""
 
+import io
 import os
 import shutil
 import tempfile
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import call
 from test_device_sensors import available
 from tutorial_session import EXPERIMENT, TOML
 
@@ -157,3 +159,71 @@ def test_check_finds_it_and_its_exit_status_is_3(line, folder):
         findings = _guarded("sensor hand", opened)
     assert "Permission denied" in findings[0].found
     assert exit_status(findings) == 3
+
+
+# --- the files of a data set
+
+FILES = {
+    "table": "data/participant-P01_session-1_study-console_data.csv",
+    "columns": "data/participant-P01_session-1_study-console_data.json",
+    "journal": "journals/participant-P01_session-1_study-console.jsonl",
+    "study": "study.toml",
+    "description": "dataset_description.json",
+    "tables": "data",
+    "journals": "journals",
+}
+
+
+def removed(path):
+    shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+DAMAGES = {
+    "closed": lambda path: path.chmod(0),
+    "a folder": lambda path: (removed(path), path.mkdir()),
+    "a pipe": lambda path: (removed(path), os.mkfifo(path)),
+    "a link to nothing": lambda path: (removed(path), path.symlink_to("gone")),
+    "a link to itself": lambda path: (removed(path), path.symlink_to(path.name)),
+}
+
+
+def in_sentences(capsys, *words):
+    """The status of a command, which says what is wrong in one sentence if it says anything."""
+    status, said, out = call(capsys, *words)
+    assert status in (0, 1, 2, 3)
+    assert "Traceback" not in said + out
+    assert (status < 2) or (said.startswith("tactometry: ") and "\n" not in said)
+    return status, said, out
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """Everything that the commands import: another user may not read the environment."""
+    import tactometry.analysis.pipeline
+    import tactometry.experiments.exporting
+
+    del tactometry
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("file", FILES)
+@pytest.mark.timeout(60)
+def test_what_cannot_be_read_in_a_data_set_is_one_sentence(folder, capsys, monkeypatch, loaded, file, damage):
+    recorded, root = Path(__file__).with_name("recorded") / "console", folder / "d"
+    shutil.copy(recorded / "study.toml", folder / "s.toml")
+    resume = ("run", folder / "s.toml", "--participant", "P01", "--rig", "console", "--out", root, "--resume")
+    for words in (("replay", root), ("validate", root), ("rebuild", root), resume):
+        shutil.copytree(recorded, root)
+        for path in (root, *root.rglob("*")):
+            os.chown(path, NOBODY, NOBODY) if os.geteuid() == 0 else None
+        DAMAGES[damage](root / FILES[file])
+        monkeypatch.setattr("sys.stdin", io.StringIO(""))
+        with unprivileged():
+            status, said, out = in_sentences(capsys, *words)
+        if words[0] == "validate" and damage != "a folder":
+            assert status in (1, 2)
+            assert (Path(FILES[file]).name if "journal" not in file else "journal") in said + out
+        for path in (root / "data", root / "journals"):
+            if path.is_dir() and not path.is_symlink():
+                path.chmod(0o700)
+        shutil.rmtree(root)
