@@ -4,7 +4,7 @@ Every refusal is one sentence with the file, the row (the header is row 1) and t
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -147,13 +147,18 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    found = next((files for form in forms if (files := sorted(path.glob(form)))), [])
+    found = next((files for form in forms if (files := _shown(path.glob(form)))), [])
     if not found:
         raise InvalidFile(
             f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
             "(--columns) and a folder of another program's tables"
         )
     return found
+
+
+def _shown(files: Iterable[Path]) -> list[Path]:
+    """Files, sorted, without those that a system hides beside them (``._x_data.csv``)."""
+    return sorted(file for file in files if not file.name.startswith("."))
 
 
 def _refuse_misnamed(table: pd.DataFrame, file: Path) -> None:

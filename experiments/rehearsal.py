@@ -21,14 +21,16 @@ WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
 
 
 def rehearse(experiment: Experiment) -> None:
-    """Fill the texts of a study with all that they will be filled with.
+    """Look for keys that do nothing, and fill the texts of a study with all that they will be filled with.
 
     Raises
     ------
     InvalidParameter
-        If a text has the name of none, or cannot be filled on a page that will show it.
+        If a key of the task has no effect, or a text has the name of none or cannot be filled on a page that will show
+        it.
     """
     study = experiment.study
+    _refuse_idle(experiment)
     texts = replace(texts_in("en", study.texts), shipped={})
     known = texts_in("en", {})
     for name in study.texts:
@@ -46,6 +48,20 @@ def rehearse(experiment: Experiment) -> None:
         if name in known.messages and name not in shown:
             is_page = name in WITHIN_BLOCKS or name.startswith("instructions_")
             _fill(texts, Show(name) if is_page else name)
+
+
+def _refuse_idle(experiment: Experiment) -> None:
+    """A key that does nothing promises what no session will hold."""
+    shown, study = experiment.asking.presenting, experiment.study
+    if shown.rest_s is not None and shown.rest_after is None:
+        raise InvalidParameter(
+            f"task.rest_s: found {shown.rest_s:g} s without rest_after, expected both: no rest comes"
+        )
+    if shown.interleaving != "random" and not study.plan.interleave and experiment.asking.kind != "preference":
+        raise InvalidParameter(
+            f"task.interleaving: found {shown.interleaving!r} without interleaved tracks, expected factors in "
+            "plan.interleave; or leave it out"
+        )
 
 
 def _pages(experiment: Experiment) -> Iterator[Show]:

@@ -6,13 +6,14 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from tactometry.agreement import REBUILD, disagreement
 from tactometry.dataset import Session, keys_of, participants, sessions, trials_csv
-from tactometry.description import NAME
+from tactometry.description import NAME, SIMULATED
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.event import events_tsv
 from tactometry.experiments.study import parse
@@ -22,7 +23,7 @@ from tactometry.formats import ADDED, columns_in
 from tactometry.journal import Recording, read
 from tactometry.provenance import sha256
 from tactometry.rows import Defect, defects, grouped
-from tactometry.sittings import changes
+from tactometry.sittings import changes, heads
 from tactometry.trial import tally
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
@@ -67,6 +68,7 @@ def _data_set(root: Path) -> Soundness:
         found.append(Defect("data", None, "found no trials file, expected at least one"))
     for file, content in contents.items():
         found += _guarded(root, f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
+    found += _mixed(journals)
     for journal in journals:
         found += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
     return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(found)), tuple(notes))
@@ -96,6 +98,18 @@ def _alike(root: Path) -> Iterator[str]:
         codes = list(group)
         if len(codes) > 1:
             yield f"journals: {' and '.join(codes)} differ in capitals alone, which not every disk tells apart"
+
+
+def _mixed(journals: list[Path]) -> Iterator[Defect]:
+    """Whether people and simulated participants share the folder."""
+    kinds: dict[bool, list[str]] = {}
+    for journal in journals:
+        with suppress(InvalidFile):  # a damaged journal is told where all of it is read
+            for head in heads(journal)[:1]:
+                kinds.setdefault(head.rig == SIMULATED, []).append(head.participant)
+    if len(kinds) > 1:
+        text = f"found simulated participants ({kinds[True][0]}, ...) beside people ({kinds[False][0]}, ...), expected"
+        yield Defect("journals", None, f"{text} either alone: move one kind to a folder of its own")
 
 
 def _drafts(root: Path) -> Iterator[str]:

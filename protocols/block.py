@@ -21,6 +21,9 @@ Interleaving = Literal["random", "balanced"]
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""
 
+LEAST_RATE = 1e-6
+"""Of catch trials: one in more than all trials of a session."""
+
 
 @dataclass(frozen=True)
 class Condition:
@@ -96,6 +99,8 @@ def check_presenting(each: Presented) -> None:
     owner = type(each).__name__
     if not is_number(each.catch_rate) or not 0 <= each.catch_rate <= 0.5:
         raise InvalidParameter(f"{owner}.catch_rate: found {each.catch_rate!r:.60}, expected from 0 to 0.5")
+    if 0 < each.catch_rate < LEAST_RATE:
+        raise InvalidParameter(f"{owner}.catch_rate: found {each.catch_rate:g}, expected 0, or at least {LEAST_RATE:g}")
     one_of(f"{owner}.interleaving", each.interleaving, get_args(Interleaving))
     whole(owner, lowest=1, n_attempts=each.n_attempts)
     if each.rest_after is not None:

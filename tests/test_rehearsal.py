@@ -68,6 +68,22 @@ def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path,
     assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
 
 
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ('rest_s = "1 min"', "task.rest_s: found 60 s without rest_after, expected both: no rest comes"),
+        ('interleaving = "balanced"', "task.interleaving: found 'balanced' without interleaved tracks"),
+        ("catch_rate = 5e-324", "task.catch_rate: found 4.94066e-324, expected 0, or at least 1e-06"),
+    ],
+)
+def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
+    path = tmp_path / "s.toml"
+    path.write_text(TUTORIAL.replace("catch_rate = 0.2", key), "utf-8")
+    status, said, _ = call(capsys, "run", path, "--participant", "P01", "--dry-run")
+    assert status == 2
+    assert message in said
+
+
 @pytest.mark.parametrize("sound", SOUND)
 def test_texts_that_can_be_shown_are_taken(sound):
     rehearse(wire(parse(f"{TUTORIAL}\n{SOUND[sound]}".encode(), "s.toml"), "s.toml"))

@@ -222,3 +222,21 @@ def test_a_header_alone_is_no_trials_file(lived, capsys):
     status, _, out = call(capsys, "validate", path)
     assert status == 1
     assert "found a header alone, expected a row for each trial" in out
+
+
+def test_people_and_simulated_participants_in_one_folder_are_told(lived, capsys):
+    """Put together by hand: the commands refuse to."""
+    from test_recorded import RECORDED
+
+    for path in (RECORDED / "console").rglob("*P02*"):
+        shutil.copy(path, lived / path.parent.name / path.name)
+    status, _, out = call(capsys, "validate", lived)
+    assert status == 1
+    assert "journals: found simulated participants (P01, ...) beside people (P02, ...), expected either alone" in out
+
+
+def test_what_a_system_hides_beside_its_files_is_no_trials_file(lived, capsys):
+    (lived / "data" / f"._{trials_of(lived).name}").write_bytes(b"\0\5\26\7")
+    (lived / "journals" / f"._{journal_of(lived).name}").write_bytes(b"\0\5\26\7")
+    for command in ("validate", "replay", "analyse"):
+        assert call(capsys, command, lived)[0] == 0
