@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -21,10 +22,13 @@ from scene_cases import (
 )
 
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
+from tactometry.stimuli.scenes.time_reversal.truncation import cut, n_frequencies, n_modes
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.energy import deformation_energy_j
 from tactometry.stimuli.time_reversal.field import field
@@ -269,7 +273,7 @@ def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
     large = Scene(TimeReversal(), (LOSSY,), ("field_m",), 5e-5)
     with pytest.raises(InvalidParameter, match=r"field_m: .*for a grid, which takes .* points, .*loosen"):
         large.resolve()
-    long = Scene(small_screen(reversal_s=30.0), (), ("peak_m",), 1e-3)
+    long = Scene(small_screen(reversal_s=60.0), (), ("peak_m",), 1e-3)
     with pytest.raises(InvalidParameter, match=r"accuracy: .*for the modes, which takes .* numbers, .*reversal_s"):
         long.resolve()
     free = screen(effect("edges", boundary="FFFF"), LOSSY, accuracy=1e-7)
@@ -366,3 +370,31 @@ def test_a_finger_off_the_plate_is_refused():
         InvalidParameter, match=r"contacts\[0\]: found \(0\.3, 0\.01\) m, expected a place on the plate"
     ):
         run(scene)
+
+
+# --- memory
+
+
+@pytest.mark.parametrize("duration_s", [50e-3, 0.1])
+@pytest.mark.parametrize(("repetition_hz", "envelope"), [(200.0, "rectangular"), (500.0, "exponential")])
+def test_trains_under_a_finger_on_the_a4_screen_fit(repetition_hz, envelope, duration_s):
+    """P1 of 0.1 s takes 3.7e7 numbers for all outputs of the scene at 1e-2."""
+    a4 = load_scene(path_of("a4-screen")).scene
+    train = effect("repetition", repetition_hz=repetition_hz, duration_s=duration_s, envelope=envelope)
+    assert replace(a4, effects=(*a4.effects, train)).resolve().error <= a4.accuracy
+
+
+def test_a_motion_under_a_finger_takes_the_memory_that_its_limit_counts_on():
+    """Of the numbers of a motion the free and the loaded one are there at once, and next to nothing beside them."""
+    scene = screen(effect("repetition", duration_s=0.2), effect("finger_load"), outputs=("contact_force_n",))
+    found = cut(scene, scene.accuracy / 2)
+    n_numbers = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
+    plan = scene.resolve()
+    plan.run(VOLT)
+    tracemalloc.start()
+    try:
+        replace(plan).run(VOLT)
+        peak_bytes = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak_bytes <= 36 * n_numbers

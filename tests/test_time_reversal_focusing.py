@@ -1,6 +1,7 @@
 """Focusing: the identities, several foci, windows, hard places, the field and the movie."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -109,17 +110,39 @@ def test_p_foci_share_the_amplitude_as_one_over_root_p():
     assert together / alone == pytest.approx(1 / math.sqrt(8), rel=0.07)
 
 
+@pytest.mark.parametrize("duration_s", [1e-3, 8e-3])
+@pytest.mark.parametrize(("tau_s", "exponent"), [(math.inf, 0.0), (3.5e-3, 0.0), (3.5e-3, 1.0)])
+def test_a_plate_at_rest_has_no_sign_for_one_bit_to_emit(duration_s, tau_s, exponent):
+    """The response to a pulse begins with 0 exactly: the last sample of an unfiltered drive is +V in every channel."""
+    screen = replace(A4_PROTOTYPE, attenuation=Attenuation(tau_s, exponent=exponent))
+    h = impulse_responses(screen, [FOCUS], **(TIMING | {"duration_s": duration_s}))
+    assert not h.samples[:, :, 0].any()
+    assert (drive(h, 30.0).samples[:, -1] == 30.0).all()
+
+
 def test_window_multiplies_the_learnt_response(learnt):
     window = np.linspace(1, 0, learnt.n_samples)
     found = reversed_waveform(learnt.at_point(0), window=window)
     assert found == pytest.approx((learnt.samples[0] * window)[:, ::-1], rel=1e-15)
 
 
-@pytest.mark.parametrize("place", [(0.0, 0.1), (0.297, 0.21)])
-def test_focus_on_a_held_edge_or_corner_is_refused(place):
-    h = impulse_responses(A4_PROTOTYPE, [place], **TIMING)
+@pytest.mark.parametrize("place", [(0.0, 0.1), (0.297, 0.21), (1e-16, 0.1)])
+@pytest.mark.parametrize("boundary", ["SSSS", "CCCC", "CFCF", "SFSC"])
+def test_focus_on_a_held_edge_or_corner_is_refused(boundary, place):
+    screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
+    h = impulse_responses(screen, [place], rate_hz=50e3, duration_s=2e-3, f_max_hz=15e3)
     with pytest.raises(InvalidParameter, match="foci: found responses that are zero everywhere"):
         drive(h, 30.0)
+
+
+@pytest.mark.parametrize(("boundary", "power"), [("SSSS", 1), ("SFSF", 1), ("CCCC", 2)])
+def test_a_focus_beside_a_held_edge_falls_with_the_distance_or_its_square(boundary, power):
+    screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
+    places = [(distance_m, 0.093) for distance_m in (1e-6, 1e-5, 1e-4)]
+    h = impulse_responses(screen, places, rate_hz=50e3, duration_s=2e-3, f_max_hz=15e3)
+    amplitudes = [focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(3)]
+    assert np.log10(amplitudes[1] / amplitudes[0]) == pytest.approx(power, abs=1e-3)
+    assert np.log10(amplitudes[2] / amplitudes[1]) == pytest.approx(power, abs=1e-2)
 
 
 def test_field_at_the_focus_is_the_amplitude_and_its_peak(learnt):

@@ -105,19 +105,18 @@ class _Program:
 
 def _compiled(plan: Plan) -> _Program:
     constant, varying = _parted(plan)
-    values: list[Any] = []
-    at: dict[str, int] = {}
-    for stage in constant:
-        values.append(stage.bind()(*(values[at[need]] for need in stage.needs)))
-        at[stage.gives] = len(values) - 1
-    for name in plan.given:
-        at[name] = len(values) + plan.given.index(name)
-    first = len(values) + len(plan.given)
+    values: dict[str, Any] = {}
+    for stage in constant:  # what a stage changes is let go: the motion of a plate may fill half of the memory
+        values[stage.gives] = stage.bind()(*(values[need] for need in stage.needs))
+    read = {name for stage in varying for name in stage.needs} | set(plan.outputs)
+    values = {name: value for name, value in values.items() if name in read}
+    at = {name: n for n, name in enumerate((*values, *plan.given))}
+    first = len(at)
     steps: list[Step] = []
     for n, stage in enumerate(varying):
         steps.append((stage.bind(), tuple(at[need] for need in stage.needs), first + n))
         at[stage.gives] = first + n
-    return _Program(tuple(values), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
+    return _Program(tuple(values.values()), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
 
 
 def _parted(plan: Plan) -> tuple[list[Stage], list[Stage]]:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.time_reversal.motion import Motion, moving, times
-from tactometry.stimuli.time_reversal.load import Load, Receptances, carried
+from tactometry.stimuli.scenes.time_reversal.motion import Motion, answer, moving, times
+from tactometry.stimuli.time_reversal.load import Load, carried
 from tactometry.stimuli.time_reversal.screen import Screen
 from tactometry.stimuli.time_reversal.transducer import PointForce
 
@@ -26,8 +26,9 @@ def bearing(contacts: Sequence[Load]) -> Callable[[Motion], Motion]:
         screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
         forces = _forces(motion, screen, contacts)
         oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
-        plate = Receptances.of(oscillators, screen.plate.mass_kg, motion.s)
-        amplitude = motion.amplitude - times(at[:, -len(places) :], forces) * plate.compliance
+        pushed = np.ascontiguousarray(at[:, -len(places) :])
+        amplitude = answer(oscillators, screen.plate.mass_kg, motion.s, lambda part: times(pushed, -forces[:, part]))
+        amplitude += motion.amplitude
         return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 
     return borne
@@ -48,8 +49,8 @@ def _pushed(unit: Motion, contact: int) -> Motion:
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
     oscillators, at = moving(unit.screen, unit.modes_to_hz, unit.static_to_hz)
-    plate = Receptances.of(oscillators, unit.screen.plate.mass_kg, unit.s)
-    return replace(unit, amplitude=at[:, contact, None] * plate.compliance, played=played)
+    amplitude = answer(oscillators, unit.screen.plate.mass_kg, unit.s, lambda part: at[:, contact, None])
+    return replace(unit, amplitude=amplitude, played=played)
 
 
 def _check_places(screen: Screen, contacts: Sequence[Load]) -> None:

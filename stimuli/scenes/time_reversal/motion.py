@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.time_reversal.emission import Emission, Points
-from tactometry.stimuli.time_reversal.load import Receptances, contour
+from tactometry.stimuli.time_reversal.load import CHUNK, Receptances, contour
 from tactometry.stimuli.time_reversal.modal_time import Oscillators
 from tactometry.stimuli.time_reversal.modes import Modes, values
 from tactometry.stimuli.time_reversal.screen import Screen
@@ -145,10 +145,24 @@ def driven(
         s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
         played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
         oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
-        amplitude = times(forces, played) * Receptances.of(oscillators, screen.plate.mass_kg, s).compliance
+        amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: times(forces, played[:, part]))
         return Motion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 
     return motion
+
+
+def answer(
+    oscillators: Oscillators, mass_kg: float, s: ComplexArray, push: Callable[[slice], ComplexArray | FloatArray]
+) -> ComplexArray:
+    """(n_modes, n_frequencies): modes under generalised forces, which `push` gives for some frequencies at a time.
+
+    What is computed on the way takes no more memory than those.
+    """
+    amplitude = np.empty((len(oscillators.omega_rad_per_s), len(s)), complex)
+    for start in range(0, len(s), CHUNK):
+        part = slice(start, start + CHUNK)
+        amplitude[:, part] = push(part) * Receptances.of(oscillators, mass_kg, s[part]).compliance
+    return amplitude
 
 
 def focus_value() -> Callable[[Motion, Points], FloatArray]:

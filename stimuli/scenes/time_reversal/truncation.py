@@ -30,7 +30,10 @@ MOST_COUNTED = 32
 ROUNDING = 1e-9
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
 """How far above its band an emission is followed, by the error from which on that is enough."""
-MOST_NUMBERS = 3e7
+MOST_NUMBERS = 6e7
+"""Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 2 GB."""
+MOST_FOLLOWING = 3e7
+"""Modes that follow times transducers."""
 MOST_RITZ_MODES = 6000
 MOST_MODES = 9e5
 MAPS = frozenset(("field_m", "movie_m"))
@@ -170,14 +173,15 @@ def _train_s(scene: Surroundings) -> float:
 def _check_size(scene: Surroundings, found: Cut, error: float) -> None:
     moving = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
     following = n_modes(scene, found.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
-    numbers = max(moving, following, n_modes(scene, found.static_to_hz) * MOST_NUMBERS / MOST_MODES)
-    if numbers > MOST_NUMBERS:
+    ritz = n_modes(scene, found.static_to_hz)
+    sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (ritz, MOST_MODES)
+    numbers, most = max(sizes, key=lambda size: size[0] / size[1])
+    if numbers > most:
         raise InvalidParameter(
             f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
-            f"expected at most {MOST_NUMBERS:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
+            f"expected at most {most:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
             "thicker plate"
         )
-    ritz = n_modes(scene, found.static_to_hz)
     if scene.find("edges") is not None and ritz > MOST_RITZ_MODES:
         raise InvalidParameter(
             f"accuracy: found an error of {error:.2g} left for the modes, which takes {ritz:.0f} of a plate "
