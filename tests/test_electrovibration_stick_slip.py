@@ -20,6 +20,7 @@ from tactometry.stimuli.electrovibration import (
     Trapezoid,
     Travel,
     stick_slip,
+    sticking,
 )
 from tactometry.stimuli.electrovibration.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.pieces import straight
@@ -293,7 +294,22 @@ def test_too_many_events_stop_with_their_time() -> None:
         run(n_events_max=3)
 
 
-def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused() -> None:
+def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused(monkeypatch) -> None:
+    monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)  # as many as take milliseconds, for one that slips
     light = Finger(mass_kg=1e-15, stiffness_n_per_m=1e7, damping_n_s_per_m=0.0)
-    with pytest.raises(InvalidParameter, match=r"steps of the series .* \(the finger moves at up to 1e\+11 rad/s\)"):
+    with pytest.raises(InvalidParameter, match=r"more than 2e\+04 steps of the series at .* up to 1e\+11 rad/s\)"):
         run(finger=light)
+
+
+@pytest.mark.parametrize("speed_m_per_s", [1e-12, 1e-9, 1e-7, 1e-5])
+def test_a_finger_that_hardly_moves_sticks_and_takes_no_more_steps_than_the_voltage_does(
+    monkeypatch, speed_m_per_s: float
+) -> None:
+    """Its published mass falls with its speed, and with it the time in which it would decay if it slipped."""
+    monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)
+    finger = Finger.at_speed(speed_m_per_s)
+    motion = run(finger=finger, travel=Travel(speed_m_per_s))
+    assert motion.events_s.size == 0
+    hard_case("finger of 1 pm/s that sticks (m)", motion.stretch_m, speed_m_per_s * T_S, 1e-12, against="the way")
+    lateral_n = finger.stiffness_n_per_m * speed_m_per_s * T_S + finger.damping_n_s_per_m * speed_m_per_s
+    assert motion.lateral_n == pytest.approx(lateral_n, rel=1e-12)

@@ -17,7 +17,7 @@ REACH = 1.5
 """Longest step in units of the fastest rate: 1.5^21/21! = 1e-16 is left out."""
 N_LOOKS = 16
 N_AT_ONCE = 100
-TOO_MANY, CHATTER = 1, 2
+TOO_MANY, CHATTER, TOO_LONG = 1, 2, 3
 
 
 @compiled  # type: ignore[untyped-decorator]  # pragma: no cover
@@ -143,14 +143,16 @@ def flow(  # noqa: PLR0912, PLR0915
     piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
     turns: Complex, responses: Complex, gains: Real, dc_gain: float,
     rates: Real, omegas: Real, lengths: Real, moves: NDArray[np.bool_], longest: Real,
-    finger: Real, friction: Real, travel: Real, gated: bool, n_events_max: int,
+    finger: Real, friction: Real, travel: Real, gated: bool, n_events_max: int, n_steps_max: int,
 ) -> tuple[Real, Real, int, float]:  # fmt: skip
     """States at the nodes and the events.
 
     `finger` is (mass, damping, stiffness), `friction` (static, kinetic, normal force), `travel` (speed,
-    acceleration, stretch at time 0). Rows of the first result: stretch, its rate, its second derivative, lateral
+    acceleration, stretch at time 0), `longest` (2, n_nodes) the longest steps of a stuck finger, which only the voltage
+    moves, and of one that slips. Rows of the first result: stretch, its rate, its second derivative, lateral
     force, electrostatic force, direction of slip (0: stuck); rows of the second: time of an event, direction after.
-    The last two are a failure (`TOO_MANY` events, or `CHATTER`: that many at one instant) and its time.
+    The last two are a failure (`TOO_MANY` events, `CHATTER`: that many at one instant, or `TOO_LONG`: more than
+    `n_steps_max` steps) and its time.
     """
     m, c, k = finger
     static, kinetic, force_n = friction
@@ -159,7 +161,7 @@ def flow(  # noqa: PLR0912, PLR0915
     free, y, states = np.zeros(n_relax), np.zeros(n_relax), np.zeros((n_relax, DEGREE + 1))
     force, stretch, push = np.zeros(DEGREE + 1), np.zeros(DEGREE + 1), np.zeros(DEGREE + 1)
     s, rate, direction = travel[2], travel[0], 0.0
-    held, n_events, n_here, time = -1, 0, 0, 0.0
+    held, n_events, n_here, n_steps, time = -1, 0, 0, 0, 0.0
     for i in range(n_nodes):
         now = piece[i]
         while held < now:
@@ -172,7 +174,8 @@ def flow(  # noqa: PLR0912, PLR0915
         level = offsets[now] + slopes[now] * since[i]
         rest, first = lengths[i] if i < len(lengths) else 0.0, True
         while first or rest > 0:
-            h = min(rest, longest[i])
+            h = min(rest, longest[0 if direction == 0 else 1, i])
+            n_steps += 1
             unit = max(h, 1e-300)
             here = travel[0] + travel[1] * time
             _force_series(
@@ -187,6 +190,7 @@ def flow(  # noqa: PLR0912, PLR0915
                     direction = np.sign(asked)
                     events[n_events] = time, direction
                     n_events, n_here = n_events + 1, n_here + 1
+                    continue  # a step of one that slips may be shorter
             push[:] = direction * kinetic * force
             push[0] += direction * kinetic * force_n + m * travel[1]
             if first:
@@ -221,4 +225,6 @@ def flow(  # noqa: PLR0912, PLR0915
                 n_events, n_here = n_events + 1, n_here + 1
             if n_events == n_events_max or n_here > N_AT_ONCE:
                 return out, events, TOO_MANY if n_events == n_events_max else CHATTER, time
+            if n_steps > n_steps_max:
+                return out, events, TOO_LONG, time
     return out, events[:n_events], 0, time

@@ -19,8 +19,8 @@ from tactometry.stimuli.electrovibration.relaxation import Relaxations
 Real = NDArray[np.float64]
 
 
-N_STEPS_MAX = 2e7
-"""The most steps of the series in one call."""
+N_STEPS_MAX = 2_000_000
+"""The most steps of the series in one call: some two seconds."""
 
 
 @checked
@@ -131,7 +131,14 @@ def stick_slip(
         np.array([travel.speed_m_per_s, travel.acceleration_m_per_s2, travel.stretch_m]),
         friction.gated,
         n_events_max,
+        N_STEPS_MAX,
     )
+    if failure == power_series.TOO_LONG:
+        raise InvalidParameter(
+            f"stick_slip: found more than {N_STEPS_MAX:.3g} steps of the series at {time_s:.6g} s of this signal (in "
+            f"slip the finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; take a heavier "
+            "or softer finger, or shorten the signal"
+        )
     if failure:
         at_once = "at one instant" if failure == power_series.CHATTER else f"(n_events_max, {n_events_max}, is reached)"
         raise InvalidParameter(
@@ -150,21 +157,15 @@ def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDA
     rates = np.array(relaxations.rates_per_s)
     moves = shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9)
     omegas = 2 * pi * timing.pieces.frequencies_hz
-    mechanical = max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)
-    fastest = np.max(2 * rates[None, :] * moves, axis=1, initial=max(mechanical, 2 * omegas.max(initial=0.0)))
+    electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
+    fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
     from tactometry.stimuli.electrovibration.power_series import REACH
 
-    longest = np.divide(REACH, fastest, out=np.full(len(nodes), inf), where=fastest > 0)
-    _check_steps(float(np.sum(np.diff(nodes) / longest[:-1])), mechanical)
+    longest = np.divide(REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
     arrays = (*shared.arrays, np.array(relaxations.gains), relaxations.dc_gain)
     return np.searchsorted(nodes, timing.t_s), (*arrays, rates, omegas, np.diff(nodes), moves, longest)
 
 
-def _check_steps(n_steps: float, mechanical_rad_per_s: float) -> None:
-    """Refuse a finger so fast that the series would take too many steps."""
-    if n_steps > N_STEPS_MAX:
-        raise InvalidParameter(
-            f"stick_slip: found {n_steps:.3g} steps of the series for this signal (the finger moves at up to "
-            f"{mechanical_rad_per_s:.3g} rad/s), expected at most {N_STEPS_MAX:.3g}; take a heavier or softer finger, "
-            "or shorten the signal"
-        )
+def _fastest_rad_per_s(finger: Finger) -> float:
+    """Of the pad in slip: its swing, or the decay of its speed."""
+    return max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)
