@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given
+from conftest import SOAK
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.cli.design import command
@@ -14,6 +15,7 @@ from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.closed_forms import resolution_m
 from tactometry.stimuli.time_reversal.design import (
+    OFF,
     Design,
     Target,
     Transducers,
@@ -22,6 +24,7 @@ from tactometry.stimuli.time_reversal.design import (
     recommend,
     thickness_for_m,
 )
+from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.field import field, grid
 from tactometry.stimuli.time_reversal.finger import Emission
 from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
@@ -38,25 +41,93 @@ BAND, TAU_S = Band(20e3, 60e3), 3.5e-3
 POINTS = [(0.121, 0.093), (0.2, 0.143), (0.071, 0.062)]
 
 
-@pytest.mark.parametrize("band", [Band(200.0, 60e3), Band(20e3, 60e3), Band(1e3, 25e3)])
-def test_amplitude_law_meets_the_simulation_within_15_percent(band):
-    predicted = Design(A4_SCREEN, Transducers(), band, TAU_S, 2 * TAU_S).amplitude_m
-    h = Emission(band, 2 * TAU_S, 200e3).responses(A4_PROTOTYPE, POINTS)
-    simulated = np.mean([focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(3)])
-    assert predicted == pytest.approx(simulated, rel=0.15)
+def simulated_over_laws(design, rng, n_foci=4):
+    """Simulation over law, less 1, of amplitude, contrast and width: means over foci in the middle of the plate."""
+    plate, patches, band = design.plate, design.transducers, design.band
+    screen = Screen(plate, tuple(border(plate, patches.n, patches.side_m)), Attenuation(design.tau_s))
+    emission = Emission(band, design.reversal_s, max(4 * band.f_max_hz, 100e3))
+    sides = np.array([plate.length_m, plate.width_m])
+    foci = [tuple(map(float, place)) for place in rng.uniform(0.2 * sides, 0.8 * sides, (n_foci, 2))]
+    h = emission.responses(screen, foci)
+    amplitudes, contrasts = [], []
+    shortest = 1.2 * math.sqrt(2 * math.pi * emission.f_max_hz / plate.wave_constant_m2_per_s)
+    points = grid(screen, *(int(side * shortest) + 20 for side in sides))
+    for i in range(n_foci):
+        signal = drive(h.at_point(i), patches.voltage_v)
+        amplitudes.append(focus_amplitude(signal, h, i))
+        u = field(screen, signal, signal.samples.shape[1] - 1, points, emission.f_max_hz)
+        contrasts.append(contrast_whole_of(amplitudes[-1], u))
+    return {
+        "resolution": np.mean(resolution_per_focus_m(screen, foci, emission)) / design.resolution_m - 1,
+        "contrast": np.mean(contrasts) / design.contrast - 1,
+        "amplitude": np.mean(amplitudes) / design.amplitude_m - 1,
+    }
 
 
-@pytest.mark.parametrize(("side_m", "band"), [(10e-3, Band(36e3, 108e3)), (10e-3, BAND), (2e-3, BAND)])
-def test_contrast_and_resolution_meet_the_simulation(side_m, band):
-    """Contrast scatters by 2 % over places and lies up to 14 % below the law; widths by 1 % and 5 %."""
-    design = Design(A4_SCREEN, Transducers(side_m=side_m), band, TAU_S, 2 * TAU_S)
-    screen = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32, side_m)), Attenuation(TAU_S))
-    emission, f_max = Emission(band, 2 * TAU_S, 300e3), band.f_max_hz * 1.1
-    h = emission.responses(screen, POINTS[:1])
-    signal = drive(h, 30.0)
-    u = field(screen, signal, signal.samples.shape[1] - 1, grid(screen, 150, 106), f_max)
-    assert design.contrast == pytest.approx(contrast_whole_of(focus_amplitude(signal, h), u), rel=0.2)
-    assert design.resolution_m == pytest.approx(np.mean(resolution_per_focus_m(screen, POINTS, emission)), rel=0.08)
+def check_laws(thickness_m, side_m, band, n=32, tau_s=TAU_S, ratio=2.0, size_m=(0.297, 0.21)):
+    plate = BOROFLOAT_33.plate(*size_m, thickness_m, "SSSS")
+    design = Design(plate, Transducers(n, side_m), band, tau_s, ratio * tau_s)
+    if not design.is_diffuse:
+        return
+    found = simulated_over_laws(design, np.random.default_rng())
+    for name, (low, high) in OFF.items():
+        assert low <= found[name] <= high, (name, found)
+
+
+@pytest.mark.parametrize(
+    ("thickness_m", "side_m", "band"),
+    [
+        (0.3e-3, 10e-3, BAND),
+        (0.5e-3, 10e-3, Band(36e3, 108e3)),
+        (1.1e-3, 2e-3, Band(200.0, 60e3)),
+        (1.1e-3, 10e-3, BAND),
+        (2e-3, 10e-3, BAND),
+        (4e-3, 10e-3, Band(1e3, 10e3)),
+        (4e-3, 5e-3, Band(36e3, 108e3)),
+    ],
+)
+def test_the_laws_are_off_the_simulation_by_what_they_state(thickness_m, side_m, band):
+    """The ends of their domain, and where they are worst: patches longer than the wave, and few modes."""
+    check_laws(thickness_m, side_m, band)
+
+
+BANDS = (Band(1e3, 10e3), Band(200.0, 60e3), Band(1e3, 25e3), BAND, Band(36e3, 108e3), Band(20e3, 70e3))
+
+
+@given(
+    thickness_m=st.floats(0.3e-3, 4e-3) if SOAK else st.floats(0.7e-3, 4e-3),
+    side_m=st.floats(2e-3, 10e-3),
+    band=st.sampled_from(BANDS if SOAK else BANDS[:4]),
+    n=st.sampled_from([8, 16, 32, 64]),
+    tau_s=st.floats(1e-3, 8e-3),
+    ratio=st.floats(0.5, 4.0),
+    size_m=st.sampled_from([(0.297, 0.21), (0.21, 0.148)]),
+)
+@settings(max_examples=300 if SOAK else 12, deadline=None)
+def test_the_laws_are_off_the_simulation_by_what_they_state_anywhere_in_their_domain(
+    thickness_m, side_m, band, n, tau_s, ratio, size_m
+):
+    check_laws(thickness_m, side_m, band, n, tau_s, ratio, size_m)
+
+
+def test_a_field_that_is_not_diffuse_is_said_to_be_outside_of_the_laws():
+    slow = recommend(BOROFLOAT_33.plate(0.297, 0.21, 0.47e-3, "SSSS"), Transducers(), Band(1e3, 10e3), 0.3e-3, Target())
+    assert slow.notes[-1].startswith("laws: in T and tau the waves cross the plate 0.38 times")
+    few = recommend(BOROFLOAT_33.plate(0.1, 0.1, 4e-3, "SSSS"), Transducers(8), Band(1e3, 10e3), TAU_S, Target())
+    assert "the band holds 7 modes" in few.notes[-1]
+    assert recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target()).design.is_diffuse
+
+
+def test_a_patch_longer_than_the_wave_counts_the_modes_that_it_passes():
+    """Contrast of 36 to 108 kHz on 0.4 mm was 34 % above the simulation with the square of the mean of W^2."""
+    plate = BOROFLOAT_33.plate(0.297, 0.21, 0.4e-3, "SSSS")
+    design = Design(plate, Transducers(), Band(36e3, 108e3), TAU_S, 2 * TAU_S)
+    f = np.linspace(36e3, 108e3, 300)
+    half = wavenumber_rad_per_m(plate, f) * 10e-3 / 2
+    angle = np.linspace(0, np.pi / 2, 400)
+    low_pass = np.sinc(np.outer(half, np.cos(angle)) / np.pi) * np.sinc(np.outer(half, np.sin(angle)) / np.pi)
+    squared, fourth = (np.trapezoid(np.mean(low_pass**power, axis=1), f) for power in (2, 4))
+    assert design.reverberation.n_modes == pytest.approx(plate.modal_density_s * squared**2 / fourth, rel=0.02)
 
 
 def test_contrast_of_a_fast_train_meets_the_simulation():
@@ -140,6 +211,16 @@ def test_command_prints_the_design_as_json():
     record = json.loads(result.output)
     assert record["reversal_s"] == 0.007
     assert record["unreachable"] == []
+
+
+def test_command_says_how_far_off_its_laws_are_and_what_it_leaves_out():
+    shown = CliRunner().invoke(command, [])
+    assert shown.exit_code == 0, shown.output
+    for said in ("simulation over these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):
+        assert said in shown.output
+    record = json.loads(CliRunner().invoke(command, ["--json"]).output)
+    assert record["simulation_over_law"] == {name: list(ends) for name, ends in OFF.items()}
+    assert [sheet["bends_linearly"] for sheet in record["thicknesses"]][:6] == [False] * 5 + [True]
 
 
 def test_command_ends_with_1_and_says_why():

@@ -101,13 +101,19 @@ def test_two_foci_have_their_weights_and_signs(learnt):
     assert u[1] / u[0] == pytest.approx(-0.5 * alone[1] / alone[0], abs=0.1)
 
 
-def test_p_foci_share_the_amplitude_as_one_over_root_p():
-    """1 bit, foci apart: A_1 / sqrt(P) within 7 % on average over foci."""
-    places = [(x, y) for x in (0.047, 0.113, 0.181, 0.243) for y in (0.053, 0.151)]
-    h = impulse_responses(A4_PROTOTYPE, places, rate_hz=150e3, duration_s=7e-3, f_max_hz=40e3)
-    alone = np.mean([focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(8)])
-    together = np.mean(focus_amplitudes(drive(h, 30.0), h))
-    assert together / alone == pytest.approx(1 / math.sqrt(8), rel=0.07)
+@pytest.mark.parametrize("n", [2, 8, 32])
+@pytest.mark.parametrize("f_min_hz", [1e3, 10e3])
+def test_p_foci_share_the_amplitude_as_one_over_root_p_and_a_little_more(n, f_min_hz):
+    """1 bit: the mean over 16 sets of foci at random is 1 to 12 % above the law."""
+    rng, over = np.random.default_rng(), []
+    for _ in range(16):
+        places = [tuple(map(float, place)) for place in rng.uniform((0.06, 0.04), (0.24, 0.17), (n, 2))]
+        raw = impulse_responses(A4_PROTOTYPE, places, rate_hz=100e3, duration_s=7e-3, f_max_hz=27e3)
+        h = band_limited(raw, Band(f_min_hz, 25e3))
+        alone = np.mean([focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(n)])
+        over.append(np.mean(focus_amplitudes(drive(h, 30.0), h)) / alone * math.sqrt(n))
+    error = 5.24 * np.std(over, ddof=1) / math.sqrt(16)  # Student's t with 15 degrees of freedom at 1e-4
+    assert 1.0 - error < np.mean(over) < 1.12 + error
 
 
 @pytest.mark.parametrize("duration_s", [1e-3, 8e-3])
@@ -130,7 +136,7 @@ def test_window_multiplies_the_learnt_response(learnt):
 @pytest.mark.parametrize("boundary", ["SSSS", "CCCC", "CFCF", "SFSC"])
 def test_focus_on_a_held_edge_or_corner_is_refused(boundary, place):
     screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
-    h = impulse_responses(screen, [place], rate_hz=50e3, duration_s=2e-3, f_max_hz=15e3)
+    h = impulse_responses(screen, [place], rate_hz=20e3, duration_s=2e-3, f_max_hz=4e3)
     with pytest.raises(InvalidParameter, match="foci: found responses that are zero everywhere"):
         drive(h, 30.0)
 
@@ -139,7 +145,7 @@ def test_focus_on_a_held_edge_or_corner_is_refused(boundary, place):
 def test_a_focus_beside_a_held_edge_falls_with_the_distance_or_its_square(boundary, power):
     screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
     places = [(distance_m, 0.093) for distance_m in (1e-6, 1e-5, 1e-4)]
-    h = impulse_responses(screen, places, rate_hz=50e3, duration_s=2e-3, f_max_hz=15e3)
+    h = impulse_responses(screen, places, rate_hz=20e3, duration_s=2e-3, f_max_hz=4e3)
     amplitudes = [focus_amplitude(drive(h.at_point(i), 30.0), h, i) for i in range(3)]
     assert np.log10(amplitudes[1] / amplitudes[0]) == pytest.approx(power, abs=1e-3)
     assert np.log10(amplitudes[2] / amplitudes[1]) == pytest.approx(power, abs=1e-2)

@@ -254,6 +254,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [Load(0.1, 0.1, 9.0)], **SAMPLING},
             "contour": {"n_samples": 9, "rate_hz": 2e3},
         },
+        "low_pass": {
+            name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
+            for name in ("passed", "passed_hz", "effective_hz", "weighted_width_m")
+        },
         "measured": {
             "read": {"paths": [npz], "full_scale": 1.0, "quantity": "velocity"},
             "write_npz": {**heard, "path": folder / "kept.npz"},

@@ -2,8 +2,8 @@
 
 Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates
 with equal mode weights, exponential decay and many modes; the latter is derived, not the thesis's, and
-holds to 15-20 % for contrast. Symbols as in the thesis: Q transducers, T reversal time, tau attenuation
-constant, B bandwidth, T_c = modal density.
+`tactometry.stimuli.time_reversal.design.OFF` says how far the simulation is from it. Symbols as in the thesis: Q
+transducers, T reversal time, tau attenuation constant, B bandwidth, T_c = modal density.
 """
 
 import math
@@ -209,7 +209,7 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 
 @checked
 def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
-    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), within 3 % of `resolution_m`."""
+    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
     positive_array("half_wavelength_m.f_mean_hz", f_mean_hz)
     positive("half_wavelength_m", alpha=alpha)
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))

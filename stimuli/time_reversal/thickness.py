@@ -1,7 +1,11 @@
 """Which sheet of glass: the design guide for every thickness that can be had, and the nearest that meets the target.
 
 Thinner glass sharpens a focus (width ~ h^(1/2)), holds more modes (~ 1/h) and moves more for the same moment, and bends
-and breaks sooner: stress under a finger ~ 1/h^2, deflection ~ 1/h^3. The moment of a patch per volt is kept.
+and breaks sooner: stress under a finger ~ 1/h^2, deflection ~ 1/h^3.
+
+The moment of a patch per volt is that of the given plate on every sheet: an unverified choice. A bonded ceramic pushes
+with an arm of half its own and half the sheet's thickness, and stiffens a thin sheet, so that amplitudes of sheets much
+thinner than the given one are upper bounds.
 """
 
 import math
@@ -28,12 +32,17 @@ SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e
 """Thicknesses in which thin glass is sold; unverified default."""
 
 
+SMALL: Final = 0.5
+"""Deflection over thickness up to which the theory of small deflections is used; unverified default."""
+
+
 @checked
 @dataclass(frozen=True)
 class Sheet:
     """One thickness: the guide for it, and what 2 N of a finger do at the centre, the edges simply supported.
 
-    Both are those of small deflections: a plate that bends by more than its thickness stretches, and bends less.
+    Both are those of small deflections: a plate that bends by more than half of its thickness stretches, and bends
+    less (`bends_linearly`).
     """
 
     guide: Guide
@@ -43,6 +52,11 @@ class Sheet:
     @property
     def thickness_m(self) -> float:
         return self.guide.design.plate.thickness_m
+
+    @property
+    def bends_linearly(self) -> bool:
+        """Whether the deflection is small, at most `SMALL` of the thickness."""
+        return self.deflection_m <= SMALL * self.thickness_m
 
     @property
     def unreachable(self) -> tuple[str, ...]:

@@ -55,7 +55,7 @@ def command(
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
-    from tactometry.stimuli.time_reversal.design import Target, Transducers
+    from tactometry.stimuli.time_reversal.design import OFF, Target, Transducers
     from tactometry.stimuli.time_reversal.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate_file import read_plate
     from tactometry.stimuli.time_reversal.spectrum import Band
@@ -79,15 +79,19 @@ def command(
         with writing(figure):
             save(trade_offs(best.guide), figure)
             save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
-    say(_text(best, among), _record(best) | {"thicknesses": [_record(sheet) for sheet in among]}, as_json=as_json)
+    told = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}
+    say(_text(best, among), _record(best) | told, as_json=as_json)
     ctx.exit(1 if best.unreachable else 0)
 
 
 def _text(best: "Sheet", among: "Sequence[Sheet]") -> str:
     record = _record(best)
-    lines = [f"{name:<16}{value:.6g}" for name, value in record.items() if isinstance(value, float | int)]
+    numbers = {name: value for name, value in record.items() if type(value) in {float, int}}
+    if not best.bends_linearly:
+        del numbers["deflection_m"]
+    lines = [f"{name:<16}{value:.6g}" for name, value in numbers.items()]
     told = [f"note: {note}" for note in best.guide.notes] + [f"not reached: {why}" for why in best.unreachable]
-    return "\n".join([*lines, *told, "", *_trade_off(best, among)])
+    return "\n".join([*lines, *told, "", *_trade_off(best, among), "", *_how_far_off(among)])
 
 
 def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
@@ -99,8 +103,28 @@ def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
         yield (
             f"{mark} {sheet.thickness_m * 1e3:6.2f} mm {design.resolution_m * 1e3:8.1f} mm {design.contrast:9.1f} "
             f"{design.amplitude_m * 1e6:7.2f} um {design.transducers.n:4d} {design.band.mean_hz / 1e3:11.1f} kHz "
-            f"{sheet.stress_pa / 1e6:5.1f} MPa {sheet.deflection_m * 1e6:6.0f} um  {missed}"
+            f"{sheet.stress_pa / 1e6:5.1f} MPa {_bends(sheet):>9}  {missed}"
         )
+
+
+def _bends(sheet: "Sheet") -> str:
+    """The deflection, or that it is beyond what small deflections tell."""
+    from tactometry.stimuli.time_reversal.thickness import SMALL
+
+    if sheet.bends_linearly:
+        return f"{sheet.deflection_m * 1e6:.0f} um"
+    return f"> {SMALL * sheet.thickness_m * 1e6:.0f} um"
+
+
+def _how_far_off(among: "Sequence[Sheet]") -> "Iterator[str]":
+    from tactometry.stimuli.time_reversal.design import OFF
+
+    ranges = ", ".join(f"{name} {low:+.0%} to {high:+.0%}" for name, (low, high) in OFF.items())
+    yield f"simulation over these laws: {ranges}; sheets that differ by less are alike"
+    if len(among) > 1:
+        yield "amplitudes keep the moment per volt of a patch on every sheet (unverified)"
+    if not all(sheet.bends_linearly for sheet in among):
+        yield "> : more than half of its thickness, beyond small deflections; the stress is then an upper bound"
 
 
 def _record(sheet: "Sheet") -> dict[str, object]:
@@ -117,6 +141,7 @@ def _record(sheet: "Sheet") -> dict[str, object]:
         "amplitude_m": design.amplitude_m,
         "stress_pa": sheet.stress_pa,
         "deflection_m": sheet.deflection_m,
+        "bends_linearly": sheet.bends_linearly,
         "notes": list(guide.notes),
         "unreachable": list(sheet.unreachable),
     }
