@@ -53,6 +53,11 @@ def rehearse(experiment: Experiment) -> None:
 def _refuse_idle(experiment: Experiment) -> None:
     """A key that does nothing promises what no session will hold."""
     shown, study = experiment.asking.presenting, experiment.study
+    for name in ("title", "description"):
+        if not getattr(study, name).strip():
+            raise InvalidParameter(
+                f"{name}: found nothing, expected a text, which stands in the data set's description"
+            )
     if shown.rest_s is not None and shown.rest_after is None:
         raise InvalidParameter(
             f"task.rest_s: found {shown.rest_s:g} s without rest_after, expected both: no rest comes"

@@ -168,14 +168,18 @@ def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
     """The first row of another participant, session or study than the name of its file says."""
     told = keys_of(file.stem)
     try:
-        for number, row in enumerate(csv.DictReader(io.StringIO(content.decode("utf-8-sig"), newline="")), 2):
-            for key in ("participant", "session", "study"):
-                if key in told and (row.get(key) or "").replace("-", "") != told[key]:
-                    text = f"column {key!r}: found {row.get(key)!r}, expected {told[key]!r} as in the file's name"
-                    yield Defect(f"data/{file.name}", number, text)
-                    return
-    except (UnicodeDecodeError, csv.Error):
+        header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
+    except (UnicodeDecodeError, csv.Error, ValueError):
         return
+    for key in ("participant", "session", "study"):
+        if key not in told or key not in header:
+            continue
+        place = header.index(key)
+        for number, cells in enumerate(rows, 2):
+            if "".join(cells[place : place + 1]).replace("-", "") != told[key]:
+                text = f"column {key!r}: found {''.join(cells[place : place + 1])!r}, expected {told[key]!r} as in"
+                yield Defect(f"data/{file.name}", number, f"{text} the file's name")
+                return
 
 
 def _sidecar(file: Path, header: list[str]) -> Iterator[Defect]:

@@ -8,7 +8,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from tactometry.columns import FIRST, Column
@@ -91,7 +91,7 @@ _MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("f
 def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
     """The cells of a trial."""
     known: dict[str, Value] = {
-        **asdict(session),
+        **vars(session),
         "rig": rig,
         **{name: getattr(trial, name) for name in _MEASURED},
         **trial.factors,

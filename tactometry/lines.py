@@ -11,20 +11,18 @@ from tactometry.request import REQUESTS, Record, Request
 T = TypeVar("T")
 Entry = tuple[Request, Any]
 _KEYS: Final = {
-    "end": {"end"},
-    "sitting": {"sitting"},
-    "event": {"event", "at_s", "timestamp_utc", "facts"},
     "request": {"request", "asked", "answer"},
+    "event": {"event", "at_s", "timestamp_utc", "facts"},
+    "sitting": {"sitting"},
+    "end": {"end"},
 }
 
 
 def kind_of_line(value: dict[str, Any]) -> str:
     """What a line behind the first is, by its keys. Raises `msgspec.ValidationError`."""
-    for kind, keys in _KEYS.items():
-        if value.keys() == keys:
-            if kind == "end" and value["end"] != "complete":
-                break
-            return kind
+    kind = next((kind for kind in _KEYS if kind in value), "")
+    if kind and value.keys() == _KEYS[kind] and value.get("end", "complete") == "complete":
+        return kind
     raise msgspec.ValidationError(f"a line of {', '.join(map(repr, value)) or 'nothing'}")
 
 

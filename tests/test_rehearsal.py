@@ -84,6 +84,16 @@ def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
     assert message in said
 
 
+@pytest.mark.parametrize("key", ["title", "description"])
+def test_a_study_without_a_title_or_description_would_make_no_sound_data_set(tmp_path, capsys, key):
+    path = tmp_path / "s.toml"
+    path.write_text(re.sub(rf'{key} = ".*"', f'{key} = ""', TUTORIAL), "utf-8")
+    status, said, _ = call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert status == 2
+    assert f"{key}: found nothing, expected a text" in said
+    assert not (tmp_path / "d").exists()
+
+
 @pytest.mark.parametrize("sound", SOUND)
 def test_texts_that_can_be_shown_are_taken(sound):
     rehearse(wire(parse(f"{TUTORIAL}\n{SOUND[sound]}".encode(), "s.toml"), "s.toml"))
