@@ -15,7 +15,7 @@ from tactometry.agreement import REBUILD, disagreement
 from tactometry.dataset import Session, keys_of, participants, sessions, trials_csv
 from tactometry.description import NAME, SIMULATED
 from tactometry.errors import InvalidFile, TactometryError
-from tactometry.event import events_tsv
+from tactometry.event import COLUMNS, events_tsv
 from tactometry.experiments.study import parse
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.files import drafts, listed, read_file
@@ -274,7 +274,8 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         if recording.told:
             yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
         return
-    differs = disagreement(read_file(file, "an events file"), events_tsv(recording.told))
+    expected = events_tsv(recording.told, columns_in(COLUMNS, recording.format))
+    differs = disagreement(read_file(file, "an events file"), expected)
     if differs is not None:
         yield Defect(name, *differs)
     if not file.with_suffix(".json").is_file():

@@ -12,9 +12,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from tactometry.columns import FIRST, Column
-from tactometry.description import NAME, Design, sidecar_json
+from tactometry.description import NAME, Design
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.event import COLUMNS
 from tactometry.files import listed, make_folder, read_file, write_first
 from tactometry.trial import Trial, Value
 
@@ -110,11 +109,6 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
     """The trials file of a session."""
     header = [column.name for column in columns]
     return csv_bytes([header, *(row(trial, session, rig, columns) for trial in trials)])
-
-
-def events_json() -> bytes:
-    """The description of every column of an events file."""
-    return sidecar_json(COLUMNS)
 
 
 def prepare(root: Path, design: Design) -> None:

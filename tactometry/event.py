@@ -9,9 +9,10 @@ import msgspec
 
 from tactometry.columns import Column
 from tactometry.errors import InvalidParameter
+from tactometry.limits import Exposure
 
 Fact = str | int | float | bool | None
-Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort"]
+Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 
 FACTS: Final = (
@@ -30,11 +31,12 @@ FACTS: Final = (
     Column("device", "Whose clock, of a row of kind clock: a sensor, output, keyboard or utc"),
     Column("clock_offset_s", "Session's clock (time.perf_counter) minus that of the device", "s"),
     Column("clock_drift", "Seconds that the session's clock gained per second since the first such row of the sitting"),
+    Column("charge_c", "Net charge that a stimulus passes through the leak of the load", "C"),
     Column("text", "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why"),
 )
 COLUMNS: Final = (
     Column("onset", "When it happened since the start of the session", "s"),
-    Column("duration", "Always n/a: an event is a moment"),
+    Column("duration", "How long a stimulus lasts unless something stops it; n/a: a moment", "s"),
     Column("trial_type", f"One of {', '.join(KINDS)}"),
     *FACTS,
     Column("timestamp_utc", "Coordinated universal time, ISO 8601"),
@@ -44,7 +46,7 @@ COLUMNS: Final = (
 
 @dataclass(frozen=True)
 class Event:
-    """A moment of a session, with what is known of it: `facts` by the names of `FACTS`.
+    """A moment of a session, or a stimulus of `duration_s`, with what is known of it: `facts` by the names of `FACTS`.
 
     Raises
     ------
@@ -61,6 +63,7 @@ class Event:
     at_s: float
     timestamp_utc: str | None = None
     facts: Mapping[str, Fact] = field(default_factory=dict)
+    duration_s: float | None = None
 
     def __post_init__(self) -> None:
         names = {column.name for column in FACTS}
@@ -72,22 +75,27 @@ class Event:
         if wrong:
             raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names of FACTS, with finite numbers")
 
-    def cells(self) -> list[str]:
+    def cells(self, columns: Sequence[Column] = COLUMNS) -> list[str]:
         """Its row of an events file; what is not known is n/a."""
         known: dict[str, Fact] = {
             "onset": self.at_s,
+            "duration": self.duration_s,
             "trial_type": self.kind,
             "timestamp_utc": self.timestamp_utc,
             **self.facts,
         }
-        return [_cell(known.get(column.name)) for column in COLUMNS]
+        return [_cell(known.get(column.name)) for column in columns]
 
 
 class EventLog(Protocol):
-    """Where a rig puts events, and learns when the last trial was on the disk (s on `time.perf_counter`)."""
+    """Where a rig puts events, from any thread, and learns when the last trial was on the disk (s on
+    `time.perf_counter`)."""
 
     @property
     def recorded_s(self) -> float | None: ...
+
+    def exposure(self, window_s: float) -> Exposure:
+        """What reached this participant before: in the last `window_s`, and how long this session has lasted."""
 
     def note(self, event: Event) -> None: ...
 
@@ -98,13 +106,13 @@ def _cell(value: Fact) -> str:
     return " ".join(str(int(value) if isinstance(value, bool) else value).split()) or "n/a"
 
 
-def events_tsv(events: Sequence[Event]) -> bytes:
+def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> bytes:
     """The events file of a session: a header, and a row for each event.
 
     >>> events_tsv([]).decode().split()[:3]
     ['onset', 'duration', 'trial_type']
     """
-    rows = [[column.name for column in COLUMNS], *(event.cells() for event in events)]
+    rows = [[column.name for column in columns], *(event.cells(columns) for event in events)]
     return "".join("\t".join(row) + "\n" for row in rows).encode()
 
 

@@ -13,7 +13,8 @@ from tactometry.request import Record, Request
 
 FORMAT: Final = 2
 ADDED: Final = frozenset(("rig", "speed_in_band", "invalid_reason", "n_gaps"))
-"""Columns that came with format 2."""
+ADDED_FACTS: Final = frozenset(("charge_c",))
+"""Columns of trials, and of events, that came with format 2."""
 
 
 def as_kept(request: Request, journal_format: int) -> Request:
@@ -31,5 +32,5 @@ def as_kept(request: Request, journal_format: int) -> Request:
 
 
 def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, ...]:
-    """Those of a study's columns that sessions of this format have."""
-    return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED)
+    """Those of the columns of a table that sessions of this format have."""
+    return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED | ADDED_FACTS)

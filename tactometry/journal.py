@@ -112,7 +112,8 @@ def encode_entry(request: Request, answer: object, before: int = 0) -> bytes:
 def encode_event(event: Event, before: int = 0) -> bytes:
     """One line of an event."""
     told: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
-    return encode({**told, "facts": event.facts}, before)
+    lasting = {} if event.duration_s is None else {"duration_s": event.duration_s}
+    return encode({**told, **lasting, "facts": event.facts}, before)
 
 
 def encode_sitting(head: Head, before: int = 0) -> bytes:

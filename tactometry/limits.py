@@ -1,5 +1,6 @@
 """What may reach a finger, checked on the final samples by every rig and every output."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +19,15 @@ FORCE_PEAK_N = 10.0
 """Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
 below what small force sensors and thin glass bear (unverified default)."""
 
-OPTIONAL = ("duration_s", "current_peak_a", "charge_peak_c", "displacement_peak_m", "duty", "session_s")
+OPTIONAL = (
+    "duration_s",
+    "current_peak_a",
+    "charge_peak_c",
+    "displacement_peak_m",
+    "duty",
+    "session_s",
+    "charge_session_c",
+)
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
     "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
@@ -43,7 +52,10 @@ class Limits:
     duty : float, optional
         Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
     session_s : float, optional
-        How long after it was opened an output may emit, above 0.
+        How long a session may last in which an output emits, above 0: over all its sittings, without the time between.
+    charge_session_c : float, optional
+        Largest sum, over a session, of the net charges that its signals pass through the leak of a load, whatever their
+        signs, above 0.
     force_peak_n : float
         Above this force of the finger nothing plays, above 0.
 
@@ -62,6 +74,7 @@ class Limits:
     duty_window_s: float = 60.0
     session_s: float | None = None
     force_peak_n: float = FORCE_PEAK_N
+    charge_session_c: float | None = None
 
     def __post_init__(self) -> None:
         positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
@@ -138,8 +151,17 @@ class Limits:
         """
         _hold("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
-    def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float) -> None:
-        """Refuse a signal from `begin_s` that would play too often, or too late in the session.
+    def facts(self) -> dict[str, float]:
+        """Those that are stated, for the head of a journal.
+
+        >>> sorted(Limits(100.0, duty=0.5).facts())
+        ['limit_duty', 'limit_duty_window_s', 'limit_force_peak_n', 'limit_voltage_peak_v']
+        """
+        return {f"limit_{name}": value for name, value in vars(self).items() if value is not None}
+
+    def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
+        """Refuse a signal from `begin_s` of the net charge `charge_c` that would play too often, too late in the
+        session, or after too much charge.
 
         Raises
         ------
@@ -148,10 +170,14 @@ class Limits:
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
-            _hold("duty", "signals in a part of", duty, self.duty, "of the time", "wait longer between signals")
+            cure = exposure.cure(begin_s, duration_s, self.duty_window_s, self.duty * self.duty_window_s)
+            _hold("duty", "signals in a part of", duty, self.duty, "of the time", cure)
         if self.session_s is not None:
             end_s = begin_s + duration_s - exposure.opened_s
             _hold("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
+        if self.charge_session_c is not None:
+            sum_c = exposure.charge_c + charge_c
+            _hold("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
         """The tighter of both for each limit; one that is stated holds against one that is not.
@@ -181,6 +207,9 @@ class Limits:
 class Exposure:
     """When an output emitted: the intervals (begin, end) of the last while, s, on the clock of `opened_s`.
 
+    `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the net charges of
+    its signals.
+
     Examples
     --------
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
@@ -190,18 +219,34 @@ class Exposure:
 
     opened_s: float
     intervals_s: tuple[tuple[float, float], ...] = ()
+    charge_c: float = 0.0
 
     @property
     def played_s(self) -> float:
         """How long signals played in the window that was kept."""
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
-    def after(self, begin_s: float, duration_s: float, window_s: float) -> "Exposure":
+    def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
         """With another signal; what ended more than `window_s` before its end is forgotten."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
         intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
-        return replace(self, intervals_s=tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s))
+        kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
+        return replace(self, intervals_s=kept_s, charge_c=self.charge_c + charge_c)
+
+    def cure(self, begin_s: float, duration_s: float, window_s: float, most_s: float) -> str:
+        """When a signal of `duration_s` may begin that would now play for more than `most_s` of a window.
+
+        >>> Exposure(0.0, ((0.0, 3.0), (5.0, 8.0))).cure(9.0, 2.0, window_s=10.0, most_s=5.0)
+        'wait 2.0 s'
+        """
+        to_forget_s = self.stopped(begin_s).played_s + duration_s - most_s
+        for a, b in self.stopped(begin_s).intervals_s:
+            if to_forget_s <= b - a:
+                wait_s = a + to_forget_s + window_s - duration_s - begin_s
+                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"
+            to_forget_s -= b - a
+        return "shorten the signal"
 
     def stopped(self, at_s: float) -> "Exposure":
         """With what would play later than `at_s` taken away."""
@@ -216,6 +261,7 @@ _COMPARABLE = (
     "displacement_peak_m",
     "session_s",
     "force_peak_n",
+    "charge_session_c",
 )
 
 

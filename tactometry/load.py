@@ -69,6 +69,12 @@ class Load:
         at_samples = self.capacitance_f * after + passed
         return float(np.max(np.abs([at_samples, self._turning(signal, at_samples)]), initial=0.0))
 
+    def charge_net_c(self, signal: Signal) -> float:
+        """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak."""
+        before, after, _ = _lines(signal)
+        passed = np.sum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
+        return float(np.max(np.abs(passed), initial=0.0))
+
     def displacement_peak_m(self, signal: Signal) -> float:
         """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.
 

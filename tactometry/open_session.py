@@ -1,20 +1,23 @@
 """A session that is being recorded: its journal, and the files that are derived from it, as they grow."""
 
 import os
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from tactometry.agreement import is_beginning
-from tactometry.dataset import Session, csv_bytes, events_json, participants, prepare, row, sessions, trials_csv
+from tactometry.dataset import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
 from tactometry.description import NAME, SIMULATED, Design, describe, is_marked, read_description, sidecar_json
 from tactometry.errors import InvalidFile, InvalidParameter, counted
-from tactometry.event import Event, events_tsv
+from tactometry.event import COLUMNS, Event, events_tsv
 from tactometry.files import drafts, read_file, replaced, write_atomically, write_whole
 from tactometry.formats import FORMAT, as_kept, columns_in
 from tactometry.head import Head
+from tactometry.history import exposure_before
 from tactometry.journal import abortion
+from tactometry.limits import Exposure
 from tactometry.open_journal import Journal
 from tactometry.provenance import sha256
 from tactometry.request import Done, Record, Request
@@ -68,6 +71,7 @@ class OpenSession:
         self._root, self._session = root, session
         self._file = self._events_file = -1
         self._repaired: list[str] = []
+        self._writing = threading.Lock()
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
@@ -77,6 +81,7 @@ class OpenSession:
             self._rig = rig if self.head is None else self.head.rig
             self.format = FORMAT if self.head is None else self.head.format
             self._columns = columns_in(design.columns, self.format)
+            self._events_columns = columns_in(COLUMNS, self.format)
             told = replace(design, columns=self._columns)
             describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
             self.tally = tally(self.journal.recording.trials)
@@ -116,19 +121,32 @@ class OpenSession:
     def begin(self, head: Head) -> None:
         self.journal.begin(head)
 
+    def exposure(self, window_s: float) -> Exposure:
+        """What reached this participant before, in this session and in others of the data set."""
+        own, code = self.journal.path, self._session.participant
+        others = [
+            path for path in sessions(self._root) if path != own and keys_of(path.stem).get("participant") == code
+        ]
+        return exposure_before(own, others, self.replay.elapsed_s, window_s)
+
     def note(self, event: Event) -> None:
-        """Keep what happened unasked, in the journal and in the events file."""
-        self.journal.note(event)
-        self._tell(event)
+        """Keep what happened unasked, in the journal and in the events file; from any thread."""
+        with self._writing:
+            self.journal.note(event)
+            self._tell(event)
 
     def _tell(self, event: Event) -> None:
         if self._events_file < 0:
             self._events_file = self._new_events(())
-        line = events_tsv([event]).partition(b"\n")[2]
+        line = events_tsv([event], self._events_columns).partition(b"\n")[2]
         write_whole(self._events_file, line, self._session.events(self._root), durable=False)
 
     def append(self, request: Request, answer: object) -> None:
         request = as_kept(request, self.format)
+        with self._writing:
+            self._append(request, answer)
+
+    def _append(self, request: Request, answer: object) -> None:
         self.journal.append(request, answer)
         if isinstance(request, Record):
             self.recorded_s = time.perf_counter()
@@ -159,7 +177,7 @@ class OpenSession:
         content = trials_csv(recording.trials, self._session, self._rig, self._columns)
         for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
             self._keep_surplus(path, content)
-        self._keep_surplus(self._session.events(self._root), events_tsv(recording.told))
+        self._keep_surplus(self._session.events(self._root), events_tsv(recording.told, self._events_columns))
         write_atomically(self._session.sidecar(self._root), sidecar_json(self._columns))
         self._file = replaced(self._trials, content)
         if recording.told:
@@ -196,8 +214,8 @@ class OpenSession:
 
     def _new_events(self, events: Sequence[Event]) -> int:
         path = self._session.events(self._root)
-        write_atomically(path.with_suffix(".json"), events_json())
-        return replaced(path, events_tsv(events))
+        write_atomically(path.with_suffix(".json"), sidecar_json(self._events_columns))
+        return replaced(path, events_tsv(events, self._events_columns))
 
 
 def _refuse_alike(root: Path, session: Session) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -131,6 +131,36 @@ def test_no_touch_asks_for_more_force_than_its_limit(target_n, tolerance, limit)
     limits = Limits(1.0, force_peak_n=limit)
     over = target_n * (1 + tolerance) > limit * (1 + 1e-12)
     assert refused(lambda: limits.check_force(target_n, tolerance), "force_peak_n") == over
+
+
+@given(st.lists(st.floats(0.0, 1.0), max_size=20), st.floats(0.01, 5.0))
+def test_no_session_passes_more_net_charge_than_its_limit(charges_c, limit_c):
+    limits, exposure = Limits(1.0, charge_session_c=limit_c), Exposure(0.0)
+    for charge_c in charges_c:
+        over = exposure.charge_c + charge_c > limit_c * (1 + 1e-12)
+        assert refused(lambda e=exposure, c=charge_c: limits.check_exposure(e, 0.0, 0.0, c), "charge_session_c") == over
+        exposure = exposure if over else exposure.after(0.0, 0.0, 1.0, charge_c)
+    assert exposure.charge_c <= limit_c * (1 + 1e-12)
+
+
+gaps_and_durations = st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.1, 3.0)), min_size=1, max_size=8)
+
+
+@given(gaps_and_durations, st.floats(0.1, 4.0), st.floats(0.05, 1.0))
+def test_a_refused_signal_may_begin_after_the_wait_that_is_told_and_not_before(plays, duration_s, duty):
+    limits, exposure, now_s = Limits(1.0, duty=duty, duty_window_s=6.0), Exposure(0.0), 0.0
+    for gap_s, lasts_s in plays:
+        now_s += gap_s
+        exposure = exposure.after(now_s, lasts_s, 6.0)
+        now_s += lasts_s
+    assume(refused(lambda: limits.check_exposure(exposure, now_s, duration_s), "duty"))
+    told = exposure.cure(now_s, duration_s, 6.0, duty * 6.0)
+    if told == "shorten the signal":
+        assert duration_s > duty * 6.0 * (1 - 1e-9)
+        return
+    wait_s = float(told.split()[1])
+    assert not refused(lambda: limits.check_exposure(exposure, now_s + wait_s + 1e-6, duration_s), "duty")
+    assert refused(lambda: limits.check_exposure(exposure, now_s + max(0.0, wait_s - 0.11), duration_s), "duty")
 
 
 # --- a limit is not tighter than it says
@@ -293,7 +323,7 @@ def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
 @given(some_limits, some_limits)
 def test_the_tighter_limits_are_stated_where_one_is(one, other):
     both = one.tighter(other)
-    for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s", "force_peak_n"):
+    for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s", "force_peak_n", "charge_session_c"):
         stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
         assert getattr(both, name) == min(stated, default=None)
 

@@ -1,8 +1,6 @@
 """`tactometry run`."""
 
 import math
-import sys
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,9 +10,7 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.event import EventLog
-    from tactometry.experiments.bench_file import BenchFile
-    from tactometry.experiments.recording import Recorded, RigKind, Who
+    from tactometry.experiments.recording import Recorded, Who
     from tactometry.experiments.wiring import Experiment
 
 
@@ -45,6 +41,7 @@ def command(
     as_json: bool,
 ) -> int:
     """Run a session of STUDY (a built-in name or a path)."""
+    from tactometry.cli.rigs import RIGS
     from tactometry.dataset import Session
     from tactometry.experiments.bench_file import load_bench
     from tactometry.experiments.recording import Who, record
@@ -88,67 +85,6 @@ def _tell(sentence: str) -> None:
     click.echo(sentence, err=True)
 
 
-def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from datetime import date
-
-    from tactometry.devices.output import check_format
-    from tactometry.experiments.bench_file import device_facts
-    from tactometry.experiments.learnt_bank import bank_of, learnt_facts
-    from tactometry.experiments.recording import RigKind
-    from tactometry.rigs.bench import Bench
-    from tactometry.rigs.desk import Desk
-    from tactometry.rigs.open_bench import open_bench
-
-    del who
-    screen, study = bench.screen, experiment.study
-
-    def make(seed: int, log: "EventLog") -> Bench:
-        del seed
-        devices = bench.devices(study.limits, date.today())
-        for caution in bench.cautions:
-            click.echo(caution, err=True)
-        bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
-        for name, stimulus in bank.items():
-            check_format(stimulus.at(experiment.highest_level(name)), devices.output)
-        return open_bench(
-            bank,
-            bench.limits_with(study.limits),
-            study.texts,
-            language=screen.language,
-            fullscreen=screen.fullscreen,
-            size=(screen.width_px, screen.height_px),
-            output=devices.output,
-            sensor=devices.force,
-            position=devices.position,
-            display_height_m=screen.height_m,
-            ramp_s=bench.output.ramp_s,
-            release=bench.release,
-            device_facts=lambda: device_facts(bench, devices) | learnt,
-            log=log,
-            desk=Desk(sys.stdin, sys.stderr),
-        )
-
-    return RigKind("bench", make)
-
-
-def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from tactometry.experiments.recording import RigKind
-    from tactometry.rigs.console import Console
-    from tactometry.rigs.texts import texts_in
-
-    del who
-    texts = texts_in(bench.screen.language, experiment.study.texts)
-    limits = bench.limits_with(experiment.study.limits)
-    return RigKind("console", lambda seed, log: Console(experiment.bank, limits, texts))
-
-
-def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from tactometry.experiments.recording import simulated
-
-    del bench
-    return simulated(experiment, who)
-
-
 UNFINISHED = {"aborted", "not begun"}
 ENDINGS = {
     "trials": "came to their last trial",
@@ -156,11 +92,6 @@ ENDINGS = {
     "censored_below": "censored below the levels",
 }
 """How procedures end, where that is not what is said of it."""
-RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
-    "bench": _bench,
-    "console": _console,
-    "simulated": _simulated,
-}
 
 
 def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:

@@ -3,10 +3,11 @@
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
-from tactometry.devices.output import Output, check_playable
+from tactometry.devices.output import NullOutput, Output, check_playable
 from tactometry.errors import LimitExceeded
 from tactometry.limits import Exposure, Limits
 from tactometry.load import Load
@@ -37,6 +38,15 @@ class Driver(Output, Protocol):
         """What the journal says of the device after it was opened, and of what went wrong since."""
 
 
+@dataclass(frozen=True)
+class Emission:
+    """A signal that began to play at `onset_s` (s on `time.perf_counter`), with its net charge through the leak."""
+
+    onset_s: float
+    duration_s: float
+    charge_c: float
+
+
 class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
@@ -60,6 +70,8 @@ class Guarded:
     ) -> None:
         self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
         self._exposure = Exposure(self.clock())
+        self._before: Exposure | None = None
+        self._tell: Callable[[Emission], None] = lambda emission: None
         self._counting = threading.Lock()
         self._checked: tuple[Signal, Signal] | None = None
 
@@ -90,6 +102,19 @@ class Guarded:
     def facts(self) -> dict[str, str | int | float | None]:
         return self.driver.facts()
 
+    @property
+    def emits(self) -> bool:
+        """Whether anything comes of what is played: nothing does of a null output."""
+        return not isinstance(self.driver, NullOutput)
+
+    def count_on(self, before: Exposure) -> None:
+        """Count on from what was emitted before: `before` is on the clock of this guard."""
+        self._before = before
+
+    def tell(self, told: Callable[["Emission"], None]) -> None:
+        """Call `told` with whatever is emitted from now on, as it begins, in the thread that plays."""
+        self._tell = told
+
     def open(self) -> None:
         """Claim the device, if its limits are stated.
 
@@ -100,7 +125,7 @@ class Guarded:
         """
         self._stated()
         self.driver.open()
-        self._exposure = Exposure(self.clock())
+        self._exposure = Exposure(self.clock()) if self._before is None else self._before
         self._counting = threading.Lock()
 
     def play(self, signal: Signal) -> float:
@@ -112,10 +137,13 @@ class Guarded:
             If the signal must not or cannot be played; nothing was.
         """
         limits, final = self.check(signal)
-        limits.check_exposure(self._exposure, self.clock(), final.duration_s)
+        charge_c = 0.0 if self.load is None else self.load.charge_net_c(final)
+        limits.check_exposure(self._exposure, self.clock(), final.duration_s, charge_c)
         onset_s = self.driver.play(signal)
         with self._counting:
-            self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s)
+            self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
+        if self.emits:
+            self._tell(Emission(onset_s, final.duration_s, charge_c))
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:

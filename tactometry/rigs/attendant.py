@@ -1,9 +1,10 @@
 """Who looks after a session: stops it, pauses it, and writes down what the experimenter wants."""
 
 import time
-from collections.abc import Callable
-from datetime import UTC, datetime
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime, timedelta
 
+from tactometry.devices.guarded import Emission
 from tactometry.errors import Stopped
 from tactometry.event import Event, EventLog, Fact, Kind
 from tactometry.rigs.desk import HELP, Desk, Order
@@ -13,6 +14,11 @@ from tactometry.rigs.stage import escaped
 
 EXPERIMENTER = "the experimenter"
 SAFE = "what was recorded is safe: go on with --resume"
+
+
+def utc_of(clock_s: float) -> datetime:
+    """A moment on `time.perf_counter`, by the offset of now."""
+    return datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
 
 
 class Attendant:
@@ -43,9 +49,16 @@ class Attendant:
 
     def note(self, kind: Kind, **facts: Fact) -> None:
         """Keep an event, with the time of now."""
+        self._keep(kind, time.perf_counter(), facts)
+
+    def _keep(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
         if self.log is not None:
-            utc = datetime.now(UTC).isoformat(timespec="milliseconds")
-            self.log.note(Event(kind, round(time.perf_counter() - self.zero_s, 6), utc, facts))
+            utc = utc_of(clock_s).isoformat(timespec="milliseconds")
+            self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc, facts, duration_s))
+
+    def emitted(self, emission: Emission) -> None:
+        """Keep a stimulus as it begins: what is kept counts when the session goes on."""
+        self._keep("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
 
     def attend(self, events: tuple[Input, ...]) -> bool:
         """Look at what was pressed and typed: True if the session was paused meanwhile.

@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
 
 from tactometry.devices.force_sensor import ForceSensor
+from tactometry.devices.guarded import Guarded
 from tactometry.devices.output import Output
 from tactometry.devices.position_sensor import PositionSensor
 from tactometry.event import EventLog
@@ -37,7 +37,7 @@ from tactometry.request import (
     Wait,
 )
 from tactometry.rigs import adjusting, entry, form, layout
-from tactometry.rigs.attendant import Attendant
+from tactometry.rigs.attendant import Attendant, utc_of
 from tactometry.rigs.desk import Desk
 from tactometry.rigs.emitter import RAMP_S, Emitter
 from tactometry.rigs.logbook import CLOCK, Logbook
@@ -85,6 +85,8 @@ class Bench:
         pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
         self._desk = Desk() if desk is None else desk
         self._attendant = Attendant(screen, self._desk, log, self._emitter.mute, pausing)
+        if isinstance(output, Guarded):
+            output.tell(self._attendant.emitted)
         self._stage = Stage(screen, self._attendant.attend)
         self._logbook = Logbook(self._attendant, screen, self._clocks)
         self._tally = Tally()
@@ -113,6 +115,7 @@ class Bench:
             "output": self._output.name,
             "force_sensor": None if self._sensor is None else self._sensor.name,
             "position_sensor": None if self._position is None else self._position.name,
+            **self._emitter.limit_facts(),
             **self._device_facts(),
             "clock": "time.perf_counter",
             "clock_resolution_s": time.get_clock_info("perf_counter").resolution,
@@ -337,8 +340,7 @@ class Bench:
 
 def _utc(clock_s: float) -> str:
     """ISO 8601 of a moment on the clock, by the offset of now."""
-    moment = datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
-    return moment.isoformat(timespec="milliseconds")
+    return utc_of(clock_s).isoformat(timespec="milliseconds")
 
 
 def _option(answer: Answer) -> int:

@@ -1,5 +1,6 @@
 """From the name and level of a stimulus to an output, with every check on the final samples."""
 
+import functools
 import threading
 import time
 from collections.abc import Mapping
@@ -65,6 +66,11 @@ class Emitter:
                 f"{duration_s:.6g} s of its interval; make one of them fit"
             )
         return signal
+
+    def limit_facts(self) -> dict[str, float]:
+        """The limits that hold: the tighter of those of study and output."""
+        stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
+        return functools.reduce(Limits.tighter, stated).facts() if stated else {}
 
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""
