@@ -74,6 +74,8 @@ class Event:
         }
         if wrong:
             raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names of FACTS, with finite numbers")
+        if self.duration_s is not None and not 0 <= self.duration_s < math.inf:
+            raise InvalidParameter(f"event {self.kind!r}: found a duration of {self.duration_s} s, expected at least 0")
 
     def cells(self, columns: Sequence[Column] = COLUMNS) -> list[str]:
         """Its row of an events file; what is not known is n/a."""

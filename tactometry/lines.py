@@ -16,12 +16,15 @@ _KEYS: Final = {
     "sitting": {"sitting"},
     "end": {"end"},
 }
+_MAY: Final[Mapping[str, set[str]]] = {"event": {"duration_s"}}
+"""Keys that a line may have, too."""
 
 
 def kind_of_line(value: dict[str, Any]) -> str:
     """What a line behind the first is, by its keys. Raises `msgspec.ValidationError`."""
     kind = next((kind for kind in _KEYS if kind in value), "")
-    if kind and value.keys() == _KEYS[kind] and value.get("end", "complete") == "complete":
+    keys = value.keys() - _MAY.get(kind, set())
+    if kind and keys == _KEYS[kind] and value.get("end", "complete") == "complete":
         return kind
     raise msgspec.ValidationError(f"a line of {', '.join(map(repr, value)) or 'nothing'}")
 
