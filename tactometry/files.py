@@ -5,7 +5,7 @@ import os
 import re
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from tactometry.errors import DeviceFailed, InvalidFile
@@ -153,7 +153,9 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
         If the disk is full or fails; the file itself stands.
     """
     beside = path.with_name(f".{path.name}.{os.getpid()}")
-    file = open_private(beside, os.O_RDWR | os.O_TRUNC)
+    with suppress(OSError):
+        beside.unlink()  # of a process that had this number, and was killed
+    file = open_private(beside, os.O_RDWR | os.O_EXCL)
     try:
         if path.exists() and hasattr(os, "fchmod"):
             os.fchmod(file, stat.S_IMODE(path.stat().st_mode))

@@ -117,3 +117,11 @@ def test_only_drafts_are_drafts(tmp_path):
         (tmp_path / name).touch()
     assert drafts(tmp_path, "f.csv") == [tmp_path / ".f.csv.12"]
     assert drafts(Path(tmp_path)) == [tmp_path / ".f.csv.12", tmp_path / ".g.csv.3"]
+
+
+def test_the_draft_of_a_killed_process_of_the_same_number_is_in_nobody_s_way(tmp_path):
+    (tmp_path / f".f.{os.getpid()}").symlink_to(tmp_path / "other")
+    (tmp_path / "other").write_bytes(b"precious")
+    write_atomically(tmp_path / "f", b"new")
+    assert ((tmp_path / "f").read_bytes(), (tmp_path / "other").read_bytes()) == (b"new", b"precious")
+    assert drafts(tmp_path) == []
