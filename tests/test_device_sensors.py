@@ -399,13 +399,14 @@ def test_a_recording_comes_again_in_its_own_time(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("t,x\n0,1\n", "found the columns t, x and 1 rows, expected time_s and 1 channels"),
-        ("time_s,x\n", "and 0 rows, expected"),
+        ("t,x\n0,1\n", "found the columns t, x, expected time_s and 1 channels"),
+        ("time_s,x\n", r"cannot be read as a recording \(found no row of numbers, expected at least one\)"),
+        ("time_s,x,y\n0,1,2\n", "found the columns time_s, x, y, expected time_s and 1 channels"),
+        ("time_s,x\n0\n", "found 1 columns of numbers under 2 names, expected as many"),
         ("time_s,x\n1,2\n0,3\n", "found times that do not rise"),
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
     ],
 )
-@pytest.mark.filterwarnings("ignore:loadtxt")
 def test_a_recording_that_is_none_is_refused(tmp_path, text, message):
     with pytest.raises(DeviceFailed, match=message):
         recording(tmp_path / "f.csv", text).open()

@@ -8,7 +8,6 @@ energy.
 """
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.require import positive, within
 from tactometry.rule import Vector
+from tactometry.sample_files import Npz, read_bounded
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 
@@ -242,8 +242,9 @@ def read_provenance(path: Path) -> dict[str, str | float | int]:
     InvalidFile
         If the file is no NPZ of responses.
     """
+    content = read_bounded(path, "learnt responses")
     try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            return dict(json.loads(str(file["provenance"]))) if "provenance" in file else {}
-    except (OSError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        file = Npz(content)
+        return dict(json.loads(file.words("provenance"))) if "provenance" in file else {}
+    except (ValueError, TypeError, RecursionError) as error:
         raise InvalidFile(f"{path}: cannot be read as learnt responses ({error}), expected an NPZ file") from None

@@ -10,10 +10,8 @@ CSV : first line ``# rate_hz=100000 quantity=displacement unit=um``, then a head
     transducer and one column each; one file per point. ``scale`` is a factor on top of the unit.
 """
 
+import io
 import math
-import struct
-import zipfile
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,8 +22,10 @@ from numpy.typing import NDArray
 
 from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.hdf5_file import as_npz
 from tactometry.require import one_of, positive, shaped, some, within
 from tactometry.rule import Vector
+from tactometry.sample_files import LARGEST_BYTES, Npz, read_bounded, table_of_numbers, wav_of
 from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
 
@@ -180,29 +180,28 @@ def _longest_run_at_peak(h: FloatArray) -> NDArray[np.int64]:
 
 
 def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
         raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
+    content = read_bounded(path, "impulse responses")
     try:
-        path.open("rb").close()
-        return reader(path, full_scale, quantity)
-    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
-        raise InvalidFile(f"{path}: cannot be read ({error.strerror}), expected impulse responses") from None
+        content = as_npz(path, LARGEST_BYTES) if suffix in _HDF5 else content
+        return _READERS[suffix](content, full_scale, quantity)
     except ImportError as error:
         raise InvalidFile(
             f"{path}: found no h5py, expected it for an HDF5 file: pip install tactometry[hdf5]"
         ) from error
-    except _UNREADABLE as error:
-        raise InvalidFile(f"{path}: cannot be read as impulse responses: {error}") from error
+    except (ValueError, OverflowError, MemoryError) as error:
+        words = " ".join(str(error).split())
+        raise InvalidFile(f"{path}: cannot be read as impulse responses: {words}") from error
 
 
-def _read_wav(path: Path, full_scale: float, quantity: str) -> Responses:
-    from scipy.io import wavfile
-
-    rate, samples = wavfile.read(path)
-    zero, unit = _wav_zero_and_unit(samples.dtype)
-    columns = (samples.reshape(len(samples), -1).astype(float) - zero) * (full_scale / unit)
-    return Responses(columns.T[None], float(rate), quantity)
+def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
+    rate_hz, frames = wav_of(content)
+    zero, unit = _wav_zero_and_unit(frames.dtype)
+    with np.errstate(invalid="ignore"):  # what is no number is refused below
+        samples = (frames.astype(float) - zero) * (full_scale / unit)
+    return Responses(samples.T[None], rate_hz, quantity)
 
 
 def _wav_zero_and_unit(kind: np.dtype[np.generic]) -> tuple[float, float]:
@@ -212,67 +211,49 @@ def _wav_zero_and_unit(kind: np.dtype[np.generic]) -> tuple[float, float]:
     return (half if kind.kind == "u" else 0.0), half
 
 
-def _read_npz(path: Path, full_scale: float, quantity: str) -> Responses:
+def _read_npz(content: bytes, full_scale: float, quantity: str) -> Responses:
     del full_scale
-    if not zipfile.is_zipfile(path):
-        raise ValueError("found no complete NPZ archive, expected one as numpy.savez writes it")
-    with np.load(path, allow_pickle=False) as file:
-        said = str(file["quantity"]) if "quantity" in file else quantity
-        return Responses(file["samples"], _one_number(file["rate_hz"]), said)
+    file = Npz(content)
+    said = file.words("quantity") if "quantity" in file else quantity
+    return Responses(_numbers("samples", file["samples"]), file.number("rate_hz"), said)
 
 
-def _one_number(rate_hz: NDArray[np.generic]) -> float:
-    if np.ndim(rate_hz) != 0:
-        raise ValueError(f"rate_hz: found an array of shape {np.shape(rate_hz)}, expected one number")
-    return float(rate_hz)  # type: ignore[arg-type, unused-ignore]
+def _numbers(name: str, found: NDArray[Any]) -> FloatArray:
+    if found.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: found an array of {found.dtype}, expected numbers")
+    return found.astype(np.float64, copy=False)
 
 
-def _read_hdf5(path: Path, full_scale: float, quantity: str) -> Responses:
-    import h5py  # type: ignore[import-untyped, unused-ignore]
-
+def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
     del full_scale
-    with h5py.File(path, "r") as file:
-        for name in {"samples", "rate_hz", "quantity"} & set(file):
-            _refuse_elsewhere(file, name)
-        said = file["quantity"].asstr()[()] if "quantity" in file else quantity
-        return Responses(np.asarray(file["samples"], float), _one_number(file["rate_hz"][()]), str(said))
-
-
-def _refuse_elsewhere(file: Any, name: str) -> None:
-    """Refuse what an HDF5 file only points to, in another file: it would be opened and read, whatever it is."""
-    import h5py  # type: ignore[import-untyped, unused-ignore]
-
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        raise ValueError(f"{name}: found a link, perhaps to another file, expected the values themselves")
-    if isinstance(file[name], h5py.Dataset) and (file[name].external or file[name].is_virtual):
-        raise ValueError(f"{name}: found values that are kept in another file, expected them in this one")
-
-
-def _read_csv(path: Path, full_scale: float, quantity: str) -> Responses:
-    del full_scale
-    with path.open(encoding="utf-8") as file:
-        said = _said(file.readline())
-        _check_header(file.readline())
-        columns = np.loadtxt(file, delimiter=",", ndmin=2)
+    file = io.StringIO(content.decode("utf-8-sig"))
+    said = _said(file.readline())
+    names = _header(file.readline())
+    columns = table_of_numbers(file, n_columns=len(names))
     kind = said.get("quantity", quantity)
     scale = float(said.get("scale", "1")) * (_unit_scale(said["unit"], kind) if "unit" in said else 1.0)
     return Responses(columns.T[None] * scale, float(said["rate_hz"]), kind)
 
 
 def _said(line: str) -> dict[str, str]:
-    """What the first line of a CSV file says, every word known."""
-    said = dict(word.split("=", 1) for word in line.lstrip("#").split())
+    """What the first line of a CSV file says, every word known and said once."""
+    words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
+    said = dict(words)
     for word in said:
         one_of("first line", word, _CSV_WORDS)
+    if len(said) < len(words):
+        raise ValueError(f"first line: found {line.strip()!r}, expected each word once")
     if "rate_hz" not in said:
         raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
     return said
 
 
-def _check_header(line: str) -> None:
-    """Refuse a second line of numbers, which would be a sample taken for names."""
-    if all(_is_number(cell) for cell in line.split(",")):
+def _header(line: str) -> list[str]:
+    """The names of the second line; numbers would be a sample taken for names."""
+    names = line.split(",")
+    if all(_is_number(cell) for cell in names):
         raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")
+    return names
 
 
 def _is_number(cell: str) -> bool:
@@ -290,21 +271,11 @@ def _unit_scale(unit: str, quantity: str) -> float:
     return _PREFIXES[unit.removesuffix(si)]
 
 
-_UNREADABLE: Final = (
-    OSError,
-    EOFError,
-    KeyError,
-    ValueError,
-    TypeError,
-    struct.error,
-    zipfile.BadZipFile,
-    zlib.error,
-    InvalidParameter,
-)
-_READERS: Final[Mapping[str, Callable[[Path, float, str], Responses]]] = {
+_HDF5: Final = (".h5", ".hdf5")
+_READERS: Final[Mapping[str, Callable[[bytes, float, str], Responses]]] = {
     ".wav": _read_wav,
     ".npz": _read_npz,
-    ".h5": _read_hdf5,
-    ".hdf5": _read_hdf5,
+    ".h5": _read_npz,
+    ".hdf5": _read_npz,
     ".csv": _read_csv,
 }

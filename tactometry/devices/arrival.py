@@ -10,7 +10,7 @@ AHEAD_S: Final = 0.05
 """A sample is not taken later than it arrives, but for an error of the clocks' relation (unverified default)."""
 LATE_S: Final = 0.1
 """A sample that is older when it arrives says nothing of now: a sensor that is silent for so long is lost, too."""
-LATE_FOR_S: Final = 2.0
+LATE_FOR_S: Final = 5.0
 """So long may all samples be late: what had waited while the computer was held up is through by then. No gate opens on
 them meanwhile (unverified default)."""
 

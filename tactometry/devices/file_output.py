@@ -10,6 +10,7 @@ import numpy as np
 
 from tactometry.devices.gain import Gain, SignalChain
 from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.sample_files import Npz, read_bounded, wav_of
 from tactometry.signal import Signal
 
 
@@ -90,18 +91,19 @@ def read_signal(path: Path) -> Signal:
 
     Raises
     ------
+    InvalidFile
+        If there is no such file.
     InvalidParameter
-        If the file is no NPZ or WAV of samples.
+        If it is no NPZ or WAV of samples.
     """
+    content = read_bounded(path, "a signal as NPZ or WAV")
     try:
         if path.suffix == ".npz":
-            with np.load(path, allow_pickle=False) as file:
-                return Signal(file["samples"], float(file["rate_hz"]), str(file["unit"]))
-        from scipy.io import wavfile
-
-        rate, frames = wavfile.read(path)
-        return Signal(np.reshape(frames, (len(frames), -1)).T, float(rate), "V")
-    except (OSError, KeyError, ValueError) as error:
+            file = Npz(content)
+            return Signal(file["samples"], file.number("rate_hz"), file.words("unit"))
+        rate_hz, frames = wav_of(content)
+        return Signal(frames.T, rate_hz, "V")
+    except (ValueError, TypeError) as error:
         raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected NPZ or WAV") from None
 
 

@@ -1,5 +1,6 @@
 """A recorded file as a sensor: its samples come again, as they came."""
 
+import io
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.reader import Block, now_s
-from tactometry.errors import DeviceFailed
+from tactometry.errors import DeviceFailed, TactometryError
 from tactometry.require import positive
+from tactometry.sample_files import read_bounded, table_of_numbers
 
 STEP_S = 0.005
 
@@ -60,16 +62,13 @@ class RecordedSource:
 
 def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
     try:
-        with path.open(encoding="utf-8") as file:
-            header = file.readline().strip().split(",")
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
-    except (OSError, ValueError) as error:
+        lines = io.StringIO(read_bounded(path, "a CSV file").decode("utf-8-sig"))
+        header = lines.readline().strip().split(",")
+        table = table_of_numbers(lines, n_columns=len(header))
+    except (TactometryError, ValueError) as error:
         raise DeviceFailed(f"{path}: cannot be read as a recording ({error}), expected a CSV file") from None
-    if header[0] != "time_s" or table.shape[1:] != (n_channels + 1,) or len(table) == 0:
-        raise DeviceFailed(
-            f"{path}: found the columns {', '.join(header)} and {len(table)} rows, expected time_s and {n_channels} "
-            "channels, with at least one row"
-        )
+    if header[0] != "time_s" or len(header) != n_channels + 1:
+        raise DeviceFailed(f"{path}: found the columns {', '.join(header)}, expected time_s and {n_channels} channels")
     if not np.isfinite(table[:, 0]).all() or np.any(np.diff(table[:, 0]) <= 0):
         raise DeviceFailed(f"{path}: found times that do not rise, expected rising ones")
     return np.asarray(table)
