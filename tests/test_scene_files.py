@@ -11,10 +11,12 @@ from tactometry.cli import main
 from tactometry.cli.output import say
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
+from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene, scene_of
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import computed
+from tactometry.target import resolve
 
 TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
 LAW = {"kind": "force_law", "law": "sc_layer"}
@@ -152,6 +154,46 @@ def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
     assert on == [stage.name for stage in found.scene.resolve().stages]
     assert lines[-2].startswith(f"accuracy {found.scene.accuracy:g}: predicted error")
     assert lines[-1].startswith("one more digit")
+
+
+def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
+    found = load_scene(path_of("a4-screen"))
+    given = replace(found.scene, outputs=("peak_m",))
+    said = " ".join(explained(given, found.given).partition("\nStage")[0].split())
+    assert said.startswith("taken for granted: edges simply supported all around; a thin plate, without shear")
+    assert "patches have neither mass nor stiffness" in said
+    assert "it pulls as well as it presses" in said
+    assert "transducers that push at points" not in said  # 'patches' takes its place
+    assert "losses" not in said  # there are some
+    assert "radiated" not in said  # sound is not asked for
+    bare = replace(given, effects=())
+    assert "transducers that push at points" in " ".join(bare.assumed())
+    assert "a plate without losses" in bare.assumed()
+
+
+@pytest.mark.parametrize("kind", EFFECTS)
+def test_every_effect_says_what_it_takes_for_granted(kind):
+    assumes = resolve(EFFECTS[kind]).assumes
+    assert isinstance(assumes, tuple)
+    assert all(words and words == words.strip(" .;") for words in assumes)
+
+
+def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
+    plate = '[surface]\nkind = "time_reversal"\nlength_m = 0.12\nwidth_m = 0.09\nn_transducers = 8\nfocus_x_m = 0.05\n'
+    plate += "focus_y_m = 0.04\nband_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
+    rest = '[[effects]]\nkind = "one_bit"\n[[effects]]\nkind = "finger_load"\n[given]\nvoltage_v = 30.0\n'
+    pulled = {}
+    for force_n in (0.01, 20.0):
+        file = tmp_path / f"{force_n}.toml"
+        contact = f"[[contacts]]\nforce_n = {force_n}\n"
+        file.write_text(f'accuracy = 0.1\noutputs = ["t_s", "contact_force_n"]\n{plate}{contact}{rest}')
+        assert call("scene", file) == 0
+        assert ("note: finger 1 pulls by up to" in capsys.readouterr().out) == (force_n < 1)
+        assert call("scene", file, "--json") == 0
+        told = json.loads(capsys.readouterr().out)
+        pulled[force_n] = told["pulls_n"][0]
+        assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
+    assert pulled[0.01] > 0 == pulled[20.0]
 
 
 def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():

@@ -273,7 +273,7 @@ def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
     large = Scene(TimeReversal(), (LOSSY,), ("field_m",), 5e-5)
     with pytest.raises(InvalidParameter, match=r"field_m: .*for a grid, which takes .* points, .*loosen"):
         large.resolve()
-    long = Scene(small_screen(reversal_s=60.0), (), ("peak_m",), 1e-3)
+    long = Scene(small_screen(reversal_s=30.0), (), ("peak_m",), 1e-3)
     with pytest.raises(InvalidParameter, match=r"accuracy: .*for the modes, which takes .* numbers, .*reversal_s"):
         long.resolve()
     free = screen(effect("edges", boundary="FFFF"), LOSSY, accuracy=1e-7)
@@ -370,6 +370,13 @@ def test_a_finger_off_the_plate_is_refused():
         InvalidParameter, match=r"contacts\[0\]: found \(0\.3, 0\.01\) m, expected a place on the plate"
     ):
         run(scene)
+
+
+def test_a_finger_that_slides_over_a_focus_is_refused_with_the_cure():
+    slides = replace(screen(), contacts=(Touch(2.0), Touch(2.0, speed_m_per_s=0.05)))
+    message = r"contacts\[1\]: found a finger that slides \(0.05 m/s\) on a plate that focuses, .*'hybrid'"
+    with pytest.raises(InvalidParameter, match=message):
+        slides.resolve()
 
 
 # --- memory

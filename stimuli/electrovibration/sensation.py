@@ -39,7 +39,8 @@ class ElectrovibrationSensation:
     Parameters
     ----------
     skin, law, area, friction
-        The electrical model, the force law by name, contact area and friction against normal force.
+        The electrical model, the force law by name, contact area and friction against normal force. The law is an
+        unverified default: the four in print differ by a factor near 1000, and `reference_force_n` is set for this one.
     lag : FrictionLag or None
         First-order lag of friction, on by default; None leaves it out.
     reference_force_n : float

@@ -135,8 +135,8 @@ def stick_slip(
     )
     if failure == power_series.TOO_LONG:
         raise InvalidParameter(
-            f"stick_slip: found more than {N_STEPS_MAX:.3g} steps of the series at {time_s:.6g} s of this signal (in "
-            f"slip the finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; take a heavier "
+            f"stick_slip: found more than {N_STEPS_MAX:.3g} steps of the series at {time_s:.6g} s of this signal (the "
+            f"finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; take a heavier "
             "or softer finger, or shorten the signal"
         )
     if failure:

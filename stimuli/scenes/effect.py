@@ -70,7 +70,8 @@ class Effect(Protocol):
 
     `kind` is its name in a scene file. `slot` is its place in the order in which effects act; two effects in one slot
     are refused. `requires` names what must be in the scene beside it: a slot, ``contact``, ``sliding contact`` or
-    ``resting contact``. `excludes` names kinds that contradict it, with the reason and the cure.
+    ``resting contact``. `excludes` names kinds that contradict it, with the reason and the cure. `assumes` says what it
+    takes for granted, in words.
 
     `stages` says what the effect needs and gives, and no more: what its stages compute, refuse or predict stands in
     their `size`, which is asked for if an output needs them.
@@ -80,6 +81,7 @@ class Effect(Protocol):
     slot: ClassVar[str]
     requires: ClassVar[tuple[str, ...]]
     excludes: ClassVar[Mapping[str, str]]
+    assumes: ClassVar[tuple[str, ...]]
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]: ...
 
@@ -88,7 +90,8 @@ class Surface(Protocol):
     """What is touched: it brings the stages that hold without any effect.
 
     `order` names the slots of all effects in the order in which they act, `effects` their kinds. `given` names the
-    quantities that each run is given. `cures` says for a quantity which effect brings it.
+    quantities that each run is given. `cures` says for a quantity which effect brings it. `assumes` says, by slot, what
+    holds as long as no effect fills the slot.
     """
 
     kind: ClassVar[str]
@@ -96,6 +99,7 @@ class Surface(Protocol):
     effects: ClassVar[tuple[str, ...]]
     given: ClassVar[tuple[str, ...]]
     cures: ClassVar[Mapping[str, str]]
+    assumes: ClassVar[Mapping[str, str]]
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]: ...
 

@@ -38,7 +38,7 @@ def explained(scene: Scene, given: Mapping[str, float]) -> str:
     plan = scene.resolve()
     measured = _warm(plan, given)
     rows = [*(_on(stage, plan, time_s) for stage, time_s in zip(plan.stages, measured, strict=True)), *_off(scene)]
-    lines = [_line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
+    lines = [*_assumed(scene), "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
     for row in rows:
         lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.measured)))
         lines += [f"    {text}" for text in textwrap.wrap(row.settings, WIDTH - 4)]
@@ -87,6 +87,10 @@ def _off(scene: Scene) -> list[Row]:
     named = {effect.kind for effect in scene.effects}
     kinds = [kind for kind in scene.surface.effects if kind not in named]
     return [*unused, *(Row(kind, "off", "not called for", "", "0", "0") for kind in kinds)]
+
+
+def _assumed(scene: Scene) -> list[str]:
+    return textwrap.wrap(f"taken for granted: {'; '.join(scene.assumed())}", WIDTH, subsequent_indent="    ")
 
 
 def _totals(scene: Scene, plan: Plan, measured_s: float) -> list[str]:

@@ -10,6 +10,8 @@ from tactometry.provenance import versions
 from tactometry.quantity import unit_suffix, units
 from tactometry.stimuli.scenes.plan import Plan
 
+ABOVE_THRESHOLD = ("sensation_db", "channels_db")
+
 
 @dataclass(frozen=True)
 class Result:
@@ -38,11 +40,13 @@ class Result:
 def unit_of(name: str) -> str:
     """The unit in the name of a quantity, empty without one.
 
+    Sensation levels (dB SL) are those above the threshold of detection.
+
     >>> unit_of("peak_m"), unit_of("sensation_db"), unit_of("field")
-    ('m', 'dB', '')
+    ('m', 'dB SL', '')
     """
     if "_db" in name:
-        return "dB(A)" if name.endswith("_dba") else "dB"
+        return "dB(A)" if name.endswith("_dba") else "dB SL" if name.endswith(ABOVE_THRESHOLD) else "dB"
     suffix = unit_suffix(name)
     return units(suffix)[0] if suffix else ""
 

@@ -91,6 +91,13 @@ class Scene:
         on = self._called_for(self._unsized())
         return tuple(effect for effect in self.effects if effect not in on)
 
+    def assumed(self) -> tuple[str, ...]:
+        """What surface and effects take for granted for these outputs, in words."""
+        called_for = self._called_for(self._unsized())
+        slots = {effect.slot for effect in called_for}
+        of_surface = (words for slot, words in self.surface.assumes.items() if slot not in slots)
+        return (*of_surface, *(words for effect in called_for for words in effect.assumes))
+
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
             if output in self.surface.given:

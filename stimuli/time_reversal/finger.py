@@ -1,8 +1,8 @@
 """A finger on the screen: its impedance, what it costs, and when the plate throws it off.
 
 Facts (thesis): 2 N elsewhere than the focus cost 6 % of amplitude, 2 N at the focus up to 30 %. The
-default, a damper of 10 N s/m at 2 N with tau = 3.5 ms, reproduces both in simulation; it is derived, not
-measured. The force law is an unverified default.
+default, a damper of 10 N s/m at 2 N with tau = 3.5 ms, is set to meet both in simulation: it is neither
+measured nor a prediction. The force law is an unverified default.
 """
 
 import math

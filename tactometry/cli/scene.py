@@ -118,6 +118,8 @@ def _record(result: "Result") -> dict[str, Any]:
     """Numbers as they are, of a course its extremes and its length."""
     import numpy as np
 
+    from tactometry.stimuli.scenes.lifting import pulls_n
+
     def shown(value: Any) -> Any:
         if np.ndim(value) == 0:
             return float(value)
@@ -129,6 +131,7 @@ def _record(result: "Result") -> dict[str, Any]:
         "outputs": outputs,
         "units": {name: result.unit(name) for name in outputs},
         "given": dict(result.given),
+        "pulls_n": pulls_n(result).tolist(),
         "predicted_error": result.plan.error,
         "elapsed_s": result.elapsed_s,
         "prepared_s": result.prepared_s,
@@ -148,7 +151,16 @@ def _text(found: "SceneFile", record: dict[str, Any], result: "Result") -> str:
         words = f"{value:.6g}" if isinstance(value, float) else _range(value)
         lines.append(f"{name:<24}{words} {unit}".rstrip())
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
-    return "\n".join([*lines, f"predicted error {result.plan.error:.1e}, {times}"])
+    return "\n".join([*lines, *_lifted(record), f"predicted error {result.plan.error:.1e}, {times}"])
+
+
+def _lifted(record: dict[str, Any]) -> list[str]:
+    return [
+        f"note: finger {n} pulls by up to {pull_n:.2g} N more than presses it: a real one would lift off, which no "
+        "effect computes"
+        for n, pull_n in enumerate(record["pulls_n"], 1)
+        if pull_n
+    ]
 
 
 def _range(value: Any) -> str:

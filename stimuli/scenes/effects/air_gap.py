@@ -24,6 +24,7 @@ class AirGap:
     slot: ClassVar[str] = "gap"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("the gap is even under the whole contact",)
 
     gap_m: float
 

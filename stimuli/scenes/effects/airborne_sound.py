@@ -31,6 +31,7 @@ class AirborneSound:
     slot: ClassVar[str] = "sound"
     requires: ClassVar[tuple[str, ...]] = ("attenuation",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
 
     distance_m: float = 0.3
 

@@ -25,6 +25,7 @@ class Amplifier:
     slot: ClassVar[str] = "amplifier"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     cutoff_hz: float = 60e3
     order: int = 1

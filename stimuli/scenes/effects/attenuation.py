@@ -24,6 +24,7 @@ class Attenuation:
     slot: ClassVar[str] = "attenuation"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     tau_s: float = 3.5e-3
     exponent: float = 0.0

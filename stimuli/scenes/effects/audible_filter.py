@@ -25,6 +25,7 @@ class AudibleFilter:
     slot: ClassVar[str] = "filter"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     cutoff_hz: float = 20e3
     flank_hz: float = 2e3

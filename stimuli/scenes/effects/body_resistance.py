@@ -25,6 +25,7 @@ class BodyResistance:
     slot: ClassVar[str] = "body"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     resistance_ohm: float
 

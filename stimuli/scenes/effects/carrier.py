@@ -27,6 +27,7 @@ class Carrier:
     slot: ClassVar[str] = "carrier"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     carrier_hz: float = 2_000.0
     modulation: Modulation = "square_root"

@@ -21,6 +21,7 @@ class ContactArea:
     slot: ClassVar[str] = "area"
     requires: ClassVar[tuple[str, ...]] = ("contact",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("the area is a power of the force, and no other after a time",)
 
     area_at_1n_m2: float = 1e-4
     exponent: float = 1 / 3

@@ -26,6 +26,7 @@ class DcOffset:
     slot: ClassVar[str] = "offset"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     ratio: float
 

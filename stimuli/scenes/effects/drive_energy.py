@@ -30,6 +30,7 @@ class DriveEnergy:
     slot: ClassVar[str] = "energy"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     capacitance_f: float = 5.31e-9
 

@@ -27,6 +27,7 @@ class DryFriction:
     excludes: ClassVar[Mapping[str, str]] = {
         "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
     }
+    assumes: ClassVar[tuple[str, ...]] = ("the coefficients know neither load nor speed nor time of rest",)
 
     static: float = 0.6
     kinetic: float = 0.5

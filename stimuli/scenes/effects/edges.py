@@ -36,6 +36,7 @@ class Edges:
     slot: ClassVar[str] = "edges"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     boundary: str
 

@@ -32,6 +32,9 @@ class FingerDynamics:
     slot: ClassVar[str] = "dynamics"
     requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = (
+        "the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",
+    )
 
     @property
     def natural_rad_per_s(self) -> float:

@@ -34,6 +34,9 @@ class FingerLoad:
     excludes: ClassVar[Mapping[str, str]] = {
         "shear": "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'"
     }
+    assumes: ClassVar[tuple[str, ...]] = (
+        "a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",
+    )
 
     resistance_n_s_per_m: float = 10.0
     mass_kg: float = 0.0

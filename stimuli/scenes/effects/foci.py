@@ -26,6 +26,7 @@ class Foci:
     slot: ClassVar[str] = "foci"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     x_m: tuple[float, ...]
     y_m: tuple[float, ...]

@@ -28,6 +28,7 @@ class FocusDetection:
     slot: ClassVar[str] = "detection"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("every focus is felt as one event of displacement, whatever its course",)
 
     reference_m: float = 10e-6
 

@@ -30,6 +30,7 @@ class ForceLaw:
     slot: ClassVar[str] = "law"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("one force law of four, which differ by a factor near 1000",)
 
     law: Law
 

@@ -25,6 +25,7 @@ class Friction:
     slot: ClassVar[str] = "friction"
     requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("the finger slides all the time; its coefficient knows no speed",)
 
     coefficient: float = 0.5
     load_exponent: float = 0.0

@@ -27,6 +27,7 @@ class FrictionLag:
     slot: ClassVar[str] = "dynamics"
     requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     slope_hz_per_m_per_s: float = 13_800.0
     intercept_hz: float = 0.0

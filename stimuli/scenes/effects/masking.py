@@ -23,6 +23,7 @@ class Masking:
     slot: ClassVar[str] = "masking"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     level_db_re_threshold: float
     slope: float = 0.52

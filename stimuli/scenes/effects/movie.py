@@ -29,6 +29,7 @@ class Movie:
     slot: ClassVar[str] = "movie"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     n_frames: int = 61
     span_s: float = 0.5e-3

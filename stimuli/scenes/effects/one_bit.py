@@ -23,6 +23,7 @@ class OneBit:
     slot: ClassVar[str] = "quantiser"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

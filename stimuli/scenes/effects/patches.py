@@ -27,6 +27,7 @@ class Patches:
     slot: ClassVar[str] = "patches"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("patches have neither mass nor stiffness",)
 
     side_m: float = 10e-3
     moment_n_per_v: float = 8.2e-4

@@ -26,6 +26,7 @@ class Polarity:
     slot: ClassVar[str] = "polarity"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {"friction_lag": NO_FLOW, "finger_dynamics": NO_FLOW}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     positive_share: float
 

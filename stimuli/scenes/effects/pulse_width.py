@@ -25,6 +25,7 @@ class PulseWidth:
     slot: ClassVar[str] = "quantiser"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     carrier_hz: float
     scale: float = 1.0

@@ -31,6 +31,9 @@ class Receptors:
     slot: ClassVar[str] = "receptors"
     requires: ClassVar[tuple[str, ...]] = ("friction",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = (
+        "thresholds are those of force, without the mobility of the skin; nothing sums over time",
+    )
 
     reference_force_n: float = 6.7e-6
 

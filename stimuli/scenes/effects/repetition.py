@@ -28,6 +28,7 @@ class Repetition:
     slot: ClassVar[str] = "repetition"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     repetition_hz: float = 200.0
     duration_s: float = 50e-3

@@ -29,6 +29,9 @@ class Sensitivity:
     excludes: ClassVar[Mapping[str, str]] = {
         "receptors": "both are thresholds by frequency; remove 'sensitivity' or 'receptors'"
     }
+    assumes: ClassVar[tuple[str, ...]] = (
+        "the threshold is one of force, without the mobility of the skin; nothing sums over time",
+    )
 
     reference_force_n: float = 6.7e-6
 

@@ -25,6 +25,7 @@ class Shear:
     slot: ClassVar[str] = "shear"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     factor: float = 5 / 6
 

@@ -25,6 +25,7 @@ class SigmaDelta:
     slot: ClassVar[str] = "quantiser"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     order: int = 2
     scale: float = 0.7

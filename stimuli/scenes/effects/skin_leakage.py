@@ -25,6 +25,7 @@ class SkinLeakage:
     slot: ClassVar[str] = "leakage"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("the corneum is the same at all frequencies",)
 
     corneum_resistivity_ohm_m: float = 2.0e4
 

@@ -24,6 +24,7 @@ class Summation:
     slot: ClassVar[str] = "summation"
     requires: ClassVar[tuple[str, ...]] = ("receptors",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ()
 
     reference_m2: float = 2.9e-4
 

@@ -27,6 +27,7 @@ class TemperatureDrift:
     slot: ClassVar[str] = "drift"
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("a warmer plate is softer, and nothing else",)
 
     kelvin: float
     shift_per_k: float = -5e-5

@@ -26,6 +26,7 @@ class Texture:
     slot: ClassVar[str] = "texture"
     requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
     excludes: ClassVar[Mapping[str, str]] = {}
+    assumes: ClassVar[tuple[str, ...]] = ("the voltage follows the finger without delay",)
 
     period_m: float
 

@@ -8,14 +8,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tactometry.stimuli.scenes.lifting import FORCE, loads_n
 from tactometry.stimuli.scenes.result import Result, unit_of
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 STYLES = ("-", "--", ":", "-.")
 WIDTH_IN = 7.0
 PANEL_IN = 1.7
-PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
+PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 MOST_POINTS = 20_000
+MOST_EVENTS = 200
+RUBBED = ("friction_force_n", "skin_displacement_m")
+FAINT = "#999999"
+BESIDE_LOAD = "on top of the load; dotted: minus the load, where a finger lifts off"
 
 
 def courses(result: Result, title: str) -> Figure:
@@ -25,6 +30,7 @@ def courses(result: Result, title: str) -> Figure:
     panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
     for panel, name, colour in zip(panels, drawn, cycle(COLOURS), strict=False):
         draw_course(panel, t_s, result.values[name], name, colour)
+        mark(panel, result, name)
     figure.align_ylabels(panels)
     panels[-1].set_xlabel("time (ms)")
     figure.suptitle("\n".join([title, *numbers(result.values)]), fontsize="medium")
@@ -51,6 +57,21 @@ def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> N
     panel.spines[["top", "right"]].set_visible(False)
 
 
+def mark(panel: Axes, result: Result, name: str) -> None:
+    """What a course alone does not show: where a finger sticks and slips, or would lift off."""
+    if name in RUBBED and "slip_events_s" in result.values:
+        events_s = np.asarray(result.values["slip_events_s"])[:MOST_EVENTS]
+        for event_s in events_s:
+            panel.axvline(event_s * 1e3, color=FAINT, linewidth=0.5, zorder=0)
+        if events_s.size:
+            panel.set_title("lines: beginnings of slip and stick", fontsize="x-small", loc="right")
+    if name == FORCE:
+        factor, _ = prefix_of(float(np.abs(result.values[name]).max()))
+        for load_n in loads_n(result.plan):
+            panel.axhline(-load_n / factor, color="black", linewidth=0.6, linestyle=":")
+        panel.set_title(BESIDE_LOAD, fontsize="x-small", loc="right")
+
+
 def numbers(values: Mapping[str, Any]) -> list[str]:
     """Single numbers in words."""
     return [f"{words(name)}: {shown(name, value)}" for name, value in values.items() if np.ndim(value) == 0]
@@ -60,7 +81,7 @@ def shown(name: str, value: float) -> str:
     """A number with a unit and a prefix.
 
     >>> shown("peak_m", 1.5e-5), shown("sensation_db", 12.0)
-    ('15 um', '12 dB')
+    ('15 µm', '12 dB SL')
     """
     unit = unit_of(name)
     factor, prefix = (1.0, "") if unit.startswith("dB") else prefix_of(abs(value))

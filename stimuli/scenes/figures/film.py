@@ -35,12 +35,12 @@ def write_film(result: Result, title: str, path: Path) -> None:
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     image = draw_map(axes, values["x_m"], values["y_m"], frames[0], float(np.abs(frames).max()) / 2)
-    figure.colorbar(image, ax=axes, label="displacement (um), cut at half of the peak", shrink=0.8)
+    figure.colorbar(image, ax=axes, label="displacement (µm), cut at half of the peak", shrink=0.8)
     figure.suptitle(title, fontsize="medium")
     with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, str(path), RESOLUTION_DPI):
         for time_s, frame in zip(times_s, frames, strict=True):
             image.set_data(frame.T * 1e6)
-            axes.set_title(f"{time_s * 1e6:+.0f} us from the focus", fontsize="small")
+            axes.set_title(f"{time_s * 1e6:+.0f} µs from the focus", fontsize="small")
             writer.grab_frame()
 
 

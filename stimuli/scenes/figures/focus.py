@@ -1,4 +1,4 @@
-"""What a screen does at a focus: the map and its middle in mm and um, the courses and their middle in time."""
+"""What a screen does at a focus: the map and its middle in mm and µm, the courses and their middle in time."""
 
 from itertools import cycle
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from tactometry.stimuli.scenes.figures.courses import COLOURS, PANEL_IN, draw_course, names, numbers
+from tactometry.stimuli.scenes.figures.courses import COLOURS, PANEL_IN, draw_course, mark, names, numbers
 from tactometry.stimuli.scenes.result import Result
 
 WIDTH_IN, MAP_IN, HEAD_IN, AXIS_IN = 10.0, 3.6, 0.5, 0.3
@@ -31,7 +31,7 @@ def focus_sheet(result: Result, title: str) -> Figure:
     _maps(above, values)
     draw = [*([_courses] if drawn else []), *([_slid] if slid else [])]
     for part, one, found in zip(below, draw, [part for part in (drawn, slid) if part], strict=True):
-        one(part, values, found)
+        one(part, result, found)
     figure.suptitle("\n".join(lines), fontsize="medium")
     return figure
 
@@ -50,11 +50,11 @@ def _maps(figure: SubFigure, values: Any) -> None:
         near.set(**{f"{axis}label": f"{axis} (mm)"})
     whole.set_title("focus instant", fontsize="small")
     near.set_title(f"line: half of the peak, {half_m2 * 1e6:.0f} mm²", fontsize="small")
-    figure.colorbar(image, ax=near, label="displacement (um)", shrink=0.9)
+    figure.colorbar(image, ax=near, label="displacement (µm)", shrink=0.9)
 
 
 def draw_map(axes: Axes, x_m: Any, y_m: Any, field_m: Any, largest_m: float) -> Any:
-    """A field in um over mm; 0 is white."""
+    """A field in µm over mm; 0 is white."""
     extent = (x_m[0] * 1e3, x_m[-1] * 1e3, y_m[0] * 1e3, y_m[-1] * 1e3)
     shown = field_m.T * 1e6
     largest = largest_m * 1e6
@@ -73,11 +73,13 @@ def half_area_m2(x_m: Any, y_m: Any, field_m: Any) -> float:
     return float(np.count_nonzero(islands == islands[peak]) * cell_m2)
 
 
-def _courses(figure: SubFigure, values: Any, drawn: list[str]) -> None:
+def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
+    values = result.values
     panels = figure.subplots(len(drawn), 2, squeeze=False, width_ratios=(2, 1), sharex="col")
     for row, name, colour in zip(panels, drawn, cycle(COLOURS), strict=False):
         for panel in row:
             draw_course(panel, values["t_s"], values[name], name, colour)
+        mark(row[0], result, name)
         row[1].set_ylabel("")
         row[1].set_xlim(-NEAR_S * 1e3, NEAR_S * 1e3)
     for panel in panels[-1]:
@@ -85,10 +87,12 @@ def _courses(figure: SubFigure, values: Any, drawn: list[str]) -> None:
     figure.align_ylabels(panels[:, 0])
 
 
-def _slid(figure: SubFigure, values: Any, drawn: list[str]) -> None:
+def _slid(figure: SubFigure, result: Result, drawn: list[str]) -> None:
     """What a finger that slides meets, over a time of its own."""
+    values = result.values
     panels = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]
     for panel, name, colour in zip(panels, drawn, cycle(COLOURS[2:]), strict=False):
         draw_course(panel, values[SLIDING_TIME], values[name], name, colour)
+        mark(panel, result, name)
     panels[-1].set_xlabel("time of sliding (ms)")
     figure.align_ylabels(panels)

@@ -59,6 +59,13 @@ class Electrovibration:
         "channels_db": "add the effects friction and receptors",
         "sensation_db": "add the effects friction and sensitivity, or receptors",
     }
+    assumes: ClassVar[Mapping[str, str]] = {
+        "body": "no resistance of body and source",
+        "leakage": "a corneum without losses",
+        "gap": "no air between insulator and skin",
+        "area": "a contact area that no force changes",
+        "polarity": "the same attraction at either sign of the voltage",
+    }
 
     frequency_hz: float
     duration_s: float = 1.0

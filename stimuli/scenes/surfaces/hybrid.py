@@ -44,6 +44,11 @@ class Hybrid:
         **TimeReversal.cures,
         "sliding_sensation_db": "add the effects friction and sensitivity, or receptors",
     }
+    assumes: ClassVar[Mapping[str, str]] = {
+        **TimeReversal.assumes,
+        **Electrovibration.assumes,
+        "hybrid": "the attraction does not bend the plate, and its vibration does not lubricate the finger that slides",
+    }
 
     electrovibration: Electrovibration
     time_reversal: TimeReversal = field(default_factory=TimeReversal)

@@ -82,6 +82,14 @@ class TimeReversal:
         "sensation_db": "add the effect focus_detection",
         "peaks_m": "add the effect foci",
     }
+    assumes: ClassVar[Mapping[str, str]] = {
+        "edges": "edges simply supported all around",
+        "shear": "a thin plate, without shear and rotary inertia",
+        "attenuation": "a plate without losses",
+        "patches": "transducers that push at points and weigh nothing",
+        "drift": "the temperature at which it learnt",
+        "amplifier": "amplifiers without a roll-off",
+    }
 
     glass: str = "Borofloat 33"
     length_m: float = 0.297
@@ -119,7 +127,7 @@ class TimeReversal:
         return MARGIN_FLANKS / self.flank_hz
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        del scene
+        _check_rest(scene)
         return (*self._emission(), *self._motion(), *self._courses(), *self._map())
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
@@ -275,6 +283,16 @@ def first_magnitude() -> Callable[[Any, float], float]:
 def multiplied() -> Callable[[Any, float], Any]:
     """Values per volt, at a voltage."""
     return lambda values, voltage_v: values * voltage_v
+
+
+def _check_rest(scene: Demand) -> None:
+    """Refuse a finger that slides: it would be off the focus, which stands, before it had felt it."""
+    for n, touch in enumerate(scene.contacts):
+        if touch.slides:
+            raise InvalidParameter(
+                f"contacts[{n}]: found a finger that slides ({touch.speed_m_per_s} m/s) on a plate that focuses, "
+                "expected one at rest; leave speed_m_per_s out, or take the surface 'hybrid'"
+            )
 
 
 def _check_glass(glass: str) -> None:

@@ -30,8 +30,8 @@ MOST_COUNTED = 32
 ROUNDING = 1e-9
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
 """How far above its band an emission is followed, by the error from which on that is enough."""
-MOST_NUMBERS = 6e7
-"""Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 2 GB."""
+MOST_NUMBERS = 4.5e7
+"""Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 1.5 GB."""
 MOST_FOLLOWING = 3e7
 """Modes that follow times transducers."""
 MOST_RITZ_MODES = 6000
