@@ -48,6 +48,10 @@ def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
         for each in among:
             fill = "none" if each.unreachable else BLUE
             one.plot(each.thickness_m * 1e3, of(each), "o", color=BLUE, markerfacecolor=fill)
+            if name in _BY_NUMBER:
+                number = f"{each.guide.design.transducers.n}"
+                at = each.thickness_m * 1e3, of(each)
+                one.annotate(number, at, (0, 8), textcoords="offset points", ha="center", fontsize="x-small")
         one.plot(best.thickness_m * 1e3, of(best), "o", color=ORANGE, fillstyle="none", markersize=12)
         one.set_xscale("log")
         ticks = [each.thickness_m * 1e3 for each in among][::2]
@@ -57,10 +61,15 @@ def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
         one.set_ylim(0, None)
     axes[-1].axhline(STRESS_MAX_PA / 1e6, color=BLACK, linestyle=":", label="what glass bears for long")
     axes[-1].legend(frameon=False)
-    title = "Filled: all wishes met; hollow: not; ringed: recommended"
+    title = (
+        "Filled: all wishes met; hollow: not; ringed: recommended; numbers: transducers Q, raised where a wish needs it"
+    )
     figure.suptitle(title, fontsize="medium")
     return figure
 
+
+_BY_NUMBER: Final = ("Contrast, A / rms of the plate", "Amplitude (µm)")
+"""What more transducers raise."""
 
 _QUANTITIES: Final[Mapping[str, Callable[[Sheet], float]]] = {
     "Resolution at −6 dB (mm)": lambda each: each.guide.design.resolution_m * 1e3,
