@@ -75,6 +75,24 @@ def _anova_sentence(row: "pd.Series[Any]") -> str:
     return f"{row['Source']}: {_f_text(row)}, {p_text(row['p_CM_corr'])}, {size}{how}"
 
 
+def simple_sentences(found: pd.DataFrame, by: str) -> list[str]:
+    """One for each value of `by`, of `simple_effects`.
+
+    >>> row = {"hz": 60, "Source": "force", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "p_corr": 0.009}
+    >>> simple_sentences(pd.DataFrame([row | {"np2": 0.536, "note": ""}]), "hz")
+    ['hz 60: force, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536']
+    """
+    return [
+        f"{value_of(by, row[by])}: {row['Source']}, "
+        + (
+            f"{_f_text(row)}, {p_text(row['p_corr'])} (Holm), partial eta squared = {share_text(row['np2'])}"
+            if pd.notna(row["F"])
+            else f"not tested, {row['note'] or 'the error is 0'}"
+        )
+        for _, row in found.iterrows()
+    ]
+
+
 def _f_text(row: "pd.Series[Any]") -> str:
     """F with its degrees of freedom, corrected where they are."""
     first, second = (row[name] * row["eps_CM"] for name in ("ddof1", "ddof2"))

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.design import Array
-from tactometry.analysis.group import mean_with_interval
+from tactometry.analysis.group import MEANS, group_table, mean_with_interval
 from tactometry.columns import RESERVED
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
@@ -154,17 +154,18 @@ def _scored(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | N
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Per condition and dimension: mean over participants with its t-interval, SD, n and how many scores are missing.
+    """Per condition and dimension: mean over participants with its t-interval between them and (where no score is
+    missing) its interval within them, SD, n and how many scores are missing.
 
     `scored` is what `scores` gives.
     """
     factors = list(scored.attrs["within"])
-    long = scored.melt(["participant", *factors], dimensions_of(scored), "dimension", "score")
-    rows = [
-        dict(zip([*factors, "dimension"], key, strict=True)) | _mean(part["score"], interval)
-        for key, part in long.groupby([*factors, "dimension"], sort=True, observed=True)
+    parts = [
+        group_table(scored, factors, name, interval).assign(dimension=name) for name in sorted(dimensions_of(scored))
     ]
-    return pd.DataFrame(rows)
+    columns = [*factors, "dimension", *MEANS, "n", "n_missing"]
+    found = pd.concat(parts, ignore_index=True)[columns]
+    return found.sort_values(factors, kind="stable").reset_index(drop=True) if factors else found
 
 
 def dimensions_of(scored: pd.DataFrame) -> list[str]:

@@ -47,8 +47,8 @@ class Compared:
 def censored_pairs(
     found: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
-    """All pairs of levels of `factor`, averaged over the other factors and groups, or at each level of `by`; columns as
-    those of `pairs`, without a Bayes factor and the interval of dz.
+    """All pairs of levels of `factor`, averaged over the other factors and groups, or at each level of `by` (a factor
+    or the groups); columns as those of `pairs`, without a Bayes factor and the interval of dz.
 
     A pair has its own error, that of the completed values, and loses the degrees of freedom that bounds leave open.
 
@@ -89,16 +89,25 @@ def censored_group_pairs(
 
 
 def _compared(found: CensoredAnova, factor: str, by: str | None) -> list[Compared]:
-    place, n = found.design.factors.index(factor), len(found.fit.means)
-    levels = found.design.levels[place]
+    of_groups = [(name, g) for g, name in enumerate(found.design.groups)]
+    at = of_groups if by is not None and by == found.design.between else [(None, None)]
+    return [
+        Compared(names, level if group is None else name, _contrast(found, cell, group))
+        for name, group in at
+        for level, own in _averages(found, by if group is None else None)
+        for names, cell in _differences(found, factor, own)
+    ]
+
+
+def _differences(found: CensoredAnova, factor: str, own: Array) -> list[tuple[tuple[object, object], Array]]:
+    """Of all pairs of levels, the weights (cell,) of their difference in the mean over `own`."""
+    place = found.design.factors.index(factor)
+    levels, parts = found.design.levels[place], np.moveaxis(own.reshape(found.fit.data.n_levels), place, 0)
     pairs = []
-    for level, own in _averages(found, by):
-        parts = np.moveaxis(own.reshape(found.fit.data.n_levels), place, 0)
-        for i, j in combinations(range(len(levels)), 2):
-            weights = np.zeros_like(parts)
-            weights[j], weights[i] = parts[j], -parts[i]
-            cell = np.moveaxis(weights, 0, place).ravel() * len(levels)
-            pairs.append(Compared((levels[i], levels[j]), level, _contrast(found, cell, np.full(n, 1 / n))))
+    for i, j in combinations(range(len(levels)), 2):
+        weights = np.zeros_like(parts)
+        weights[j], weights[i] = parts[j], -parts[i]
+        pairs.append(((levels[i], levels[j]), np.moveaxis(weights, 0, place).ravel() * len(levels)))
     return pairs
 
 
@@ -117,13 +126,16 @@ def _averages(found: CensoredAnova, by: str | None) -> list[tuple[object, Array]
     ]
 
 
-def _contrast(found: CensoredAnova, cell: Array, of_groups: Array) -> Contrast:
-    fit = found.fit
-    weights, own = np.kron(of_groups, cell), max(float(cell @ fit.pooled @ cell), 0.0)
+def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> Contrast:
+    """Of conditions in one group, or in the plain mean of all groups."""
+    fit, n_groups = found.fit, len(found.fit.means)
+    of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
+    moments, df = (fit.pooled, fit.df) if group is None else (fit.moments[group], fit.data.sizes[group] - 1)
+    weights, own = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
     variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
-    whole = model * float(np.sum(of_groups**2 / fit.data.sizes))
-    error, kept = float(np.sqrt(variance * own / model)), min(1.0, whole / variance)
-    return Contrast(float(weights @ fit.means.ravel()), error, fit.df * kept, float(np.sqrt(own)))
+    kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
+    error = float(np.sqrt(variance * own / model))
+    return Contrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own)))
 
 
 def _row(each: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:

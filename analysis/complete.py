@@ -1,4 +1,4 @@
-"""The largest complete part of a within-participant design that has holes."""
+"""The largest part of a within-participant design that has holes: complete, or with values enough for a model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,11 +14,8 @@ MIN_PARTICIPANTS = 3
 
 @dataclass(frozen=True)
 class SubDesign:
-    """What is kept, and in words what was left out (empty: nothing).
-
-    `table` has a value in every cell of its participants and conditions; `within` names the factors that keep
-    at least two levels.
-    """
+    """What is kept, and in words what was left out (empty: nothing); `within` names the factors that keep at least two
+    levels."""
 
     table: pd.DataFrame
     within: tuple[str, ...]
@@ -28,8 +25,9 @@ class SubDesign:
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
     """Participants and factor levels that are complete together, with as many values as possible.
 
-    Every combination of subsets of levels is tried (of one level each beyond `MAX_SUBSETS`: all levels only);
-    ties go to more participants. None if no three participants share two levels of a factor.
+    `table` then has a value in every cell. Every combination of subsets of levels is tried (of one level each beyond
+    `MAX_SUBSETS`: all levels only); ties go to more participants. None if no three participants share two levels of a
+    factor.
     """
     levels = [sorted(table[name].unique()) for name in within]
     subjects = sorted(table[subject].unique())
@@ -44,6 +42,28 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
         if complete.sum() >= MIN_PARTICIPANTS and (best is None or rank[:3] > best[:3]):
             best = rank
     return None if best is None else _kept(table, within, subject, levels, subjects, has, best[3])
+
+
+def largest_known(
+    table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, between: str | None, at_least: int
+) -> SubDesign | None:
+    """The factor levels of which every combination has at least so many known values (in each group of participants),
+    as many combinations as possible; all participants are kept. None if no factor keeps two levels."""
+    levels = [sorted(table[name].unique()) for name in within]
+    subjects = sorted(table[subject].unique())
+    has = _presence(table, dependent, within, subject, levels, subjects)
+    own = table.drop_duplicates(subject).set_index(subject)
+    group = np.zeros(len(subjects)) if between is None else pd.factorize(own.loc[subjects, between])[0]
+    n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
+    sizes = {
+        chosen: int(np.prod([len(part) for part in chosen]))
+        for chosen in _subsets(levels)
+        if max(map(len, chosen)) > 1 and n_known[np.ix_(*chosen)].min() >= at_least
+    }
+    if not sizes:
+        return None
+    everybody = np.ones_like(has)
+    return _kept(table, within, subject, levels, subjects, everybody, max(sizes, key=lambda chosen: sizes[chosen]))
 
 
 def _presence(

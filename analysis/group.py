@@ -1,7 +1,8 @@
 """Participants together: mean thresholds per condition, and how often was felt what."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,45 +13,126 @@ from tactometry.analysis.cells import Cell
 from tactometry.analysis.counts import Array
 from tactometry.analysis.design import RELATIVE_ZERO, size_of
 from tactometry.analysis.number_text import interval_text
-from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
+from tactometry.analysis.within_intervals import within_variances
 
 MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""
 MOST_COLUMNS = 8
 """Conditions across a table of text."""
-BOUNDED = ("threshold", "pse")
-"""Values that have a bound where the status says so; a difference has none."""
+BOUNDS: Mapping[str, tuple[str, str]] = {
+    "threshold": ("interval_low", "interval_high"),
+    "pse": ("interval_low", "interval_high"),
+    "jnd": ("jnd_low", "jnd_high"),
+}
+"""Where a value that is not known may have a bound: its columns. Other values have none."""
+LOW, HIGH = "lower_bound", "upper_bound"
+LEVELS = ("threshold", "pse")
+"""Values whose bound is an end of the levels."""
 
 
 def group_table(
-    estimates: pd.DataFrame, factors: Sequence[str], dependent: str = "threshold", interval: float = 0.95
+    estimates: pd.DataFrame,
+    factors: Sequence[str],
+    dependent: str = "threshold",
+    interval: float = 0.95,
+    model: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
-    """One row per condition: mean over participants with its interval (t, between participants), SD and n.
+    """One row per condition: mean over participants with its interval between participants (t; `mean_low`,
+    `mean_high`), SD and n, and the interval within participants (Cousineau and Morey's; `within_low`, `within_high`).
 
-    A condition with a censored participant has no mean but a bound: the mean with every censored threshold at
-    its own bound. `n_below`, `n_above` and `n_missing` count what is no threshold.
+    `n_below`, `n_above` and `n_missing` count the values of which an upper, a lower or no bound is known. A condition
+    with bounds has no mean of its own: that of `model` (as `CensoredAnova.means`) stands there, and `method` says so;
+    without one the numbers are empty.
     """
-    if not factors:
-        return pd.DataFrame([_group(estimates, dependent, interval)])
-    grouped = estimates.groupby(list(factors), sort=True, observed=True)
-    rows = [dict(zip(factors, key, strict=True)) | _group(part, dependent, interval) for key, part in grouped]
+    inside = {} if model is not None else _inside(estimates, factors, dependent, interval)
+    rows = []
+    for key, part in _parts(bounds_of(estimates, dependent), factors):
+        names = dict(zip(factors, key, strict=True))
+        own = None if model is None else _row_of(model, names)
+        rows.append(names | _group(part, dependent, interval, inside.get(key), own))
     return pd.DataFrame(rows)
 
 
-def _group(part: pd.DataFrame, dependent: str, interval: float) -> dict[str, object]:
-    known = part[dependent].dropna().astype(float)
-    is_level = dependent in BOUNDED
-    n_below = int((part["status"] == Status.BELOW.value).sum()) if is_level else 0
-    n_above = int((part["status"] == Status.ABOVE.value).sum()) if is_level else 0
-    row: dict[str, object] = dict.fromkeys(("mean", "mean_low", "mean_high", "sd"))
+def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
+    """The estimates with the bounds `lower_bound` and `upper_bound` of the values that are not known, where they have
+    any."""
+    unknown = estimates[dependent].isna()
+    ends = {}
+    for name, column in zip((LOW, HIGH), BOUNDS.get(dependent, ("", "")), strict=True):
+        held = estimates[column].astype(float) if column in estimates.columns else pd.Series(np.nan, estimates.index)
+        ends[name] = held.where(unknown)
+    return estimates.assign(**ends)
+
+
+def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[float] | None":
+    """The row of a condition, by those factors that the model has."""
+    shared = [name for name in names if name in model.columns]
+    found = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
+    return found.iloc[0] if len(found) == 1 else None
+
+
+def _inside(
+    estimates: pd.DataFrame, factors: Sequence[str], dependent: str, interval: float
+) -> dict[tuple[object, ...], float]:
+    """Half the interval within participants of each condition, where every participant (of a group) has all values."""
+    if "participant" not in estimates.columns or not factors:
+        return {}
+    varied = estimates.groupby("participant")[list(factors)].nunique().max() > 1
+    within, between = ([name for name in factors if bool(varied[name]) is is_varied] for is_varied in (True, False))
+    if not within:
+        return {}
+    found = {}
+    for group, part in _parts(estimates, between):
+        wide = part.pivot_table(dependent, "participant", within, dropna=False, observed=True, aggfunc="mean")
+        for condition, half in _halves(wide, interval).items():
+            own = dict(zip([*between, *within], [*group, *condition], strict=True))
+            found[tuple(own[name] for name in factors)] = half
+    return found
+
+
+def _parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
+    """The rows of each combination of values; all of them without keys."""
+    return table.groupby(list(keys), sort=True, observed=True) if keys else [((), table)]
+
+
+def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], float]:
+    values = wide.to_numpy(dtype=np.float64)
+    n = len(values)
+    if n < 2 or not np.isfinite(values).all():
+        return {}
+    size = size_of(values)
+    covariance = np.asarray(np.cov(values / size, rowvar=False), dtype=np.float64)
+    variances = within_variances(covariance.reshape(wide.shape[1], -1))
+    halves = float(student.ppf((1 + interval) / 2, n - 1)) * np.sqrt(variances / n) * size
+    names = [tuple(name) for name in wide.columns.to_frame().itertuples(index=False, name=None)]
+    return dict(zip(names, halves.tolist(), strict=True))
+
+
+MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
+
+
+def _group(
+    part: pd.DataFrame, dependent: str, interval: float, half: float | None, model: "pd.Series[float] | None"
+) -> dict[str, object]:
+    known = part[dependent].dropna().to_numpy(dtype=np.float64)
+    n_below, n_above = (int((part[own].notna() & part[other].isna()).sum()) for own, other in _SIDES)
+    row: dict[str, Any] = dict.fromkeys(MEANS)
+    if len(known) and not (n_below or n_above):
+        row |= mean_with_interval(known, interval)
+    if half is not None and row["mean"] is not None:
+        row |= {"within_low": row["mean"] - half, "within_high": row["mean"] + half}
+    is_whole = len(known) == len(part)
+    if model is not None:
+        row |= {name: float(model[name]) for name in (MEANS[4:] if is_whole else MEANS)}
+    row |= {"method": "" if row["mean"] is None else "t" if is_whole or model is None else MODEL}
     row |= {"n": len(known), "n_below": n_below, "n_above": n_above}
     row["n_missing"] = len(part) - len(known) - n_below - n_above
-    if n_below or n_above:
-        row |= _bounded(part, known, n_below, n_above)
-    elif len(known):
-        row |= mean_with_interval(np.array(known, dtype=np.float64), interval)
-    return row | {"text": _text(row, len(part))}
+    return row | {"text": _text(row, len(part), "the levels" if dependent in LEVELS else "a bound")}
+
+
+_SIDES = ((HIGH, LOW), (LOW, HIGH))
+MODEL = "censored model"
 
 
 def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
@@ -71,28 +153,15 @@ def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
     return {name: value * size for name, value in found.items()}
 
 
-def _bounded(part: pd.DataFrame, known: "pd.Series[float]", n_below: int, n_above: int) -> dict[str, object]:
-    """A bound of the mean: possible only if all censored participants are on one side."""
-    if n_below and n_above:
-        return {}
-    status, column = (Status.BELOW, "interval_high") if n_below else (Status.ABOVE, "interval_low")
-    bounds = part.loc[part["status"] == status.value, column].astype(float)
-    mean = float(pd.concat([known, bounds]).mean())
-    return {"mean_high": mean} if n_below else {"mean_low": mean}
-
-
-def _text(row: dict[str, object], n: int) -> str:
-    if row["mean"] is not None:
-        alike = ", all alike" if row["sd"] == 0 else ""
-        lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
-        return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{alike}{lost})"
-    if row["n_below"] and row["n_above"]:
-        return f"{row['n_below']} below, {row['n_above']} above the levels, of {n}"
-    if row["n_below"]:
-        return f"< {interval_text(row['mean_high'])} ({row['n_below']} of {n} below the levels)"
-    if row["n_above"]:
-        return f"> {interval_text(row['mean_low'])} ({row['n_above']} of {n} above the levels)"
-    return f"none ({n} missing)"
+def _text(row: Mapping[str, Any], n: int, where: str) -> str:
+    sides = [f"{row[f'n_{side}']} {side}" for side in ("below", "above") if row[f"n_{side}"]]
+    beside = [f"{', '.join(sides)} {where}"] if sides else []
+    if row["n_missing"] and (sides or row["n"]):
+        beside.append(f"{row['n_missing']} missing")
+    if row["mean"] is None:
+        return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"
+    told = ", ".join([f"n = {row['n']}", *(["all alike"] if row["sd"] == 0 else []), *beside])
+    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({told})"
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -1,97 +1,70 @@
-"""What is said of one dependent value: group table, analysis of variance with its checks, pairs, models."""
+"""From a table of estimates to an `Outcome`: every analysis that its design allows, and the one that answers."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis import apa, group
+from tactometry.analysis import group
 from tactometry.analysis.anova import MAX_FACTORS, permutation_test, repeated_measures
 from tactometry.analysis.assumptions import checks
+from tactometry.analysis.bounded import MIN_KNOWN
+from tactometry.analysis.censored_anova import CensoredAnova, censored_anova
 from tactometry.analysis.censored_model import censored_model
-from tactometry.analysis.complete import largest_complete
+from tactometry.analysis.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from tactometry.analysis.complete import SubDesign, largest_complete, largest_known
 from tactometry.analysis.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.equivalence import equivalence
+from tactometry.analysis.findings import FORCE, Outcome
 from tactometry.analysis.group_pairs import group_pairs
-from tactometry.analysis.labels import condition_name
 from tactometry.analysis.mixed_anova import mixed_anova
 from tactometry.analysis.mixed_model import MixedModel, mixed_model
-from tactometry.analysis.post_hoc import pairs
-from tactometry.analysis.status import Status
+from tactometry.analysis.post_hoc import all_together, pairs
+from tactometry.analysis.primary import TITLES, Primary, chosen
+from tactometry.analysis.simple_effects import Analysis, interacting, simple_effects
 from tactometry.errors import InvalidParameter
 
-FORCE = "force_n"
 MEASURED = "log2 of the measured force"
-PURE_NUMBERS = ("exponent",)
 PERMUTATION_SEED = 20_170_522
 """Of the changes of signs with many participants, so that the same data give the same report."""
+SUBJECT = "participant"
+INTERVAL = 0.95
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """One dependent value of one task.
+class Given:
+    """The estimates with their bounds (`group.LOW`, `group.HIGH`), and how the factors that have two levels vary."""
 
-    `anova` is that of the largest complete sub-design, with its `status`, `checks` and, where an error matrix is
-    singular, a `permutation` test; `pairs` and `equivalence` per factor, `group_pairs` of the factor that differs
-    between participants only (the analysis is then a mixed one); `model` a mixed model of all values. What could not be
-    done is None, and `notes` say why.
-    """
-
-    task: str
+    table: pd.DataFrame
     dependent: str
-    estimates: pd.DataFrame
-    group: pd.DataFrame
-    cross: pd.DataFrame
-    anova: pd.DataFrame | None
-    notes: tuple[str, ...]
-    sentences: tuple[str, ...]
-    status: DesignStatus | None = None
-    checks: pd.DataFrame | None = None
-    permutation: pd.DataFrame | None = None
-    pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    equivalence: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    group_pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    model: MixedModel | None = None
-    model_title: str = ""
+    within: tuple[str, ...]
+    between: str | None
 
-    def unit(self, of_levels: str) -> str:
-        """Of the dependent value; an exponent has none."""
-        return "" if self.dependent in PURE_NUMBERS else of_levels
+    @classmethod
+    def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "Given":
+        varied = [name for name in factors if estimates[name].nunique() > 1]
+        fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
+        apart = len(fixed) == 1
+        within = tuple(name for name in varied if not (apart and name in fixed))
+        return cls(group.bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
 
-    def all_sentences(self, of_levels: str) -> dict[str, list[str]]:
-        """Every sentence, by the heading that it stands under; `of_levels` is the unit of the levels."""
-        unit, _, _ = self.unit(of_levels).partition(" re ")  # a difference of decibels has no reference
-        found = {
-            "Analysis of variance": list(self.sentences),
-            "Assumptions": [] if self.checks is None else list(self.checks["text"]),
-            "Permutation tests": [] if self.permutation is None else apa.permutation_sentences(self.permutation),
-        }
-        for name, table in self.pairs.items():
-            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit)
-        for name, table in self.group_pairs.items():
-            found[f"Groups of {name}"] = apa.group_sentences(table, unit)
-        for name, table in self.equivalence.items():
-            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit)
-        if self.model is not None:
-            found[f"Linear mixed model: {self.model_title}"] = apa.model_sentences(self.model)
-        return {heading: sentences for heading, sentences in found.items() if sentences}
+    @property
+    def factors(self) -> list[str]:
+        return [*([self.between] if self.between else []), *self.within]
 
-    def tables(self, name: str) -> dict[str, pd.DataFrame]:
-        """Every table, by the name of its file."""
-        found: dict[str, pd.DataFrame | None] = {
-            f"group_{name}": self.group,
-            f"cross_{name}": self.cross,
-            f"anova_{name}": self.anova,
-            f"assumptions_{name}": self.checks,
-            f"permutation_{name}": self.permutation,
-            f"mixed_model_{name}": None if self.model is None else self.model.coefficients,
-        }
-        found |= {f"pairs_{name}_{factor}": table for factor, table in self.pairs.items()}
-        found |= {f"groups_{name}_{factor}": table for factor, table in self.group_pairs.items()}
-        found |= {f"equivalence_{name}_{factor}": table for factor, table in self.equivalence.items()}
-        return {key: table for key, table in found.items() if table is not None}
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"dependent": self.dependent, "subject": SUBJECT}
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every participant has a value in every condition."""
+        known = self.table[self.table[self.dependent].notna()]
+        n_cells = int(np.prod([self.table[name].nunique() for name in self.within]))
+        has = known.drop_duplicates([SUBJECT, *self.within]).groupby(SUBJECT).size()
+        return len(has) == self.table[SUBJECT].nunique() and bool((has == n_cells).all())
 
 
 def outcome(
@@ -102,148 +75,226 @@ def outcome(
     *,
     forces: pd.DataFrame | None = None,
     bounds: Mapping[str, float] | None = None,
+    primary: str | None = None,
 ) -> Outcome:
     """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
-    condition, `bounds` the differences that count as none, per factor."""
+    condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
+    the rule of `primary` does."""
+    given = Given.of(table, factors, dependent)
     together = group.group_table(table, factors, dependent)
-    varied = [name for name in factors if table[name].nunique() > 1]
-    between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
-    inside = [name for name in varied if name not in between] if len(between) == 1 else varied
-    whole, notes = _complete(table, inside, dependent)
-    found = Outcome(
-        task=task,
-        dependent=dependent,
-        estimates=table,
-        group=together,
-        cross=group.cross_table(together, factors),
-        anova=None,
-        notes=tuple(notes),
-        sentences=(),
-    )
-    if whole is not None and inside != varied:
-        found = _with_groups(found, whole[0], whole[1], between[0], bounds or {})
-    elif whole is not None:
-        found = _with_variance(found, whole[0], whole[1], bounds or {})
-    return _with_model(found, varied, forces)
+    cross = group.cross_table(together, factors)
+    found = Outcome(task, dependent, table, together, cross, given.within, given.between)
+    part, notes = _complete(given)
+    found = replace(found, notes=notes)
+    if part is not None:
+        found = _with_anova(found, given, part, permuted=primary == Primary.PERMUTATION)
+    if not given.is_whole or primary == Primary.CENSORED:
+        found = _with_censored(found, given, factors)
+    if forces is not None and FORCE in given.within:
+        found = _with_model(found, given, forces)
+    if given.factors:
+        found = _with_primary(found, primary, is_whole=given.is_whole)
+    compare = _censored_comparisons if found.primary is Primary.CENSORED else _comparisons
+    return compare(found, given, part, bounds or {})
 
 
-def _complete(
-    table: pd.DataFrame, varied: Sequence[str], dependent: str
-) -> tuple[tuple[pd.DataFrame, list[str]] | None, list[str]]:
-    """The largest complete sub-design with its factors, and what was left out; or why there is none."""
-    if not varied:
-        return None, ["no analysis of variance: no factor has two levels"]
-    if len(varied) > MAX_FACTORS:
-        return None, [f"no analysis of variance: {len(varied)} factors, at most {MAX_FACTORS} can be taken"]
-    if table.groupby("participant")[varied[0]].nunique().max() < 2:
-        return None, [f"no analysis of variance: {varied[0]} does not vary within participants"]
-    part = largest_complete(table, dependent=dependent, within=varied, subject="participant")
+def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
+    """The largest complete part; or why there is none."""
+    within = given.within
+    if not given.factors:
+        return None, ("no analysis of variance: no factor has two levels",)
+    if len(within) > MAX_FACTORS:
+        return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} can be taken",)
+    n_levels = given.table.groupby(SUBJECT)[given.factors].nunique().max()
+    fixed = [name for name in within or given.factors if n_levels[name] < 2]
+    if fixed:
+        return None, (f"no analysis of variance: {fixed[0]} does not vary within participants",)
+    part = largest_complete(given.table, within=within, **given.arguments)
     if part is None:
-        return None, ["no analysis of variance: no three participants share two conditions with a value"]
-    notes = []
-    if part.left_out:
-        notes = [f"the analysis of variance uses the largest complete sub-design; left out: {', '.join(part.left_out)}"]
-    return (part.table, list(part.within)), notes
+        return None, ("no analysis of variance: no three participants share two conditions with a value",)
+    return part, ()
 
 
-def _with_variance(found: Outcome, table: pd.DataFrame, within: Sequence[str], bounds: Mapping[str, float]) -> Outcome:
-    given: Any = {"dependent": found.dependent, "subject": "participant"}
+def _with_anova(found: Outcome, given: Given, part: SubDesign, *, permuted: bool) -> Outcome:
+    """The analysis of variance of a complete part; within participants with its assumptions and, where an error matrix
+    is singular or a permutation test is asked for, that."""
+    within, arguments = list(part.within), given.arguments
+    found = replace(found, left_out=part.left_out)
     try:
-        anova = repeated_measures(table, within=within, **given)
+        anova = _anova(given)(part.table, within)
     except UndefinedStatistic as refusal:
         return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
     status = anova.attrs["status"]
-    is_singular = status is DesignStatus.SINGULAR
-    rng = np.random.default_rng(PERMUTATION_SEED)
-    return replace(
-        found,
-        anova=anova,
-        status=status,
-        notes=(*found.notes, *anova.attrs["notes"]),
-        sentences=tuple(apa.anova_sentences(anova)),
-        checks=checks(table, within=within, **given),
-        permutation=permutation_test(table, within=within, rng=rng, **given) if is_singular else None,
-        pairs={name: pairs(table, factor=name, **given) for name in within},
-        equivalence=_equivalences(table, within, bounds, given),
-    )
-
-
-def _equivalences(
-    table: pd.DataFrame, within: Sequence[str], bounds: Mapping[str, float], given: Mapping[str, Any]
-) -> dict[str, pd.DataFrame]:
-    kept = {name: bound for name, bound in bounds.items() if name in within}
-    return {name: equivalence(table, factor=name, bound=bound, **given) for name, bound in kept.items()}
-
-
-def _with_groups(
-    found: Outcome, table: pd.DataFrame, within: Sequence[str], between: str, bounds: Mapping[str, float]
-) -> Outcome:
-    """A mixed analysis of variance of groups of participants, and which groups and conditions differ."""
-    given: Any = {"dependent": found.dependent, "subject": "participant"}
-    try:
-        anova = mixed_anova(table, within=within, between=between, **given)
-        differ = group_pairs(table, between=between, **given)
-    except UndefinedStatistic as refusal:
-        return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
-    return replace(
-        found,
-        anova=anova,
-        status=anova.attrs["status"],
-        notes=(*found.notes, *anova.attrs["notes"]),
-        sentences=tuple(apa.anova_sentences(anova)),
-        pairs={name: pairs(table, factor=name, **given) for name in within},
-        group_pairs={between: differ},
-        equivalence=_equivalences(table, within, bounds, given),
-    )
-
-
-def _with_model(found: Outcome, varied: Sequence[str], forces: pd.DataFrame | None) -> Outcome:
-    """A mixed model of all values: with the measured force instead of its target where it was measured, else where the
-    analysis of variance left something out. A censored value counts as what it is, a bound."""
-    by_force = forces is not None and FORCE in varied
-    lost = any("left out" in note for note in found.notes)
-    data, notes = _usable(found, varied)
-    if not varied or not (by_force or lost) or not data[found.dependent].notna().any():
+    found = replace(found, anova=anova, status=status, notes=(*found.notes, *anova.attrs["notes"]))
+    if given.between is not None:
         return found
-    data, covariates = _with_force(data, forces, varied) if by_force and forces is not None else (data, [])
-    factors = [name for name in varied if not (covariates and name == FORCE)]
-    title = " * ".join([*factors, *covariates]) + ", participants at random"
-    given: Any = {"dependent": found.dependent, "factors": factors, "covariates": covariates, "subject": "participant"}
+    found = replace(found, checks=checks(part.table, within=within, **arguments))
+    if not (permuted or status is DesignStatus.SINGULAR):
+        return found
+    rng = np.random.default_rng(PERMUTATION_SEED)
+    return replace(found, permutation=permutation_test(part.table, within=within, rng=rng, **arguments))
+
+
+def _anova(given: Given) -> Analysis:
+    """The analysis of a complete table by factors within participants."""
+
+    def analysis(table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
+        if given.between is None or table[given.between].nunique() < 2:
+            return repeated_measures(table, within=within, **given.arguments)
+        return mixed_anova(table, within=within, between=given.between, **given.arguments)
+
+    return analysis
+
+
+def _with_censored(found: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
+    """The analysis of all that is known of all participants; the group's means are then those of its model."""
+    if len(given.within) > MAX_FACTORS:
+        return found
+    options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
+    part = SubDesign(given.table, (), ())
+    if given.within:
+        part = largest_known(given.table, within=given.within, **given.arguments, **options) or part
+    if given.within and not part.within:
+        note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
+        return replace(found, notes=(*found.notes, note))
     try:
-        if data[found.dependent].notna().all():
-            model = mixed_model(data, **given)
-        else:
-            model = censored_model(data, low="interval_low", high="interval_high", **given)
+        censored = _censored(given, part.table, part.within)
     except InvalidParameter as refusal:
-        return replace(found, notes=(*found.notes, *notes, f"no mixed model: {refusal}"))
-    return replace(found, model=model, model_title=title, notes=(*found.notes, *notes, *_censored_note(model)))
+        return replace(found, notes=(*found.notes, f"no analysis of bounds: {refusal}"))
+    means = group.group_table(found.estimates, factors, found.dependent, model=censored.means())
+    notes = (*found.notes, *_counted(censored), *_lost(part))
+    return replace(found, censored=censored, notes=notes, group=means, cross=group.cross_table(means, factors))
 
 
-def _usable(found: Outcome, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
-    """The values that are known or censored, and a note for each condition without a single one that is known: its
-    mean has no end on one side."""
-    table = found.estimates
-    known = table[found.dependent].notna()
-    if found.dependent not in group.BOUNDED or not varied:
-        return table[known], []
-    has_one = known.groupby([table[name] for name in varied]).transform("any")
-    censored = table["status"].isin([Status.BELOW.value, Status.ABOVE.value]) & has_one
-    lost = table.loc[~has_one, list(varied)].drop_duplicates().itertuples(index=False, name=None)
-    names = "; ".join(condition_name(varied, key) for key in lost)
-    note = f"the mixed model leaves out: {names}, where no participant has a threshold"
-    return table[known | censored], [note] if names else []
+def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
+    between = given.between if given.between and table[given.between].nunique() > 1 else None
+    return censored_anova(
+        table, low=group.LOW, high=group.HIGH, within=list(within), between=between, **given.arguments
+    )
 
 
-def _with_force(data: pd.DataFrame, forces: pd.DataFrame, varied: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
-    keys = ["participant", *varied]
-    own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
-    data = data.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
-    return data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))}), [MEASURED]
+def _counted(found: CensoredAnova) -> list[str]:
+    """How the values that are not known count."""
+    parts = [
+        (found.n_censored, "as a bound", "as bounds"),
+        (found.n_missing, "as missing at random", "as missing at random"),
+    ]
+    told = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in parts if n]
+    return [f"the analysis of values and bounds counts {' and '.join(told)}"] if told else []
 
 
-def _censored_note(model: MixedModel) -> list[str]:
-    if not model.n_censored:
+def _lost(part: SubDesign) -> list[str]:
+    if not part.left_out:
         return []
-    counted = "1 censored threshold" if model.n_censored == 1 else f"{model.n_censored} censored thresholds"
-    bounds = "its bound" if model.n_censored == 1 else "their bounds"
-    return [f"the mixed model counts {counted} as what is known: below or above {bounds}"]
+    names = ", ".join(part.left_out)
+    return [
+        f"the analysis of values and bounds leaves out {names}: fewer than {MIN_KNOWN} participants have a value in "
+        "one of its conditions"
+    ]
+
+
+def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
+    """A mixed model with the measured force instead of its target. A bound counts as a bound."""
+    keys = [SUBJECT, *given.factors]
+    own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
+    data = given.table.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
+    known = data[given.dependent].notna()
+    data = data[known | data[[group.LOW, group.HIGH]].notna().any(axis=1)]
+    data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
+    factors = [name for name in given.factors if name != FORCE]
+    arguments: Any = {"factors": factors, "covariates": [MEASURED], **given.arguments}
+    try:
+        model = _model(data, arguments, is_known=bool(known.all()))
+    except InvalidParameter as refusal:
+        return replace(found, notes=(*found.notes, f"no mixed model: {refusal}"))
+    title = " * ".join([*factors, MEASURED]) + ", participants at random"
+    return replace(found, model=model, model_title=title)
+
+
+def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) -> MixedModel:
+    if is_known:
+        return mixed_model(data, **arguments)
+    return censored_model(data, low=group.LOW, high=group.HIGH, **arguments)
+
+
+def _with_primary(found: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
+    primary, reason = chosen(named, is_whole=is_whole)
+    if primary not in found.analyses():
+        note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
+        return replace(found, notes=(*found.notes, note))
+    found = replace(found, primary=primary, reason=reason)
+    lost = []
+    if primary in (Primary.ANOVA, Primary.PERMUTATION) and found.left_out:
+        lost = [f"the primary analysis leaves out {', '.join(found.left_out)}, which is at random only if bounds are"]
+    return replace(found, sentences=tuple(found.sentences_of(primary)), notes=(*found.notes, *lost))
+
+
+def _comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+    """Pairs, groups and simple effects of the complete part."""
+    if found.anova is None or part is None:
+        return found
+    within, between, table = list(part.within), given.between, part.table
+    orders = interacting(found.anova, [*([between] if between else []), *within])
+    arguments = given.arguments
+    return replace(
+        found,
+        pairs={name: pairs(table, factor=name, **arguments) for name in within},
+        group_pairs={between: group_pairs(table, between=between, **arguments)} if between else {},
+        equivalence={
+            name: equivalence(table, factor=name, bound=bound, **arguments)
+            for name, bound in bounds.items()
+            if name in within
+        },
+        simple={
+            (name, by): simple_effects(_anova(given), table, within, name, by) for name, by in orders if name != between
+        },
+        simple_pairs={(name, by): _pairs_by(given, table, name, by) for name, by in orders},
+    )
+
+
+def _pairs_by(given: Given, table: pd.DataFrame, factor: str, by: str) -> pd.DataFrame:
+    if factor == given.between:
+        return group_pairs(table, between=factor, by=by, **given.arguments)
+    if by != given.between:
+        return pairs(table, factor=factor, by=by, **given.arguments)
+    parts = [
+        pairs(part, factor=factor, correction="none", **given.arguments).assign(**{by: value})
+        for value, part in table.groupby(by, sort=True)
+    ]
+    return all_together(pd.concat(parts, ignore_index=True), "holm", INTERVAL)
+
+
+def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+    """Of the model of all that is known."""
+    del part
+    own = found.censored
+    assert own is not None
+    within, between = list(own.design.factors), own.design.between
+    orders = interacting(own.table, [*([between] if between else []), *within])
+    table = _rows_of(given.table, own)
+
+    def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+        return _censored(given, rows, factors).table
+
+    return replace(
+        found,
+        pairs={name: censored_pairs(own, name) for name in within},
+        group_pairs={between: censored_group_pairs(own)} if between else {},
+        equivalence={
+            name: censored_equivalence(own, name, bound=bound) for name, bound in bounds.items() if name in within
+        },
+        simple={
+            (name, by): simple_effects(analysis, table, within, name, by) for name, by in orders if name != between
+        },
+        simple_pairs={
+            (name, by): censored_group_pairs(own, by=by) if name == between else censored_pairs(own, name, by=by)
+            for name, by in orders
+        },
+    )
+
+
+def _rows_of(table: pd.DataFrame, found: CensoredAnova) -> pd.DataFrame:
+    """Those of the conditions that the model has."""
+    for name, levels in zip(found.design.factors, found.design.levels, strict=True):
+        table = table[table[name].isin(levels)]
+    return table

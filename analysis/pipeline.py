@@ -11,8 +11,9 @@ from tactometry.analysis.amplitude_loss import loss_table, losses
 from tactometry.analysis.bradley_terry import preference_table
 from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
+from tactometry.analysis.findings import Outcome
 from tactometry.analysis.frames import frames, with_frames
-from tactometry.analysis.outcomes import Outcome, outcome
+from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.plan import Plan, plan_of
 from tactometry.analysis.ratings import Ratings, ratings
 from tactometry.analysis.same_different import same_different_table
@@ -65,6 +66,7 @@ class Analysis:
             "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
             "hierarchical": [_plain_together(each, self.unit) for each in self.together],
             "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
+            "questionnaire_statistics": {form.name: form.sentences() for form in self.forms},
             "loss": words.plain_rows(self.tables.get("loss", pd.DataFrame())),
             "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
             "same_different": words.plain_rows(self.tables.get("same_different", pd.DataFrame())),
@@ -83,11 +85,24 @@ def _plain_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
         "task": outcome.task,
         "dependent": outcome.dependent,
         "group": words.plain_rows(outcome.group),
+        "primary": _plain_primary(outcome),
+        "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
         "anova": None if outcome.anova is None else words.plain_rows(outcome.anova),
         "status": None if outcome.status is None else outcome.status.value,
         "sentences": list(outcome.sentences),
         "statistics": outcome.all_sentences(unit),
         "notes": list(outcome.notes),
+    }
+
+
+def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
+    if outcome.primary is None or outcome.effects is None:
+        return None
+    return {
+        "analysis": outcome.primary.value,
+        "title": outcome.title(outcome.primary),
+        "reason": outcome.reason,
+        "effects": words.plain_rows(outcome.effects),
     }
 
 
@@ -167,7 +182,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     plan = plan or Plan()
     plan.check(everything.factors)
     trials, excluded = applied(everything, plan.exclusion)
-    found, forms, lost = cells.cells(trials), ratings(trials), losses(trials)
+    found, forms, lost = cells.cells(trials), ratings(trials, plan.primary), losses(trials)
     choices = _choice_tables(trials)
     if not found and not forms and not choices and lost.empty:
         raise InvalidFile(
@@ -179,12 +194,28 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     table = cells.estimate_table(estimates, trials.factors, unit)
     forces = force_of_participants(trials) if has_force(trials) else None
     outcomes = tuple(
-        outcome(table[table["task"] == task], trials.factors, task, dependent, forces=forces, bounds=plan.equivalence)
+        outcome(
+            table[table["task"] == task],
+            trials.factors,
+            task,
+            dependent,
+            forces=forces,
+            bounds=plan.equivalence,
+            primary=plan.primary,
+        )
         for task, dependents in OUTCOMES.items()
         if len(table) and (table["task"] == task).any()
         for dependent in dependents
     ) + tuple(
-        outcome(choices[task], trials.factors, task, dependent, forces=forces, bounds=_bounds(plan, task))
+        outcome(
+            choices[task],
+            trials.factors,
+            task,
+            dependent,
+            forces=forces,
+            bounds=_bounds(plan, task),
+            primary=plan.primary,
+        )
         for task, dependent in DIRECT.items()
         if task in choices
     )
@@ -225,7 +256,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
             plan,
             is_hierarchical=any(each.fit for each in fits),
             choices=tuple(choices),
-            models=[each.model for each in outcomes if each.model is not None],
+            outcomes=outcomes,
         ),
     )
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from tactometry.strict import build, read_toml
 @dataclass(frozen=True)
 class Plan:
     """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
-    threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once.
+    threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once. `primary`: the analysis
+    that answers (the others are checks); by default a rule chooses it (`analysis.primary`).
 
     Raises
     ------
@@ -30,6 +32,7 @@ class Plan:
     exclusion: Exclusion = field(default_factory=Exclusion)
     equivalence: dict[str, float] = field(default_factory=dict)
     hierarchical: bool = True
+    primary: Literal["anova", "censored_anova", "permutation", "mixed_model"] | None = None
 
     def __post_init__(self) -> None:
         for name, bound in self.equivalence.items():

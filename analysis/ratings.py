@@ -1,16 +1,19 @@
 """The questionnaires of a data set, each with its scores, tables and comparisons."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
 from tactometry.analysis import apa
 from tactometry.analysis.attrakdiff import consistency, item_scores, portfolio, scores, summary, word_pairs
+from tactometry.analysis.findings import Outcome
 from tactometry.analysis.labels import value_of
 from tactometry.analysis.number_text import interval_text
+from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
+from tactometry.analysis.primary import Primary
 from tactometry.analysis.stated import forms_of
 from tactometry.analysis.table import Trials, used_rows
 from tactometry.questionnaire import Questionnaire
@@ -22,7 +25,8 @@ PATTERN, REFERENCE = "pattern", "P0"
 class Ratings:
     """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item,
     `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis, and the
-    profile `grouped` by frequency and by envelope, where its patterns were rated (None: not)."""
+    profile `grouped` by frequency and by envelope, where its patterns were rated (None: not), else for each dimension
+    an `outcome`: which conditions differ."""
 
     form: Questionnaire
     factors: tuple[str, ...]
@@ -34,6 +38,7 @@ class Ratings:
     crossed: pd.DataFrame | None
     against: pd.DataFrame | None
     grouped: pd.DataFrame | None = None
+    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -52,7 +57,38 @@ class Ratings:
             f"{stem}_frequency_by_envelope": self.crossed,
             f"{stem}_against_{REFERENCE}": self.against,
         }
-        return {name: table for name, table in found.items() if table is not None}
+        return {name: table for name, table in found.items() if table is not None} | self._effects(stem)
+
+    def _effects(self, stem: str) -> dict[str, pd.DataFrame]:
+        """Of all dimensions together: effects and comparisons, a file each."""
+        parts: dict[str, list[pd.DataFrame]] = {}
+        for dimension, each in self.outcomes.items():
+            for name, table in each.tables(stem).items():
+                if not name.startswith(("group_", "cross_")):
+                    own = table.copy()
+                    own.insert(0, "dimension", dimension)
+                    parts.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(own)
+        return {name: pd.concat(tables, ignore_index=True) for name, tables in parts.items()}
+
+    @property
+    def tests_effects(self) -> bool:
+        """Whether anything was tested by F."""
+        return self.crossed is not None or any(each.primary is not None for each in self.outcomes.values())
+
+    @property
+    def compares(self) -> bool:
+        """Whether pairs of conditions were compared."""
+        return self.against is not None or any(each.pairs for each in self.outcomes.values())
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader must know of the outcomes; what holds for all dimensions once."""
+        found: dict[str, list[str]] = {}
+        for dimension, each in self.outcomes.items():
+            for note in each.notes:
+                found.setdefault(note, []).append(dimension)
+        whose = {note: "" if len(own) == len(self.outcomes) else f", {', '.join(own)}" for note, own in found.items()}
+        return [f"{self.form.title}{own}: {note}" for note, own in whose.items()]
 
     def sentences(self) -> dict[str, list[str]]:
         """Every sentence, by the heading that it stands under."""
@@ -61,6 +97,9 @@ class Ratings:
             found["Frequency by envelope, without the single focus"] = _by_dimension(self.crossed, apa.anova_sentences)
         if self.against is not None:
             found[f"Patterns against {REFERENCE}"] = _by_dimension(self.against, apa.pair_sentences)
+        for dimension, each in self.outcomes.items():
+            for heading, lines in each.all_sentences("").items():
+                found.setdefault(heading, []).extend(f"{dimension}: {line}" for line in lines)
         return found | {"Consistency": apa.alpha_sentences(self.consistency, self.factors)}
 
     def cross(self) -> pd.DataFrame:
@@ -88,17 +127,17 @@ def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[
     return found
 
 
-def ratings(trials: Trials) -> tuple[Ratings, ...]:
-    """What is said of each questionnaire that was answered."""
+def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
+    """What is said of each questionnaire that was answered; `primary` as for `outcome`."""
     rows = used_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return ()
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(forms)]
-    return tuple(_ratings(part, trials.factors, forms[str(name)]) for name, part in rows.groupby("procedure"))
+    return tuple(_ratings(part, trials.factors, forms[str(name)], primary) for name, part in rows.groupby("procedure"))
 
 
-def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) -> Ratings:
+def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None) -> Ratings:
     varied = [factor for factor in factors if rows[factor].nunique() > 1]
     scored = scores(rows, questionnaire=form, within=varied)
     items = item_scores(rows, questionnaire=form, within=varied)
@@ -115,7 +154,16 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) ->
         crossed=frequency_by_envelope(scored) if has_patterns else None,
         against=against_reference(scored) if has_patterns and REFERENCE in set(scored[PATTERN]) else None,
         grouped=grouped_profile(profile) if has_patterns else None,
+        outcomes={} if has_patterns or not varied else _outcomes(scored, varied, form, primary),
     )
+
+
+def _outcomes(
+    scored: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None
+) -> dict[str, Outcome]:
+    """Of each dimension. A mixed model by the measured force is none of a questionnaire: the rule chooses then."""
+    named = None if primary == Primary.MIXED_MODEL else primary
+    return {name: outcome(scored, factors, "rating", name, primary=named) for name in form.dimensions}
 
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis import words
+from tactometry.analysis.findings import Outcome
 from tactometry.analysis.group import cross_table
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.printing import print_pdf
@@ -100,7 +101,7 @@ def render(found: Analysis) -> str:
         places=Place,
         figures=drawn,
         svgs=svgs,
-        outcomes=[(o, _grid(o.cross), _anova_grid(o.anova), o.all_sentences(found.unit)) for o in found.outcomes],
+        outcomes=[(o, _grid(o.cross), _effects_grid(o), o.all_sentences(found.unit)) for o in found.outcomes],
         forms=[(form, _summary_grid(form), form.sentences()) for form in found.forms],
         loss=_grid(_cross(found, "loss")) if "loss" in tables else None,
         force=_grid(_cross(found, "force")) if "force" in tables else None,
@@ -111,8 +112,14 @@ def render(found: Analysis) -> str:
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: _grid(each.participants) for each in found.together},
         references=words.references(found.methods),
-        notes=list(dict.fromkeys(note for outcome in found.outcomes for note in outcome.notes)),
+        notes=_notes(found),
     )
+
+
+def _notes(found: Analysis) -> list[str]:
+    """What a reader must know of the outcomes and questionnaires, each once."""
+    notes = [note for outcome in found.outcomes for note in outcome.notes]
+    return list(dict.fromkeys([*notes, *(note for form in found.forms for note in form.notes)]))
 
 
 def _numbered(figure: Figure, n: int) -> str:
@@ -142,18 +149,20 @@ def _summary_grid(form: Ratings) -> Grid:
     return Grid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
 
 
-ANOVA_COLUMNS = {
-    "Source": "effect", "SS": "SS", "DF": "df", "ddof1": "df 1", "ddof2": "df 2", "MS": "MS", "F": "F", "p_unc": "p",
-    "eps": "GG epsilon", "p_GG_corr": "p (GG)", "eps_HF": "HF epsilon", "p_HF_corr": "p (HF)", "W_spher": "Mauchly W",
-    "p_spher": "p (Mauchly)", "np2": "partial eta²", "ng2": "generalised eta²",
+EFFECT_COLUMNS = {
+    "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
+    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p", "p": "p", "p_permutation": "p", "np2": "partial eta²",
+    "ng2": "generalised eta²",
 }  # fmt: skip
+"""What the page shows of the primary analysis; the file has the rest."""
 
 
-def _anova_grid(anova: pd.DataFrame | None) -> Grid | None:
-    if anova is None:
+def _effects_grid(outcome: Outcome) -> Grid | None:
+    if outcome.effects is None:
         return None
-    kept = [name for name in ANOVA_COLUMNS if name in anova.columns]
-    return _grid(anova[kept].rename(columns=ANOVA_COLUMNS))
+    effects = outcome.effects[outcome.effects["F"].notna()]
+    kept = [name for name in EFFECT_COLUMNS if name in effects.columns]
+    return _grid(effects[kept].rename(columns=EFFECT_COLUMNS))
 
 
 def _short_thresholds(found: Analysis) -> pd.DataFrame:

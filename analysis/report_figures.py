@@ -9,11 +9,11 @@ import pandas as pd
 from tactometry.analysis.cells import Estimate
 from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
-from tactometry.analysis.group import BOUNDED
+from tactometry.analysis.findings import FORCE, Outcome
+from tactometry.analysis.group import HIGH, LOW, MODEL, bounds_of
 from tactometry.analysis.magnitude import DEPENDENT as EXPONENT
 from tactometry.analysis.magnitude import GROWTH
 from tactometry.analysis.magnitude import TASK as MAGNITUDE
-from tactometry.analysis.outcomes import FORCE, Outcome
 from tactometry.analysis.patterns import THESIS
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.ratings import REFERENCE, Ratings
@@ -89,13 +89,27 @@ def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figu
         outcome.group,
         found.trials.factors,
         label=f"{name} ({unit})" if unit else name,
-        individuals=outcome.estimates,
+        individuals=bounds_of(outcome.estimates, outcome.dependent),
         dependent=outcome.dependent,
     )
-    bounds = ", open triangles bounds" if outcome.dependent in BOUNDED else ""
-    text = f"{name}: means over participants with 95 % t-intervals; faint dots are participants{bounds}."
+    text = f"{name}: means over participants{_bars(outcome.group)}; faint dots are participants{_triangles(outcome)}."
     stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
     return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
+
+
+def _bars(means: pd.DataFrame) -> str:
+    """What the bars of a figure are: what was drawn, no more."""
+    drawn = [bool(means[name].notna().any()) for name in ("within_low", "mean_low")]
+    kinds = ["bars are 95 % intervals within participants (Cousineau-Morey)"] * drawn[0]
+    kinds += [f"{'thin lines' if drawn[0] else 'bars'} are 95 % t-intervals between participants"] * drawn[1]
+    told = "; ".join(["", *kinds])
+    is_model = "method" in means.columns and (means["method"] == MODEL).any()
+    return told + (", of the censored model where a value is a bound" if is_model else "")
+
+
+def _triangles(outcome: Outcome) -> str:
+    held = bounds_of(outcome.estimates, outcome.dependent)
+    return ", open triangles bounds" if held[[LOW, HIGH]].notna().any(axis=None) else ""
 
 
 def _growth_figure(found: Analysis) -> Figure:
@@ -156,13 +170,14 @@ def _form_figures(form: Ratings) -> list[Figure]:
         return Figure(f"{stem}_{part}", drawing, caption, f"{stem}_{table}", Place.FORM, form.name)
 
     scores = attrakdiff.scores_figure(form.summary, names[:MOST_LINES], order, low, high)
-    found = [figure("scores", scores, "Scores: means over participants with 95 % t-intervals.", "summary")]
+    found = [figure("scores", scores, f"Scores: means over participants{_bars(form.summary)}.", "summary")]
     if form.portfolio is not None:
         text = "Portfolio: means with 95 % confidence rectangles over participants."
         found.append(figure("portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio"))
     if form.crossed is not None:
         drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
-        text = f"Frequency by envelope; dashed with its band: {REFERENCE}. Means with 95 % t-intervals."
+        band = f"dashed with its t-interval between participants: {REFERENCE}"
+        text = f"Frequency by envelope: means over participants{_bars(form.summary)}; {band}."
         found.append(figure("frequency_by_envelope", drawing, text, "summary"))
     for part, chosen in _profiles(form, names):
         drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.table import Table
 
-    from tactometry.analysis.outcomes import Outcome
+    from tactometry.analysis.findings import Outcome
     from tactometry.analysis.pipeline import Analysis
 
 NAMES = {
@@ -29,23 +29,24 @@ def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
     for outcome in found.outcomes:
         unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
         yield (
-            outcome_table(outcome, f"{NAMES[outcome.dependent]}{unit} (mean, 95 % interval, n)"),
-            (
-                *outcome.notes,
-                *outcome.sentences,
-            ),
+            outcome_table(outcome, f"{NAMES[outcome.dependent]}{unit} (mean, 95 % interval between participants, n)"),
+            (*outcome.notes, *([outcome.heading()] if outcome.primary else []), *outcome.sentences),
         )
     for each in found.together:
         if each.fit is not None:
             cross = cross_table(each.conditions, each.fit.factors)
             title = "point of subjective equality" if each.task == "comparison" else "threshold"
             yield (
-                text_table(cross, f"all participants at once: {title} (mean, 95 % interval)"),
+                text_table(cross, f"check, all participants at once: {title} (mean, 95 % interval)"),
                 each.sentences(found.unit),
             )
     for form in found.forms:
-        compared = next(iter(form.sentences().values())) if form.crossed is not None else []
-        yield text_table(form.cross(), f"{form.form.title} (mean, 95 % interval, n)"), compared
+        heading, lines = next(iter(form.sentences().items()))
+        compared = [heading, *lines] if form.tests_effects else []
+        yield (
+            text_table(form.cross(), f"{form.form.title} (mean, 95 % interval between participants, n)"),
+            [*form.notes, *compared],
+        )
     for name in ("preference", "same_different"):
         if name in found.tables:
             yield text_table(found.tables[name], name.replace("_", " ")), ()

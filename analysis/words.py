@@ -1,6 +1,6 @@
 """Sentences of a report, made from the numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from importlib.metadata import version
 
 import numpy as np
@@ -8,8 +8,9 @@ import pandas as pd
 
 from tactometry.analysis.amplitude_loss import TASK as MEASURED_TASK
 from tactometry.analysis.cells import FITTED_TASKS
+from tactometry.analysis.findings import Outcome
+from tactometry.analysis.group_words import group_methods
 from tactometry.analysis.labels import condition_name, percent_text
-from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.stated import forms_of
@@ -171,9 +172,9 @@ CHOICES = {
     "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",
 }
 HIERARCHICAL = (
-    "All participants were also fitted at once by a hierarchical psychometric model (thresholds and logarithms of the "
-    "width with normal effects of participants, rates the same for all; maximum likelihood by Laplace's approximation; "
-    "compare Moscatelli, Mezzetti & Lacquaniti 2012)."
+    "As a check, all participants were also fitted at once by a hierarchical psychometric model (thresholds and "
+    "logarithms of the width with normal effects of participants, rates the same for all; maximum likelihood by "
+    "Laplace's approximation; compare Moscatelli, Mezzetti & Lacquaniti 2012)."
 )
 REFERENCES = (
     "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",
@@ -189,6 +190,11 @@ REFERENCES = (
     "estimation of psychometric functions for (potentially) overdispersed data. Vision Research, 122, 105-123.",
     "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
     "Methods, 37, 379-384.",
+    "Chi, Y.-Y., Gribbin, M., Lamers, Y., Gregory, J. F., & Muller, K. E. (2012). Global hypothesis testing for "
+    "high-dimensional repeated measures outcomes. Statistics in Medicine, 31, 724-742.",
+    "Morey, R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). Tutorials in "
+    "Quantitative Methods for Psychology, 4, 61-64.",
+    "Tobin, J. (1958). Estimation of relationships for limited dependent variables. Econometrica, 26, 24-36.",
     "Vallat, R. (2018). Pingouin: statistics in Python. Journal of Open Source Software, 3(31), 1026.",
     "Steiger, J. H. (2004). Beyond the F test: Effect size confidence intervals and tests of close fit in the "
     "analysis of variance and contrast analysis. Psychological Methods, 9, 164-182.",
@@ -208,22 +214,14 @@ def methods(
     *,
     is_hierarchical: bool = False,
     choices: Sequence[str] = (),
-    models: Sequence[MixedModel] = (),
+    outcomes: Sequence[Outcome] = (),
 ) -> str:
-    """A paragraph for the methods section, with versions."""
+    """A paragraph for the methods section: what ran, with versions."""
+    plan = plan or Plan()
     parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
     parts += [CHOICES[name] for name in choices]
-    parts += _plan_methods(plan or Plan())
-    if len(table) or forms or {"adjustment", "magnitude"} & set(choices):
-        parts.append(
-            "Means over participants are given with t-intervals; a condition in which a threshold is censored is given "
-            "as a bound. Repeated-measures analyses of variance use the Greenhouse-Geisser correction, partial and "
-            "generalised eta squared (Bakeman 2005) with 90 % intervals of the noncentral F distribution (Steiger "
-            "2004); where an error matrix is singular, a permutation test of the signs of participants' contrasts is "
-            "added. Pairs are compared by paired t-tests with Holm's correction, dz and Bayes factors (Rouder et al. "
-            "2009; by pingouin, Vallat 2018)."
-        )
-    parts += _model_methods(models)
+    parts += _plan_methods(plan, {name for each in outcomes for name in each.equivalence})
+    parts += group_methods(outcomes, forms, plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in forms]
     parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
     return " ".join(parts)
@@ -234,31 +232,18 @@ def references(methods: str) -> list[str]:
     return sorted(work for work in REFERENCES if work.partition(",")[0] in methods)
 
 
-def _model_methods(models: Sequence[MixedModel]) -> list[str]:
-    known = [model for model in models if not model.n_censored]
-    parts = []
-    if known:
-        parts.append("Linear mixed models have a random intercept per participant (restricted maximum likelihood).")
-    if len(known) < len(models):
-        parts.append(
-            "In mixed models with censored thresholds, which count as values below or above their bounds, the random "
-            "intercept is integrated by adaptive Gauss-Hermite quadrature (maximum likelihood)."
-        )
-    return parts
-
-
-def _plan_methods(plan: Plan) -> list[str]:
+def _plan_methods(plan: Plan, tested: Collection[str]) -> list[str]:
     stated = plan.exclusion.stated()
     parts = []
     if stated:
         rules = ", ".join(f"{name} = {bound:g}" for name, bound in stated.items())
         parts.append(f"Trials and participants were left out by rules stated beforehand ({rules}).")
-    for name, bound in plan.equivalence.items():
-        parts.append(
-            f"Levels of {name} count as equivalent if two one-sided tests (Schuirmann 1987) put their difference "
-            f"within +-{bound:g}, a bound stated beforehand."
-        )
-    return parts
+    return parts + [
+        f"Levels of {name} count as equivalent if two one-sided tests (Schuirmann 1987) put their difference within "
+        f"+-{bound:g}, a bound stated beforehand."
+        for name, bound in plan.equivalence.items()
+        if name in tested
+    ]
 
 
 def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:

@@ -120,7 +120,10 @@ def test_a_plan_is_read_from_a_file(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[exclusions]", "exclusions: found an unknown key, expected one of exclusion, equivalence, hierarchical; did"),
+        (
+            "[exclusions]",
+            "exclusions: found an unknown key, expected one of exclusion, equivalence, hierarchical, primary; did",
+        ),
         ("[exclusion]\nin_band = 0.8", "exclusion.in_band: found an unknown key, expected one of force_in_band_share_"),
         (
             "[exclusion]\nforce_in_band_share_min = 80",

@@ -60,7 +60,7 @@ def test_settings_are_compared_in_the_unit_of_a_difference(adjusted) -> None:
     assert outcome.anova is not None
     difference = outcome.pairs["force_n"].iloc[1]["difference"]
     assert abs(difference + 3) < 4.5 * SD * np.sqrt(2 / 60)
-    assert f"{difference:.2f} dB, 95 % CI" in outcome.all_sentences("dB re 1 V")["Pairs of force_n"][1]
+    assert f"{difference:.2f} dB, 95 % simultaneous CI" in outcome.all_sentences("dB re 1 V")["Pairs of force_n"][1]
 
 
 def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:

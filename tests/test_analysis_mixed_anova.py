@@ -147,7 +147,9 @@ def test_a_factor_between_participants_gets_a_mixed_analysis_in_the_report() -> 
     assert set(found.tables("threshold")) >= {"groups_threshold_hand", "pairs_threshold_freq"}
     assert "Welch's t(" in found.all_sentences("dB")["Groups of hand"][0]
     hole = table.drop(index=0).assign(status="ok")
-    assert outcome(hole, ["hand", "freq"], "yes_no", "threshold").notes[0].endswith("left out: participant 0")
+    holed = outcome(hole, ["hand", "freq"], "yes_no", "threshold")
+    assert (holed.left_out, holed.primary) == (("participant 0",), "censored_anova")
+    assert holed.group_pairs["hand"][["n_a", "n_b"]].values.tolist() == [[5, 6]]
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e300])

@@ -137,32 +137,33 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
     found = analyse(file)
     outcome = found.outcomes[0]
     first = outcome.group.iloc[0]
-    assert (first["n"], first["n_above"]) == (0, 4)
-    assert pd.isna(first["mean"])
-    assert first["mean_low"] > 30
-    assert re.fullmatch(r"> \d+\.\d \(4 of 4 above the levels\)", first["text"])
+    assert (first["n"], first["n_above"], first["text"]) == (0, 4, "of 4: 4 above the levels")
+    assert first[["mean", "mean_low", "mean_high"]].isna().all()
     assert outcome.notes == (
-        "the analysis of variance uses the largest complete sub-design; left out: frequency_hz = 60",
-        "the mixed model leaves out: 60 Hz, where no participant has a threshold",
+        "the analysis of values and bounds leaves out frequency_hz = 60: fewer than 2 participants have a value in "
+        "one of its conditions",
     )
-    assert (outcome.model.n, outcome.model.n_censored) == (8, 0)
+    assert (outcome.primary, outcome.censored.n_censored, outcome.left_out) == (
+        "censored_anova",
+        0,
+        ("frequency_hz = 60",),
+    )
     assert any("4 of 12 cells with a threshold above the levels" in warning for warning in found.warnings)
 
 
-def test_censored_thresholds_are_bounds_in_the_mixed_model(tmp_path) -> None:
+def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> None:
     rng = np.random.default_rng()
     truth = DATA.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
     truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
     file = DATA.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
     outcome = analyse(file).outcomes[0]
-    assert (outcome.model.n, outcome.model.n_censored) == (12, 2)
-    assert (
-        outcome.notes[-1]
-        == "the mixed model counts 2 censored thresholds as what is known: below or above their bounds"
-    )
+    assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.n_censored) == ("censored_anova", 6, 2)
+    assert outcome.notes == ("the analysis of values and bounds counts 2 values as bounds",)
     known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
-    slope = outcome.model.coefficients.set_index("term")["estimate"]["frequency_hz = 480"]
-    assert slope > known[480] - known[240] + 1.0
+    rows = outcome.group.set_index("frequency_hz")
+    assert rows.loc[480, "mean"] > known[480] + 1.0
+    assert rows["method"].to_dict() == {240: "t", 480: "censored model"}
+    assert outcome.pairs["frequency_hz"]["difference"][0] > known[480] - known[240] + 1.0
 
 
 def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd.DataFrame:
@@ -177,11 +178,11 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
         ([(1.0, "ok", 0, 2)], "1.00 (n = 1)"),
         ([(1.25e-300, "ok", 0, 2)], "1.25e-300 (n = 1)"),
         ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "> 3.00 (1 of 2 above the levels)"),
-        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "< -1.00 (1 of 2 below the levels)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "of 2: 1 above the levels"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "of 2: 1 below the levels"),
         (
             [(None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, 0.0)],
-            "1 below, 1 above the levels, of 2",
+            "of 2: 1 below, 1 above the levels",
         ),
         ([(None, "flat", None, None)], "none (1 missing)"),
     ],
@@ -395,7 +396,7 @@ def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_foc
 
 def test_the_terminal_shows_scores_and_comparisons(rated) -> None:
     text = summary_text(rated)
-    assert "AttrakDiff (mean, 95 % interval, n)" in text
+    assert "AttrakDiff (mean, 95 % interval between participants, n)" in text
     assert "frequency: F(1, 5)" in " ".join(text.split())
 
 

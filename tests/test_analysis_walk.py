@@ -261,7 +261,12 @@ def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
     file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
     found = analysed(file)
     assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
-    assert found["outcomes"][0]["notes"][0].endswith("left out: participant P1")
+    outcome = found["outcomes"][0]
+    assert outcome["notes"] == ["the analysis of values and bounds counts 1 value as missing at random"]
+    assert outcome["primary"]["analysis"] == "censored_anova"
+    assert outcome["checks"] == [
+        "repeated-measures analysis of variance of the largest complete part, without participant P1"
+    ]
 
 
 def test_participants_who_are_all_alike_have_a_mean_and_no_interval(tmp_path) -> None:

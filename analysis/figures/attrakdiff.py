@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.attrakdiff import REGIONS
+from tactometry.analysis.figures.axes import means_with_intervals
 from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
@@ -15,14 +16,16 @@ if TYPE_CHECKING:
 SPREAD = 0.09
 """Between series at one place, in steps of the axis."""
 CENTRES = (-2.0, 0.0, 2.0)
+FINE = {"capsize": 2, "elinewidth": 0.9}
 
 
 def scores_figure(
     summary: pd.DataFrame, names: Sequence[str], order: Sequence[str], low: float, high: float
 ) -> Drawing:
-    """Mean of each dimension over participants with its interval, a series per condition.
+    """Mean of each dimension over participants with its intervals, a series per condition.
 
-    `summary` has the columns `condition, dimension, mean, mean_low, mean_high`; `names` are the conditions to draw.
+    `summary` has the columns `condition, dimension, mean, mean_low, mean_high, within_low, within_high`; `names` are
+    the conditions to draw.
     """
     with house_style():
         figure = new_figure(6.6, 3.4)
@@ -30,19 +33,12 @@ def scores_figure(
         for n, name in enumerate(names):
             part = summary[summary["condition"] == name].set_index("dimension").reindex(list(order))
             x = np.arange(len(order)) + SPREAD * (n - (len(names) - 1) / 2)
-            _means(axes, x, part, n, name)
+            means_with_intervals(axes, x, part, label=name, linestyle="none", **FINE, **look(n))
         axes.set_xticks(range(len(order)), list(order))
         _scale(axes, low, high)
         axes.set_ylabel("Score (positive: good)")
         figure.legend(loc="outside right center")
         return drawn(figure)
-
-
-def _means(axes: "Axes", x: np.ndarray, part: pd.DataFrame, n: int, name: str) -> None:
-    mean, bottom, top = (part[c].astype(float).to_numpy() for c in ("mean", "mean_low", "mean_high"))
-    told = np.isfinite(mean)
-    ends = np.nan_to_num(np.stack([mean - bottom, top - mean])[:, told], nan=0.0)
-    axes.errorbar(x[told], mean[told], yerr=ends, label=name, linestyle="none", capsize=2, elinewidth=0.9, **look(n))
 
 
 def _scale(axes: "Axes", low: float, high: float) -> None:
@@ -160,7 +156,5 @@ def _draw_crossed(
     frequencies = list(dict.fromkeys(frequency for frequency, _ in design.values()))
     for n, frequency in enumerate(frequencies):
         codes = [code for code, (f, _) in design.items() if f == frequency and code in own.index]
-        part = own.loc[codes].astype(dict.fromkeys(("mean", "mean_low", "mean_high"), float))
         x = np.array([envelopes.index(design[code][1]) for code in codes]) + SPREAD * (n - 0.5)
-        ends = np.nan_to_num(np.stack([part["mean"] - part["mean_low"], part["mean_high"] - part["mean"]]), nan=0.0)
-        axes.errorbar(x, part["mean"], yerr=ends, label=f"{frequency} frequency", capsize=2, elinewidth=0.9, **look(n))
+        means_with_intervals(axes, x, own.loc[codes], label=f"{frequency} frequency", **FINE, **look(n))

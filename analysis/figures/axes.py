@@ -54,20 +54,41 @@ def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
     return {v: float(v) for v in levels}
 
 
+def means_with_intervals(axes: "Axes", x: "np.ndarray[Any, Any]", part: pd.DataFrame, **style: Any) -> None:
+    """Means with their intervals: within participants where the table has such (`within_low`, `within_high`), and then
+    the one between them (`mean_low`, `mean_high`) as a thin line behind it; `style` is that of `errorbar`."""
+    mean = part["mean"].astype(float).to_numpy()
+    told, between = np.isfinite(mean), _ends(part, "mean")
+    within = _ends(part, "within") if "within_low" in part.columns else np.full_like(between, np.nan)
+    is_within = np.isfinite(within).all(axis=0)
+    bars = np.nan_to_num(np.where(is_within, within, between)[:, told], nan=0.0)
+    drawn_bars = axes.errorbar(x[told], mean[told], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
+    behind = told & is_within & np.isfinite(between).all(axis=0)
+    low, high = mean - between[0], mean + between[1]
+    colour = drawn_bars.lines[0].get_color()
+    axes.vlines(x[behind], low[behind], high[behind], color=colour, linewidth=0.6, alpha=0.7)
+
+
+def _ends(part: pd.DataFrame, name: str) -> "np.ndarray[tuple[int, int], np.dtype[np.float64]]":
+    """How far the interval reaches below and above the mean, shape (2, condition)."""
+    mean, low, high = (part[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
+    return np.stack([mean - low, high - mean])
+
+
 def _no_ticks() -> Any:
     from matplotlib.ticker import NullLocator
 
     return NullLocator()
 
 
-def shift(place: int, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
+def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
     """Series side by side, so that their intervals do not hide each other."""
     offset = place - (n - 1) / 2
     if log:
-        return {value: x * 1.025**offset for value, x in where.items()}
+        return {value: x * 1.045**offset for value, x in where.items()}
     spots = sorted(where.values())
     step = min(np.diff(spots), default=1.0)
-    return {value: x + 0.05 * step * offset for value, x in where.items()}
+    return {value: x + 0.09 * step * offset for value, x in where.items()}
 
 
 def panels(

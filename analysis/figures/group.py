@@ -1,13 +1,18 @@
 """Figures of a group: thresholds, and rates against level."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.figures.axes import RATE_LABEL, Axis, panels, place, series, shift
+from tactometry.analysis.figures.axes import RATE_LABEL, Axis, means_with_intervals, panels, place, series, shift
+from tactometry.analysis.group import HIGH, LOW
 from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure, shades
+
+BESIDE = 0.4
+"""Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
+OPEN = {"mfc": "none", "alpha": 0.8}
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,18 +27,21 @@ def threshold_figure(
     dependent: str,
     targets: Sequence[float] = (),
 ) -> Drawing:
-    """Mean over participants with its 95 % interval against the main factor, a line per series; bounds as
-    arrows, single participants as faint dots, `targets` as dashed lines."""
+    """Mean over participants with its 95 % interval against the main factor, a line per series: within participants
+    where `group` has such (`within_low`, `within_high`), with the one between them as a thin line behind it. Single
+    participants are faint dots, and open triangles where `individuals` have a bound (`LOW`, `HIGH`), `targets` dashed
+    lines."""
     axis = Axis.of(group, factors)
     with house_style():
         figure = new_figure(6.6, 3.6)
         axes = figure.add_subplot()
         where = place(axes, group[axis.along] if axis.along else ["all"], axis.along)
-        parts = series(group, axis.series)
+        parts, log = series(group, axis.series), axes.get_xscale() == "log"
         for n, (name, part) in enumerate(parts):
-            moved = shift(n, len(parts), where, log=axes.get_xscale() == "log")
-            _draw_means(axes, part, axis, moved, name, n)
-        _draw_individuals(axes, individuals, axis, where, dependent)
+            _draw_means(axes, part, axis, shift(n, len(parts), where, log=log), name, n)
+        for n, (_, part) in enumerate(series(individuals, axis.series)):
+            beside = shift(n + BESIDE, len(parts), where, log=log)
+            _draw_individuals(axes, part, axis, beside, dependent, look(n)["color"])
         for target in targets:
             axes.axhline(target, color="#777777", linestyle="--", linewidth=0.8, zorder=0)
         axes.set_ylabel(label)
@@ -47,22 +55,23 @@ def _draw_means(
 ) -> None:
     style = look(n_series)
     x = np.array([where[v] for v in (part[axis.along] if axis.along else ["all"] * len(part))])
-    mean, low, high = (part[column].astype(float).to_numpy() for column in ("mean", "mean_low", "mean_high"))
-    told = np.isfinite(mean)
-    ends = np.nan_to_num(np.stack([mean - low, high - mean])[:, told], nan=0.0)
-    axes.errorbar(x[told], mean[told], yerr=ends, label=name, capsize=2.5, elinewidth=1.0, **style)
-    for bound, marker in ((low, "^"), (high, "v")):
-        only = ~told & np.isfinite(bound)
-        axes.plot(x[only], bound[only], marker, mfc="none", color=style["color"], markersize=7)
+    means_with_intervals(axes, x, part, label=name, **style)
 
 
 def _draw_individuals(
-    axes: "Axes", individuals: pd.DataFrame, axis: Axis, where: dict[object, float], dependent: str
+    axes: "Axes", part: pd.DataFrame, axis: Axis, where: dict[object, float], dependent: str, colour: str
 ) -> None:
-    for n, (_, part) in enumerate(series(individuals, axis.series)):
-        told = part[part[dependent].notna()]
-        x = [where[v] for v in (told[axis.along] if axis.along else ["all"] * len(told))]
-        axes.plot(x, told[dependent].astype(float), ".", color=look(n)["color"], alpha=0.6, markersize=4, zorder=1)
+    """Values as dots, bounds as open triangles."""
+    kinds: tuple[tuple[str, dict[str, Any]], ...] = (
+        (dependent, {"marker": ".", "alpha": 0.6}),
+        (LOW, {"marker": "^"} | OPEN),
+        (HIGH, {"marker": "v"} | OPEN),
+    )
+    for column, style in kinds:
+        if column in part.columns:
+            held = part[part[column].notna()]
+            x = [where[v] for v in (held[axis.along] if axis.along else ["all"] * len(held))]
+            axes.plot(x, held[column].astype(float), linestyle="", color=colour, markersize=4, zorder=1, **style)
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:

@@ -1,0 +1,284 @@
+"""One analysis answers, the others are checks: by a rule or by name, in terminal, report, JSON and methods."""
+
+import json
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from test_analysis_attrakdiff import study as answers_of
+
+from tactometry.analysis.anova import repeated_measures
+from tactometry.analysis.group import group_table
+from tactometry.analysis.outcomes import outcome
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.post_hoc import pairs
+from tactometry.cli.analyse import command, summary_text
+
+FACTORS = ["force_n", "frequency_hz"]
+
+
+def estimates(rng, n=8, interaction=0.0, n_below=0) -> pd.DataFrame:
+    """Thresholds of two forces at three frequencies; the first `n_below` participants have bounds in the last cell."""
+    keys = list(product([f"P{i}" for i in range(n)], (0.5, 2.0), (60, 120, 240)))
+    table = pd.DataFrame(keys, columns=["participant", *FACTORS])
+    own = dict(zip(table["participant"].unique(), rng.normal(0, 2, n), strict=True))
+    effect = 20 - 0.02 * table["frequency_hz"] + interaction * (table["force_n"] > 1) * (table["frequency_hz"] == 240)
+    table["threshold"] = effect + table["participant"].map(own) + rng.normal(0, 0.5, len(table))
+    table = table.assign(status="ok", interval_low=table["threshold"] - 1, interval_high=table["threshold"] + 1)
+    is_bound = table["participant"].isin([f"P{i}" for i in range(n_below)]) & (table["frequency_hz"] == 240)
+    is_bound &= table["force_n"] > 1
+    table.loc[is_bound, ["threshold", "interval_low"]] = np.nan
+    return table.assign(status=np.where(is_bound, "threshold_below_range", "ok"))
+
+
+def told(table: pd.DataFrame, **options):
+    return outcome(table, FACTORS, "yes_no", "threshold", **options)
+
+
+# --- the rule, and the plan
+
+
+def test_of_a_whole_design_the_analysis_of_variance_answers() -> None:
+    table = estimates(np.random.default_rng())
+    found = told(table)
+    assert (found.primary, found.notes) == ("anova", ())
+    assert found.heading() == (
+        "Primary analysis: repeated-measures analysis of variance (by the rule: every participant has a value in every "
+        "condition)"
+    )
+    assert found.roles()[["role", "analysis"]].values.tolist() == [["primary", "anova"]]
+
+
+def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> None:
+    table = estimates(np.random.default_rng(), n_below=2)
+    found = told(table, bounds={"force_n": 3.0})
+    assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
+    assert found.notes == ("the analysis of values and bounds counts 2 values as bounds",)
+    roles = found.roles().set_index("analysis")
+    assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
+    assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")
+    headings = list(found.all_sentences("dB"))
+    assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance of values and bounds")
+    assert [heading for heading in headings if heading.startswith("Check: ")] == [
+        f"Check: {roles.loc['anova', 'title']}"
+    ]
+    assert set(found.pairs) == set(FACTORS)
+    assert found.equivalence["force_n"]["n"].tolist() == [8]
+
+
+@pytest.mark.parametrize("named", ["anova", "censored_anova", "permutation", "mixed_model"])
+def test_the_plan_names_the_analysis_that_answers(named) -> None:
+    table = estimates(np.random.default_rng(), n_below=1)
+    forces = table[["participant", *FACTORS]].assign(force_mean_n=1.1 * table["force_n"])
+    found = told(table, primary=named, forces=forces)
+    assert (found.primary, found.reason) == (named, "named by the plan of analysis")
+    assert found.roles()["role"].tolist().count("primary") == 1
+    assert found.sentences
+    left_out = any("the primary analysis leaves out participant P0" in note for note in found.notes)
+    assert left_out == (named in ("anova", "permutation"))
+
+
+def test_a_named_analysis_that_has_no_answer_leaves_the_question_open() -> None:
+    found = told(estimates(np.random.default_rng()), primary="mixed_model")
+    assert (found.primary, found.sentences) == (None, ())
+    assert found.notes == (
+        "no primary analysis: linear mixed model (named by the plan of analysis) has no answer here",
+    )
+    assert "Check: repeated-measures analysis of variance" in found.all_sentences("dB")
+
+
+# --- after an interaction
+
+
+def test_an_interaction_is_taken_apart() -> None:
+    table = estimates(np.random.default_rng(), interaction=4.0)
+    found = told(table)
+    assert set(found.simple) == set(found.simple_pairs) == {("force_n", "frequency_hz"), ("frequency_hz", "force_n")}
+    simple = found.simple["force_n", "frequency_hz"]
+    assert simple["frequency_hz"].tolist() == [60, 120, 240]
+    alone = repeated_measures(
+        table[table["frequency_hz"] == 240], dependent="threshold", within="force_n", subject="participant"
+    )
+    assert simple["F"][2] == pytest.approx(alone["F"][0], rel=1e-9)
+    assert simple["p_corr"].min() == pytest.approx(3 * simple["p_CM_corr"].min(), rel=1e-9)
+    lines = found.all_sentences("dB")["Simple effects of force_n at each frequency_hz"]
+    assert lines[2].startswith("240 Hz: force_n, F(1, 7) = ")
+    apart = found.simple_pairs["frequency_hz", "force_n"]
+    assert len(apart) == 2 * 3
+    peer = pairs(table, dependent="threshold", factor="frequency_hz", by="force_n", subject="participant")
+    assert apart["p_corr"].tolist() == peer["p_corr"].tolist()
+
+
+def test_an_interaction_of_bounds_is_taken_apart_with_everybody() -> None:
+    found = told(estimates(np.random.default_rng(), interaction=4.0, n_below=2))
+    simple = found.simple["force_n", "frequency_hz"]
+    assert simple["F"].notna().all()
+    assert simple["ddof2"].round(6).tolist()[:2] == [7, 7]
+    assert len(found.simple_pairs["force_n", "frequency_hz"]) == 3
+
+
+@pytest.mark.parametrize("n_below", [0, 1])
+def test_groups_that_interact_are_compared_at_each_condition(n_below) -> None:
+    rng = np.random.default_rng()
+    table = estimates(rng, n=10, n_below=n_below)
+    table = table[table["force_n"] > 1].copy()
+    table["hand"] = np.where(table["participant"].str[1].astype(int) < 5, "left", "right")
+    table["threshold"] += 5.0 * (table["hand"] == "left") * (table["frequency_hz"] == 120)
+    found = outcome(table, ["hand", "frequency_hz"], "yes_no", "threshold")
+    assert set(found.simple) == {("frequency_hz", "hand")}
+    assert set(found.simple_pairs) == {("frequency_hz", "hand"), ("hand", "frequency_hz")}
+    assert found.simple_pairs["hand", "frequency_hz"]["n_a"].tolist() == [5, 5, 5]
+    inside = found.simple_pairs["frequency_hz", "hand"]
+    assert inside["hand"].tolist() == ["left"] * 3 + ["right"] * 3
+    assert inside["df"].max() == pytest.approx(4)
+    assert any("Welch's t(" in line for line in found.all_sentences("dB")["Pairs of hand at each frequency_hz"])
+
+
+def test_without_an_interaction_there_are_no_simple_effects() -> None:
+    values = np.random.default_rng().normal(size=(6, 1)) + np.array([0, 1.0, 2, 3])
+    values += 0.5 * np.array([[1, -1, -1, 1]]) * np.array([1, -1, 1, -1, 1, -1])[:, None]
+    values += np.random.default_rng().normal(0, 0.1, (6, 2)).repeat(2, axis=1)
+    keys = list(product([f"P{i}" for i in range(6)], (1.0, 2.0), (60, 120)))
+    table = pd.DataFrame(keys, columns=["participant", *FACTORS]).assign(threshold=values.ravel(), status="ok")
+    found = told(table)
+    assert found.effects.set_index("Source").loc["force_n * frequency_hz", "p_CM_corr"] > 0.5
+    assert (found.simple, found.simple_pairs) == ({}, {})
+
+
+# --- intervals within participants
+
+
+def test_of_two_conditions_the_interval_within_is_that_of_the_difference_over_root_two() -> None:
+    table = estimates(np.random.default_rng())
+    two = table[(table["force_n"] > 1) & (table["frequency_hz"] > 60)]
+    group = group_table(two, ["frequency_hz"])
+    pair = pairs(two, dependent="threshold", factor="frequency_hz", subject="participant").iloc[0]
+    half = (pair["difference_high"] - pair["difference_low"]) / 2
+    for end, sign in (("low", -1), ("high", 1)):
+        expected = group["mean"] + sign * half / np.sqrt(2)
+        assert group[f"within_{end}"].to_numpy(dtype=float) == pytest.approx(expected.to_numpy(dtype=float), rel=1e-9)
+
+
+def test_the_interval_within_does_not_count_what_participants_share() -> None:
+    table = estimates(np.random.default_rng())
+    shift = dict(zip(table["participant"].unique(), np.arange(8) * 100.0, strict=True))
+    moved = table.assign(threshold=table["threshold"] + table["participant"].map(shift))
+    one, other = (group_table(each, FACTORS) for each in (table, moved))
+    reach = [each["within_high"].astype(float) - each["within_low"].astype(float) for each in (one, other)]
+    assert reach[1].to_numpy() == pytest.approx(reach[0].to_numpy(), rel=1e-6)
+    assert (other["mean_high"] - other["mean_low"]).min() > 10 * reach[1].max()
+
+
+def test_an_incomplete_table_without_a_model_has_no_interval_within() -> None:
+    group = group_table(estimates(np.random.default_rng(), n_below=1), FACTORS)
+    assert group["within_low"].isna().all()
+    assert group["text"].iloc[-1] == "of 8: 1 below the levels"
+
+
+# --- the user's way
+
+
+@pytest.fixture(scope="module")
+def rated(tmp_path_factory):
+    """AttrakDiff answers of seven participants to three patterns of their own."""
+    table = answers_of(np.random.default_rng(), n=7, effect={"P1": 1.5})
+    table = table[table["pattern"].isin(["P0", "P1", "P2"])]
+    table = table.assign(pattern=table["pattern"].map({"P0": "smooth", "P1": "rough", "P2": "sharp"}))
+    table = table.assign(session=1, study="own", block=1, trial=range(1, len(table) + 1), level="", valid=1)
+    path = tmp_path_factory.mktemp("rated") / "answers.csv"
+    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
+    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
+    return analyse(path, report=path.with_name("r.html"))
+
+
+def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
+    (form,) = rated.forms
+    assert list(form.outcomes) == ["PQ", "HQI", "HQS", "ATT", "HQ"]
+    effects = rated.tables["attrakdiff_anova"]
+    assert effects.loc[effects["F"].notna(), "dimension"].tolist() == list(form.outcomes)
+    compared = rated.tables["attrakdiff_pairs_pattern"]
+    assert len(compared) == 5 * 3
+    one = compared[compared["dimension"] == "PQ"]
+    scores = rated.tables["attrakdiff_scores"]
+    peer = pairs(scores, dependent="PQ", factor="pattern", subject="participant")
+    assert one["p_corr"].tolist() == pytest.approx(peer["p_corr"].tolist())
+    page, text = rated.report.read_text(), " ".join(summary_text(rated).split())
+    for shown in (page, text):
+        assert "Primary analysis: repeated-measures analysis of variance" in shown
+    assert "PQ: pattern: F(" in text
+    statistics = rated.summary()["questionnaire_statistics"]["attrakdiff"]
+    assert len(statistics["Pairs of pattern"]) == 15
+
+
+def test_the_methods_of_a_questionnaire_name_what_ran(rated) -> None:
+    assert "Chi and Muller" in rated.methods
+    assert "paired t-tests" in rated.methods
+    for absent in ("bound", "Welch", "permutation", "threshold", "Greenhouse-Geisser correction", "hierarchical"):
+        assert absent not in rated.methods
+
+
+def written(path, table: pd.DataFrame, n=1):
+    """Settings by adjustment, a trial each: the estimates are the settings."""
+    rows = table.assign(session=1, study="s", block=1, trial=range(len(table)), procedure="a", level_unit="dB re 1 V")
+    rows = rows.assign(level=rows["threshold"], task="adjustment", response=rows["threshold"], valid=1)
+    first = ["participant", "session", "study", "block", "trial", *FACTORS, "procedure", "level", "level_unit"]
+    rows[[*first, "task", "response", "valid"]].to_csv(path, index=False)
+    return path
+
+
+def run(*arguments) -> dict:
+    result = CliRunner().invoke(command, [*map(str, arguments), "--json"])
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+def test_the_command_says_which_analysis_answers(tmp_path) -> None:
+    file = written(tmp_path / "t.csv", estimates(np.random.default_rng(), interaction=4.0))
+    found = run(file, "--report", tmp_path / "r.html")["outcomes"][0]
+    assert found["primary"]["analysis"] == "anova"
+    assert found["primary"]["reason"] == "by the rule: every participant has a value in every condition"
+    assert [row["Source"] for row in found["primary"]["effects"]] == [
+        "force_n",
+        "frequency_hz",
+        "force_n * frequency_hz",
+    ]
+    assert found["checks"] == []
+    page = (tmp_path / "r.html").read_text()
+    assert "<h3>Primary analysis: repeated-measures analysis of variance (by the rule" in page
+    assert "Simple effects of force_n at each frequency_hz" in page
+    for name in ("analyses", "anova", "simple", "pairs"):
+        assert list((tmp_path / "r_tables").glob(f"{name}_setting*.csv")), name
+    plan = tmp_path / "plan.toml"
+    plan.write_text('primary = "permutation"\n')
+    named = run(file, "--plan", plan)["outcomes"][0]
+    assert (named["primary"]["analysis"], len(named["checks"])) == ("permutation", 1)
+    assert named["sentences"][0].startswith("force_n: permutation test of 128 changes of signs")
+
+
+def test_an_analysis_that_is_none_is_refused(tmp_path) -> None:
+    file = written(tmp_path / "t.csv", estimates(np.random.default_rng()))
+    plan = tmp_path / "plan.toml"
+    plan.write_text('primary = "anovas"\n')
+    result = CliRunner().invoke(command, [str(file), "--plan", str(plan)])
+    assert str(result.exception) == (
+        f"{plan}, primary: found 'anovas', expected one of anova, censored_anova, permutation, mixed_model"
+    )
+    with_study = tmp_path / "set"
+    (with_study / "data").mkdir(parents=True)
+    assert Plan(primary="anova").primary == "anova"
+
+
+def test_methods_describe_only_what_ran(tmp_path) -> None:
+    table = estimates(np.random.default_rng())
+    alone = analyse(written(tmp_path / "one.csv", table[table["participant"] == "P0"])).methods
+    for absent in ("analysis of variance", "Holm", "t-intervals", "eta squared", "Welch"):
+        assert absent not in alone
+    whole = analyse(written(tmp_path / "all.csv", table)).methods
+    assert "chosen by a rule stated before the data" in whole
+    assert "Tobin" not in whole
+    holed = analyse(written(tmp_path / "hole.csv", table.drop(index=3))).methods
+    assert "Tobin 1958" in holed
+    assert "contrasts of this model" in holed
