@@ -37,6 +37,7 @@ LISTEN_S = 2.0
 N_FRAMES = 60
 DROPPED_AT_MOST = 0.01
 """Part of the frames that may be dropped (unverified default)."""
+PERIOD: Final = "frame_period"
 RATE_TOLERANCE = 0.02
 """Of a sensor's nominal rate (unverified default)."""
 MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
@@ -239,15 +240,24 @@ def _shown(screen: Screen, facts: Facts, timing: Mapping[str, int | float | None
     yield Finding("display", "size", size, fine=True)
     height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"
     yield Finding("display", "height", height)
-    period_s = facts["frame_period_s"]
-    paced = ", in software: there is no vertical blank" if facts["frames_paced_in_software"] else ""
-    yield Finding("display", "frame period", f"{1e3 * float(period_s or 0):.2f} ms{paced}")
+    yield _period(facts)
     interval_ms = [f"{1e3 * float(timing[f'frame_interval_{name}_s'] or 0):.1f}" for name in ("median", "p99", "max")]
     yield Finding("display", "frame interval", f"{interval_ms[0]} ms, p99 {interval_ms[1]}, longest {interval_ms[2]}")
     n_dropped, n_frames = int(timing["n_dropped_frames"] or 0), int(timing["n_frames"] or 0)
     fine = n_dropped <= DROPPED_AT_MOST * n_frames
     yield Finding("display", "dropped frames", f"{n_dropped} of {n_frames}", f"at most {DROPPED_AT_MOST:.0%}", fine)
     yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
+
+
+def _period(facts: Facts) -> Finding:
+    """The frame period: measured, and what it should be by the mode of the screen."""
+    measured, expected = (f"{1e3 * float(facts[name] or 0):.2f} ms" for name in (f"{PERIOD}_measured_s", f"{PERIOD}_s"))
+    if facts["frames_paced_in_software"]:
+        return Finding("display", "frame period", f"{expected}, in software: there is no vertical blank")
+    known = facts[f"{PERIOD}_nominal_s"] is not None
+    return Finding(
+        "display", "frame period", measured, expected if known else "steady", bool(facts[f"{PERIOD}_trusted"])
+    )
 
 
 def _devices(

@@ -1,32 +1,116 @@
-"""The rhythm of the screen: its measured period, pacing where it has none, and what became of the frames."""
+"""The rhythm of the screen: its period, pacing where it has none, and what became of the frames."""
 
+import math
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 
-PERIOD_WITHOUT_BLANK_S = 1 / 60
-SHORTEST_PERIOD_S = 1 / 250
+PERIOD_WITHOUT_BLANK_S: Final = 1 / 60
+SHORTEST_PERIOD_S, LONGEST_PERIOD_S = 1 / 250, 1 / 24
+"""Periods of screens whose mode does not tell its rate (unverified defaults)."""
+LIKE, STEADY_PART = 0.1, 0.8
+"""A blank keeps so large a part of the intervals as near to their median, and that as near to the period of the mode;
+drawing under load does not (unverified defaults)."""
+FASTEST: Final = 0.75
+"""Frames that come faster than this part of the period did not wait for a blank (unverified default)."""
+N_TOO_FAST: Final = 10
+
+
+@dataclass(frozen=True)
+class Rhythm:
+    """What is known of the period of a screen, s.
+
+    Parameters
+    ----------
+    measured_s : float
+        The median interval of some frames.
+    nominal_s : float or None
+        By the mode of the screen; None where it does not tell.
+    trusted : bool
+        Whether the measured period is that of a screen: the intervals are steady, and it is like the nominal one.
+    in_software : bool
+        Whether frames do not wait for a vertical blank, so that they must be paced.
+    """
+
+    measured_s: float
+    nominal_s: float | None
+    trusted: bool
+    in_software: bool
+
+    @property
+    def period_s(self) -> float:
+        """The measured period where it is trusted, else the nominal one, else a sixtieth of a second."""
+        return self.measured_s if self.trusted else self.nominal_s or PERIOD_WITHOUT_BLANK_S
+
+    @property
+    def caution(self) -> str | None:
+        """What is to be said of a measurement that is not believed on a screen with a blank."""
+        if self.trusted or self.in_software:
+            return None
+        by = "the mode of the screen" if self.nominal_s else "assumption"
+        return (
+            f"screen: found frames of {1e3 * self.measured_s:.1f} ms, expected {1e3 * self.period_s:.1f} ms by {by}: "
+            "drawing is slow; close other programs. Dropped frames are counted by the expected period"
+        )
+
+
+def rhythm_of(intervals_s: Sequence[float], nominal_hz: float | None) -> Rhythm:
+    """The rhythm of a screen from the intervals of some frames, and the rate of its mode where that is known.
+
+    >>> rhythm_of([0.0167] * 20, 60.0).trusted, rhythm_of([0.0044, 0.095, 0.02] * 7, 60.0).period_s
+    (True, 0.016666666666666666)
+    >>> rhythm_of([0.0007] * 20, None)
+    Rhythm(measured_s=0.0007, nominal_s=None, trusted=False, in_software=True)
+    """
+    measured_s, nominal_s = float(np.median(intervals_s)), None if nominal_hz is None else 1 / nominal_hz
+    steady = float(np.mean(np.abs(np.asarray(intervals_s) - measured_s) <= LIKE * measured_s)) >= STEADY_PART
+    likely = (
+        SHORTEST_PERIOD_S <= measured_s <= LONGEST_PERIOD_S
+        if nominal_s is None
+        else abs(measured_s - nominal_s) <= LIKE * nominal_s
+    )
+    trusted = steady and likely
+    fastest_s = float(np.quantile(intervals_s, 0.1))
+    in_software = not trusted and fastest_s < FASTEST * (nominal_s or PERIOD_WITHOUT_BLANK_S)
+    return Rhythm(measured_s, nominal_s, trusted, in_software)
+
+
+def nominal_rate_hz(mode: Any) -> float | None:
+    """Frames per second of a screen's mode as pyglet tells it; None where it does not.
+
+    X tells the clock of the pixels (kHz) and how many a frame has with its blanks, Windows and macOS the rate.
+    """
+    line = getattr(mode, "info", None)
+    if line is None:
+        rate_hz = float(getattr(mode, "rate", None) or math.nan)
+    else:
+        n_pixels = float(line.htotal * line.vtotal)
+        rate_hz = 1e3 * float(line.dotclock) / n_pixels if n_pixels else math.nan
+    return rate_hz if 1 / LONGEST_PERIOD_S <= rate_hz <= 1000 else None
 
 
 class Pacer:
-    """Waits for the next frame where no vertical blank does: `measured_s` below 4 ms is no screen's period.
+    """Waits for the next frame where no vertical blank does."""
 
-    >>> Pacer(0.0007).in_software, Pacer(1 / 120).in_software
-    (True, False)
-    """
-
-    def __init__(self, measured_s: float) -> None:
-        self.in_software = measured_s < SHORTEST_PERIOD_S
-        self.period_s = PERIOD_WITHOUT_BLANK_S if self.in_software else measured_s
+    def __init__(self, rhythm: Rhythm) -> None:
+        self.rhythm, self.in_software = rhythm, rhythm.in_software
         self._due_s = time.perf_counter()
+        self._n_fast = 0
 
     def wait(self) -> None:
         """Return when the next frame is due."""
         if self.in_software:
             now_s = time.perf_counter()
             time.sleep(max(0.0, self._due_s - now_s))
-            self._due_s = max(self._due_s, now_s) + self.period_s
+            self._due_s = max(self._due_s, now_s) + self.rhythm.period_s
+
+    def after(self, interval_s: float) -> None:
+        """A frame was shown after such an interval; many that are too fast waited for no blank after all."""
+        self._n_fast = self._n_fast + 1 if interval_s < FASTEST * self.rhythm.period_s else 0
+        self.in_software = self.in_software or self._n_fast >= N_TOO_FAST
 
 
 def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, int | float | None]:

@@ -76,8 +76,11 @@ def open_bench(
     from tactometry.rigs.window import Window
 
     words = texts_in(language, texts)
+    window = Window(fullscreen=fullscreen, size=size)
+    if window.caution is not None and desk is not None:
+        desk.tell(window.caution)
     return Bench(
-        Window(fullscreen=fullscreen, size=size),
+        window,
         NullOutput(limits) if output is None else output,
         bank,
         limits=limits,

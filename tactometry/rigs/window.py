@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from tactometry.errors import DeviceFailed
-from tactometry.rigs.frames import Pacer
+from tactometry.rigs.frames import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from tactometry.rigs.keys import FreshPresses
 from tactometry.rigs.page import PAPER, Box, Click, Disc, Event, Item, KeyDown, Page, Text
 from tactometry.rigs.safely import ended_by_signal
 
 FONT = "Noto Sans"
-N_MEASURED_FRAMES = 20
+N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
 PIXELS_PER_LINE = 300
 N_WAITING_PRESSES = 50_000
 """More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
@@ -115,12 +115,17 @@ class Window:
         self._window.winHandle.push_handlers(on_mouse_press=self._on_mouse_press, on_close=self._on_close)
         self._intervals_s: list[float] = []
         self._flipped_s = time.perf_counter()
-        self._measured_period_s = self._measure_period_s()
-        self._pacer = Pacer(self._measured_period_s)
+        self._pacer = Pacer(self._rhythm())
 
-    def _measure_period_s(self) -> float:
-        flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
-        return float(np.median(np.diff(flips_s)))
+    def _rhythm(self) -> Rhythm:
+        """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
+        nominal_hz = nominal_rate_hz(self._window.winHandle.screen.get_mode())
+        for _ in range(N_MEASUREMENTS):
+            flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
+            rhythm = rhythm_of(np.diff(flips_s).tolist(), nominal_hz)
+            if rhythm.trusted or rhythm.in_software:
+                break
+        return rhythm
 
     def _on_mouse_press(self, x: float, y: float, button: int, modifiers: int) -> None:
         del button, modifiers
@@ -150,6 +155,7 @@ class Window:
         self._draw(page)
         self._pacer.wait()
         before_s, self._flipped_s = self._flipped_s, self._flip()
+        self._pacer.after(self._flipped_s - before_s)
         self._intervals_s.append(self._flipped_s - before_s)
         return self._flipped_s
 
@@ -171,12 +177,15 @@ class Window:
 
     def facts(self) -> Facts:
         width, height = (int(pixels) for pixels in self._window.size)
+        rhythm = self._pacer.rhythm
         return {
             "display_width_px": width,
             "display_height_px": height,
             "fullscreen": bool(self._window._isFullScr),
-            "frame_period_measured_s": round(self._measured_period_s, 6),
-            "frame_period_s": round(self._pacer.period_s, 6),
+            "frame_period_measured_s": round(rhythm.measured_s, 6),
+            "frame_period_nominal_s": None if rhythm.nominal_s is None else round(rhythm.nominal_s, 6),
+            "frame_period_trusted": rhythm.trusted,
+            "frame_period_s": round(rhythm.period_s, 6),
             "frames_paced_in_software": self._pacer.in_software,
             "psychopy": version("psychopy"),
             "psychtoolbox": version("psychtoolbox"),
@@ -185,7 +194,12 @@ class Window:
 
     @property
     def period_s(self) -> float:
-        return self._pacer.period_s
+        return self._pacer.rhythm.period_s
+
+    @property
+    def caution(self) -> str | None:
+        """What an experimenter should know of this screen."""
+        return self._pacer.rhythm.caution
 
     def frame_intervals_s(self) -> list[float]:
         intervals_s, self._intervals_s = self._intervals_s, []
