@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidParameter, counted
 from tactometry.require import positive
 
 
@@ -49,6 +49,18 @@ class Signal:
         positive("Signal", rate_hz=self.rate_hz)
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)
+
+    def __repr__(self) -> str:
+        """In one line, whatever the number of samples.
+
+        >>> Signal(np.ones((2, 500)), 1000.0, "V")
+        Signal(2 channels x 500 samples at 1000 Hz (0.5 s), peak 1 V)
+        """
+        channels, samples = (
+            counted(n, what) for n, what in zip(self.samples.shape, ("channel", "sample"), strict=True)
+        )
+        times = f"at {self.rate_hz:g} Hz ({self.duration_s:g} s)"
+        return f"Signal({channels} x {samples} {times}, peak {self.peak:g} {self.unit})"
 
     @property
     def duration_s(self) -> float:

@@ -1,0 +1,1 @@
+"""The shipped questionnaires as TOML: items, scales, reversals and languages; `tactometry.questionnaire` reads them."""

@@ -1,0 +1,66 @@
+"""Every room says what it is for, and what it names is there; asking for the names imports nothing."""
+
+import inspect
+import json
+import subprocess
+import sys
+from importlib import import_module
+from pkgutil import iter_modules
+
+import numpy as np
+import pytest
+
+from tactometry.signal import Signal
+
+ROOMS = (
+    "analysis", "devices", "experiments", "observers", "protocols", "questionnaires", "rigs", "stimuli",
+    "stimuli.electrovibration", "stimuli.perception", "stimuli.scenes", "stimuli.time_reversal",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROOMS)
+def test_a_room_says_what_it_is_for(name):
+    room = import_module(f"tactometry.{name}")
+    assert room.__doc__
+    assert len(room.__doc__.split(".")[0]) < 120
+
+
+@pytest.mark.parametrize("name", ["analysis", "stimuli.electrovibration", "stimuli.time_reversal", "protocols"])
+def test_what_a_room_names_is_there_and_is_explained(name):
+    room = import_module(f"tactometry.{name}")
+    assert set(room.__all__) <= set(dir(room))
+    for public in room.__all__:
+        found = getattr(room, public)
+        if inspect.isclass(found) or inspect.isfunction(found):
+            assert inspect.getdoc(found), f"{name}.{public}"
+
+
+def test_no_name_of_the_analysis_hides_one_of_its_modules():
+    room = import_module("tactometry.analysis")
+    assert not {module.name for module in iter_modules(room.__path__)} & set(room.__all__)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error():
+    room = import_module("tactometry.analysis")
+    with pytest.raises(AttributeError, match="has no attribute 'fitt'"):
+        _ = room.fitt
+
+
+def test_to_import_a_room_and_list_its_names_imports_no_library():
+    ask = (
+        "import json, sys, tactometry.analysis as room; names = dir(room); "
+        "print(json.dumps([names, sorted({name.partition('.')[0] for name in sys.modules})]))"
+    )
+    said = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)
+    names, loaded = json.loads(said.stdout)
+    assert {"fit", "analyse", "repeated_measures", "scores"} <= set(names)
+    assert not {"numpy", "scipy", "pandas", "matplotlib", "statsmodels", "numba"} & set(loaded)
+
+
+@pytest.mark.parametrize("shape", [(1, 0), (1, 1), (32, 200_000)])
+def test_a_signal_is_told_in_one_line(shape):
+    said = repr(Signal(np.full(shape, -2.5), 250e3, "V"))
+    assert "\n" not in said
+    assert len(said) < 100
+    assert said.startswith(f"Signal({shape[0]} channel")
+    assert said.endswith(" 0 V)" if shape[1] == 0 else "peak 2.5 V)")
