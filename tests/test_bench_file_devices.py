@@ -1,6 +1,7 @@
 """What a bench file says of devices: read strictly, imported when named, refused when old."""
 
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -26,6 +27,9 @@ from tactometry.experiments.bench_file import (
     load_bench,
     parse_bench,
 )
+from tactometry.experiments.checking import _strongest
+from tactometry.experiments.study import builtin, load
+from tactometry.experiments.wiring import wire
 from tactometry.limits import Limits
 from tactometry.load import Load
 from tactometry.signal import Signal
@@ -377,10 +381,54 @@ def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
         read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
 
 
-def test_the_bench_file_of_the_docs_is_one():
-    page = (Path(__file__).resolve().parents[1] / "docs" / "devices.md").read_text(encoding="utf-8")
-    bench = parse_bench(tomllib.loads(page.split("```toml\n")[1].split("```")[0]))
-    assert bench.devices(STUDY, date(2026, 11, 21)).output.name == "audio Interface"
+PAGE = (Path(__file__).resolve().parents[1] / "docs" / "devices.md").read_text(encoding="utf-8")
+BENCHES = re.findall(r"```toml\n(.*?)```", PAGE, re.S)
+CLAIMS = re.findall(r"^\| ((?:`[a-z-]+`(?:, )?)+) \| (the one|`null` and `file`).* \| (?:`(.*)`)? ?\|$", PAGE, re.M)
+
+
+def test_every_built_in_study_has_its_bench_in_the_docs():
+    assert [name for studies, _, _ in CLAIMS for name in re.findall(r"`(.*?)`", studies)] == [
+        "tutorial",
+        "electrovibration-threshold",
+        "time-reversal-threshold",
+        "time-reversal-patterns",
+        "force-loss",
+        "hybrid-button",
+    ]
+    assert set(builtin()) == {name for studies, _, _ in CLAIMS for name in re.findall(r"`(.*?)`", studies)}
+    assert [parse_bench(tomllib.loads(text)).devices(STUDY, TODAY).output.name.split()[0] for text in BENCHES] == [
+        "audio",
+        "ni",
+    ]
+
+
+@pytest.mark.parametrize("study", builtin())
+def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study):
+    """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
+    [(row, (_, _, line))] = [each for each in enumerate(CLAIMS) if f"`{study}`" in each[1][0]]
+    text = BENCHES[row] if row < len(BENCHES) else '[output]\nkind = "file"\nfolder = "played"\n'
+    (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
+    assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
+    mine = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(mine.replace("[stimulus]\n", f"[stimulus]\n{line}\n"), encoding="utf-8")
+    at = [tmp_path / "mine.toml", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    assert call(capsys, "run", *at, "--participant", "P01", "--dry-run")[0] == 0
+    bench, experiment = load_bench(tmp_path / "bench.toml"), wire(load(str(at[0]))[0], study)
+    output = bench.devices(experiment.study.limits, TODAY).output
+    findings = list(_strongest(output, experiment, bench))
+    assert len(findings) >= 1
+    assert [each for each in findings if not each.fine] == []
+
+
+def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_path):
+    bench, experiment = parse_bench(tomllib.loads(BENCHES[0])), wire(load("tutorial")[0], "tutorial")
+    findings = list(_strongest(bench.devices(experiment.study.limits, TODAY).output, experiment, bench))
+    assert len(findings) == 2
+    for each in findings:
+        assert (
+            "with rate_hz 20000, expected 192000; state that rate_hz in the study's [stimulus] (or its setup)"
+            in each.found
+        )
 
 
 def test_reading_a_bench_file_loads_no_device_library(tmp_path):

@@ -46,7 +46,9 @@ class NiSettings:
         return NiOutput(self, stated(gain, "output.gain"))
 
     def chain(self) -> SignalChain:
-        return SignalChain(f"ni {','.join(self.channels)}, {self.range_v:g} V")
+        first, *others = self.channels
+        more = f" and {len(others)} more" if others else ""
+        return SignalChain(f"ni {first}{more}, {self.range_v:g} V")
 
 
 @dataclass(frozen=True, eq=False)

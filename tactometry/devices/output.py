@@ -119,7 +119,7 @@ def check_playable(signal: Signal, output: Output) -> None:
 
 REMEDIES = {
     "n_channels": "name one outlet of the output for each channel of the stimulus",
-    "rate_hz": "state that rate_hz in the study's [stimulus], or another one in [output]",
+    "rate_hz": "state that rate_hz in the study's [stimulus] (or its setup), or another one in [output]",
 }
 
 
