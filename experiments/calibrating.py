@@ -14,7 +14,7 @@ from tactometry.devices.reader import Block, Listener, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.layout import bar_page
 from tactometry.rigs.page import Event, Screen
-from tactometry.rigs.stage import Stage, escaped
+from tactometry.rigs.stage import Stage, ending
 from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
@@ -145,15 +145,16 @@ def show_bar(screen: Screen) -> None:
     Raises
     ------
     Stopped
-        If Escape was pressed.
+        If Escape was pressed, or the window closed.
     """
     page = bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), screen.aspect, BAR_PART)
-    Stage(screen, _give_up_at_escape).converse(None, lambda state: page, lambda state, answer: (state, True))
+    Stage(screen, _give_up).converse(None, lambda state: page, lambda state, answer: (state, True))
 
 
-def _give_up_at_escape(events: tuple[Event, ...]) -> bool:
-    if escaped(events):
-        raise Stopped("Escape was pressed; nothing was measured")
+def _give_up(events: tuple[Event, ...]) -> bool:
+    why = ending(events)
+    if why is not None:
+        raise Stopped(f"{why}; nothing was measured")
     return False
 
 

@@ -245,6 +245,9 @@ class Loudness:
 class AnyStimulus(dict):
     """A bank in which every name is a short tone."""
 
+    def __contains__(self, name):
+        return True
+
     def __missing__(self, name):
         return replace(STIMULI["amplitude_modulated"], duration_s=0.1)
 

@@ -13,7 +13,7 @@ FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx",
 
 
 def message_pages(texts, aspect):
-    values = {"block": 2, "n_blocks": 21, "n_keys": 3, "within_s": 10.0}
+    values = {"stop": texts.label("escape"), "block": 2, "n_blocks": 21, "n_keys": 3, "within_s": 10.0}
     names = [
         "welcome",
         "instructions_yes_no",

@@ -56,16 +56,14 @@ def test_after_twenty_lines_that_are_none_the_session_stops():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.choose(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
-    with pytest.raises(
-        Stopped, match="20 lines in trial 1 were no answers: what was recorded before is safe \\(0 trials\\)"
-    ):
+    with pytest.raises(Stopped, match="20 lines were no answers in trial 1; what was recorded is safe: go on with"):
         rig.choose(FELT)
 
 
 def test_a_block_that_is_aborted_is_told_at_once():
     rig, said = console("")
     rig.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1), aborted="block 1 is aborted: so"))
-    assert said.getvalue() == "! block 1 is aborted: so\n"
+    assert said.getvalue().endswith("\n! block 1 is aborted: so\n")
 
 
 def test_trials_are_counted_and_rows_of_questionnaires_are_not():

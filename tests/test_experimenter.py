@@ -292,6 +292,18 @@ def test_stop_puts_the_output_to_zero_first(bench_with, terminal, kept, log, pau
     assert log.index("output.stop") < log.index("output.close") < log.index("screen.close")
 
 
+def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watched, screen, in_background):
+    def close():
+        watched.shown.get(timeout=LONGEST_WAIT_S)
+        screen._window.winHandle.dispatch_event("on_close")
+
+    bench = bench_with()
+    in_background(close)
+    with pytest.raises(Stopped, match="the window was closed"):
+        bench.choose(FELT)
+    assert kept.told == [("stop", "the window was closed")]
+
+
 def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
     touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).press(PRESS)
     assert touched.valid

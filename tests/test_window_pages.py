@@ -196,13 +196,13 @@ def test_escape_stops_everything_with_the_output_first(bench, participant, log, 
         request_.put_to(bench)
 
 
-def test_closing_the_window_stops_too(bench, watched, screen, in_background, log):
+def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, in_background, log):
     def work():
         watched.shown.get(timeout=20)
         screen._window.winHandle.dispatch_event("on_close")
 
     in_background(work)
-    with pytest.raises(Stopped):
+    with pytest.raises(Stopped, match="the window was closed; what was recorded is safe: go on with --resume"):
         bench.show(Show("end"))
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
 

@@ -79,17 +79,37 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
 
 
 def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.devices.output import NullSettings
+    from tactometry.errors import InvalidParameter
     from tactometry.experiments.recording import RigKind
+    from tactometry.protocols.adjustment import AdjustmentTask
     from tactometry.rigs.console import Console
     from tactometry.rigs.texts import texts_in
 
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
     limits = bench.limits_with(experiment.study.limits)
+    if isinstance(experiment.task, AdjustmentTask) and not isinstance(bench.output.settings, NullSettings):
+        raise InvalidParameter(
+            "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
+            "study; or leave [output] out of the bench file"
+        )
 
     def make(seed: int, log: "EventLog") -> Console:
         del seed
-        return Console(experiment.bank, limits, texts)
+        outfit = _outfit(experiment, bench, log)
+        return Console(
+            outfit.bank,
+            limits,
+            texts,
+            device=outfit.devices.output,
+            sensor=outfit.devices.force,
+            position=outfit.devices.position,
+            ramp_s=bench.output.ramp_s,
+            release=bench.release,
+            device_facts=outfit.facts,
+            log=log,
+        )
 
     return RigKind("console", make)
 

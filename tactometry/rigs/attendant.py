@@ -10,7 +10,7 @@ from tactometry.event import Event, EventLog, Fact, Kind
 from tactometry.rigs.desk import HELP, Desk, Order
 from tactometry.rigs.page import Event as Input
 from tactometry.rigs.page import Page, Screen
-from tactometry.rigs.stage import escaped
+from tactometry.rigs.stage import ending
 
 EXPERIMENTER = "the experimenter"
 SAFE = "what was recorded is safe: go on with --resume"
@@ -66,7 +66,7 @@ class Attendant:
         Raises
         ------
         Stopped
-            If Escape was pressed, or the experimenter wants to stop.
+            If Escape was pressed, the window closed, or the experimenter wants to stop.
         """
         n_pauses = self._n_pauses
         self._look(events)
@@ -89,8 +89,9 @@ class Attendant:
         self._mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
-        if escaped(events):
-            self._stop("Escape was pressed")
+        why = ending(events)
+        if why is not None:
+            self._stop(why)
         for order in self.desk.orders():
             self._obey(order)
 

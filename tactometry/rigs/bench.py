@@ -42,6 +42,7 @@ from tactometry.rigs.desk import Desk
 from tactometry.rigs.emitter import RAMP_S, Emitter
 from tactometry.rigs.logbook import CLOCK, Logbook
 from tactometry.rigs.page import Answer, Page, Screen
+from tactometry.rigs.playing import Playing
 from tactometry.rigs.release import Release
 from tactometry.rigs.safely import safely
 from tactometry.rigs.stage import Dress, Stage, as_it_is
@@ -105,6 +106,8 @@ class Bench:
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
+        if not self._emitter.emits:
+            self._desk.tell(f"output {self._output.name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
         """Display, keyboard, devices and clock, for the head of the journal."""
@@ -154,18 +157,9 @@ class Bench:
     @safely
     def play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        page = layout.marker_page(request.interval, playing=True)
-        begin_s = self._stage.present(page)
-        with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
-            while True:
-                onset_s = self._emitter.emit(signal)
-                self._stage.hold(onset_s + request.duration_s, page, each_frame=look)
-                look()
-                if self._stage.paused_until_s < begin_s:
-                    break
-                begin_s = self._stage.present(page)
-        digest = "" if signal is None else signal.digest()
-        return Played(self._session_s(onset_s), request.level, digest, self._emitter.n_gaps(signal))
+        page, peak_n = layout.marker_page(request.interval, playing=True), self._force_peak_n
+        playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
+        return playing.played(request, signal)
 
     @safely
     def press(self, request: Press) -> Touched:

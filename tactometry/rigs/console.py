@@ -1,14 +1,20 @@
-"""A terminal that asks: for trying a protocol out, and for devices that a person works by hand."""
+"""A terminal that asks: for trying a protocol out, and for sessions without a screen."""
 
 import math
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
 from datetime import UTC, datetime
-from typing import TextIO
+from typing import Final, TextIO
 
-from tactometry.answers import LARGEST_ANSWER
-from tactometry.errors import Stopped
+from tactometry.devices.force_sensor import ForceSensor
+from tactometry.devices.guarded import Emission, Guarded
+from tactometry.devices.output import NullOutput, Output
+from tactometry.devices.position_sensor import PositionSensor
+from tactometry.errors import InvalidParameter, Stopped
+from tactometry.event import Event, EventLog, Fact, Kind
 from tactometry.limits import Limits
 from tactometry.request import (
     Adjust,
@@ -31,19 +37,36 @@ from tactometry.request import (
     Touched,
     Wait,
 )
+from tactometry.rigs import layout
+from tactometry.rigs.attendant import SAFE, utc_of
+from tactometry.rigs.blind import Blind
+from tactometry.rigs.emitter import RAMP_S, Emitter
+from tactometry.rigs.playing import Playing
+from tactometry.rigs.release import Release
+from tactometry.rigs.stage import Stage, as_it_is
 from tactometry.rigs.texts import Texts
-from tactometry.signal import Signal, Stimulus
+from tactometry.rigs.touch import Touch
+from tactometry.rigs.trace import Trace
+from tactometry.signal import Stimulus
 from tactometry.trial import Tally, Trial, tally
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
+ESCAPE: Final = "\x1b"
+STOPPING: Final = "Ctrl-C stops (or, at a question, Ctrl-D; or Escape and return); what was recorded is safe"
+SILENT_OUTPUT: Final = (
+    "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
+    "trying a study out; with --bench, stimuli play through the output of the bench file."
+)
+Facts = dict[str, str | int | float | bool | None]
 
 
 class Console:
     """Prints each request to `output` and reads the answers, a line each, from `source`.
 
-    Stimuli are rendered, held against the limits and named by their digest; nothing is emitted. A line that is no
-    answer is asked again, up to `N_TRIES` times; the end of the input stops the session.
+    Without a `device` stimuli are rendered and held against the limits, and nothing is emitted or delivered; with one
+    they play through its guard, under the conditions of the sensors, as on a bench. A line that is no answer is asked
+    again, up to `N_TRIES` times; Escape and the end of the input stop the session.
     """
 
     def __init__(
@@ -53,19 +76,51 @@ class Console:
         texts: Texts,
         source: TextIO | None = None,
         output: TextIO | None = None,
+        *,
+        device: Output | None = None,
+        sensor: ForceSensor | None = None,
+        position: PositionSensor | None = None,
+        ramp_s: float = RAMP_S,
+        release: bool = True,
+        device_facts: Callable[[], Facts] = dict,
+        log: EventLog | None = None,
     ) -> None:
-        self._bank = bank
-        self._limits = limits
-        self._texts = texts
+        self._limits, self._texts = limits, replace(texts, stop="ctrl_c")
         self._source = sys.stdin if source is None else source
         self._output = sys.stdout if output is None else output
+        self._device = NullOutput(limits) if device is None else device
+        self._sensor, self._position, self._release = sensor, position, Release(needed=release)
+        self._emitter, self._stage = Emitter(bank, self._device, limits, ramp_s), Stage(Blind())
+        self._device_facts, self._log = device_facts, log
         self._zero_s = time.perf_counter()
         self._tally = Tally()
+        self._opened = ExitStack()
+        self._open()
+        self._say(f"Stimuli play through {self._device.name}." if self._emitter.emits else SILENT_OUTPUT)
+        self._say(f"{STOPPING}.")
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def _open(self) -> None:
+        """Open the devices: what is open is closed if one of them cannot be opened."""
+        if isinstance(self._device, Guarded):
+            self._device.tell(self._emitted)
+        with ExitStack() as opened:
+            for part in (self._position, self._sensor, self._device):
+                if part is not None:
+                    part.open()
+                    opened.callback(part.close)
+            if self._sensor is not None:
+                self._sensor.listen(self._release.hear)
+            self._opened = opened.pop_all()
+
+    def facts(self) -> Facts:
         clock = time.get_clock_info("perf_counter")
         return {
             "rig": "console",
+            "output": self._device.name,
+            "force_sensor": None if self._sensor is None else self._sensor.name,
+            "position_sensor": None if self._position is None else self._position.name,
+            **self._emitter.limit_facts(),
+            **self._device_facts(),
             "clock": clock.implementation,
             "clock_resolution_s": clock.resolution,
             "terminal": self._source.isatty(),
@@ -76,13 +131,42 @@ class Console:
         self._zero_s = time.perf_counter() - elapsed_s
 
     def close(self) -> None:
-        pass
+        self._emitter.stop()
+        self._opened.close()
+
+    def _session_s(self, clock_s: float) -> float:
+        return round(clock_s - self._zero_s, 6)
 
     def _now_s(self) -> float:
-        return round(time.perf_counter() - self._zero_s, 6)
+        return self._session_s(time.perf_counter())
 
     def _say(self, text: str) -> None:
         print(text, file=self._output, flush=True)
+
+    def _note(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
+        if self._log is not None:
+            utc = utc_of(clock_s).isoformat(timespec="milliseconds")
+            self._log.note(Event(kind, self._session_s(clock_s), utc, facts, duration_s))
+
+    def _emitted(self, emission: Emission) -> None:
+        self._note("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
+
+    def _stopped(self, why: str) -> Stopped:
+        self._emitter.stop()
+        self._note("stop", time.perf_counter(), {"text": why})
+        return Stopped(f"{why} in trial {self._tally.n_trials + 1}; {SAFE} ({self._tally})")
+
+    def _pause(self, by: str, over: Callable[[], bool]) -> None:
+        """The output is at zero until it is over."""
+        self._emitter.mute(on=True)
+        self._note("pause", time.perf_counter(), {"text": by})
+        self._say(f"paused: {by}")
+        while not over():
+            time.sleep(self._stage.screen.period_s)
+        self._note("resume", time.perf_counter(), {"text": by})
+        self._say("it goes on")
+        self._emitter.mute(on=False)
+        self._stage.paused()
 
     def _ask(self, prompt: str, read: Callable[[str], object]) -> tuple[object, float, float]:
         """An answer, the onset of its question and its latency."""
@@ -91,33 +175,26 @@ class Console:
             print(prompt, end=" ", file=self._output, flush=True)
             line = self._source.readline()
             if not line:
-                raise Stopped(
-                    f"the input ended in trial {self._tally.n_trials + 1}: what was recorded before is safe "
-                    f"({self._tally}); go on with --resume"
-                )
+                raise self._stopped("the input ended")
+            if ESCAPE in line:
+                raise self._stopped("Escape was typed")
             try:
                 return read(line.strip()), onset_s, round(self._now_s() - onset_s, 6)
             except ValueError:
                 self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
-        raise Stopped(
-            f"{N_TRIES} lines in trial {self._tally.n_trials + 1} were no answers: what was recorded before is safe "
-            f"({self._tally}); go on with --resume"
-        )
-
-    def _signal(self, stimulus: str, level: float | None) -> Signal | None:
-        if level is None:
-            return None
-        signal = self._bank[stimulus].at(level)
-        self._limits.check(signal)
-        return signal
+        raise self._stopped(f"{N_TRIES} lines were no answers")
 
     def _present(self, what: str, interval: int | None) -> None:
         self._say(f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
 
     def play(self, request: Play) -> Played:
-        signal = self._signal(request.stimulus, request.level)
+        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         self._present(f"play for {request.duration_s:g} s", request.interval)
-        return Played(self._now_s(), request.level, "" if signal is None else signal.digest())
+        if not self._emitter.emits:
+            return Played(self._now_s(), None, "")
+        page, peak_n = layout.waiting_page(), self._limits.force_peak_n
+        playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
+        return playing.played(request, signal)
 
     def press(self, request: Press) -> Touched:
         return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
@@ -130,9 +207,16 @@ class Console:
         )
 
     def _touch(self, request: Press | Slide, what: str) -> Touched:
-        signal = self._signal(request.stimulus, request.level)
-        self._present(what, request.interval)
-        return Touched(self._now_s(), request.level, None if signal is None else signal.digest())
+        self._limits.check_force(request.target_n, request.tolerance)
+        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+        lift = " (lift the finger first)" if self._sensor is not None and self._emitter.emits else ""
+        self._present(f"{what}{lift}", request.interval)
+        if not self._emitter.emits:
+            return Touched(self._now_s(), None, None)
+        parts = (self._stage, self._emitter, "", as_it_is, self._sensor, self._position, self._pause, self._say)
+        touch = Touch(request, *parts, Trace(), self._release, force_peak_n=self._limits.force_peak_n)
+        touched = touch.felt(signal).touched
+        return replace(touched, onset_s=self._session_s(touched.onset_s))
 
     def choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]
@@ -152,7 +236,7 @@ class Console:
     def enter(self, request: Enter) -> Rated:
         most = "" if request.high is None else f" to {request.high:g}"
         prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
-        high = LARGEST_ANSWER if request.high is None else request.high
+        high = math.inf if request.high is None else request.high
         value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, high))
         assert isinstance(value, float)
         return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
@@ -171,6 +255,11 @@ class Console:
         return value
 
     def adjust(self, request: Adjust) -> Adjusted:
+        if self._emitter.emits:
+            raise InvalidParameter(
+                "console: found an adjustment, whose level plays while it is set, expected a task without one; use "
+                "--rig bench"
+            )
         prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
         level, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
         assert isinstance(level, float)

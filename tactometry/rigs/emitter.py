@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
 from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import Output, check_playable, with_ramps
+from tactometry.devices.output import NullOutput, Output, check_playable, with_ramps
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.signal import Signal, Stimulus
@@ -71,6 +71,20 @@ class Emitter:
         """The limits that hold: the tighter of those of study and output."""
         stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
         return functools.reduce(Limits.tighter, stated).facts() if stated else {}
+
+    @property
+    def emits(self) -> bool:
+        """Whether anything comes of what is played: nothing does of a null output."""
+        output = self._output.driver if isinstance(self._output, Guarded) else self._output
+        return not isinstance(output, NullOutput)
+
+    def delivered(self, level: float | None) -> float | None:
+        """The level that reaches whoever touches: none where nothing is emitted."""
+        return level if self.emits else None
+
+    def digest(self, signal: Signal | None) -> str | None:
+        """The digest of what was emitted; None where nothing was."""
+        return signal.digest() if signal is not None and self.emits else None
 
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""

@@ -74,7 +74,14 @@ class Click:
     at_s: float
 
 
-Event = KeyDown | Click
+@dataclass(frozen=True)
+class Closed:
+    """The window was closed, by its frame or by the system."""
+
+    at_s: float
+
+
+Event = KeyDown | Click | Closed
 
 
 @dataclass(frozen=True)
@@ -96,6 +103,8 @@ class Button:
         """
         if isinstance(event, KeyDown):
             return event.name in self.keys
+        if isinstance(event, Closed):
+            return False
         return abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
 
 
@@ -128,7 +137,7 @@ class Screen(Protocol):
         """Show the next frame of the page: the time of the flip."""
 
     def events(self) -> tuple[Event, ...]:
-        """What was pressed since the last call, in order; each press once."""
+        """What was pressed or closed since the last call, in order; each once."""
 
     def facts(self) -> dict[str, str | int | float | bool | None]: ...
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from tactometry.errors import Stopped
-from tactometry.rigs.page import Answer, Event, KeyDown, Page, Screen
+from tactometry.rigs.page import Answer, Closed, Event, KeyDown, Page, Screen
 
 S = TypeVar("S")
 Dress = Callable[[Page, float], Page]
@@ -19,15 +19,25 @@ def as_it_is(page: Page, now_s: float) -> Page:
     return page
 
 
-def escaped(events: tuple[Event, ...]) -> bool:
-    """Whether the Escape key is among what was pressed."""
-    return any(isinstance(event, KeyDown) and event.name == "escape" for event in events)
+def ending(events: tuple[Event, ...]) -> str | None:
+    """What of it ends a session, in words: the Escape key, or the window that was closed.
+
+    >>> ending((KeyDown("y", 1.0), Closed(2.0))), ending((KeyDown("escape", 1.0),)), ending(())
+    ('the window was closed', 'Escape was pressed', None)
+    """
+    for event in events:
+        if isinstance(event, Closed):
+            return "the window was closed"
+        if isinstance(event, KeyDown) and event.name == "escape":
+            return "Escape was pressed"
+    return None
 
 
-def stop_at_escape(events: tuple[Event, ...]) -> bool:
-    """Raises `Stopped` where the Escape key was pressed."""
-    if escaped(events):
-        raise Stopped("Escape was pressed; what was recorded is safe: go on with --resume")
+def stop_at_ending(events: tuple[Event, ...]) -> bool:
+    """Raises `Stopped` where the Escape key was pressed or the window closed."""
+    why = ending(events)
+    if why is not None:
+        raise Stopped(f"{why}; what was recorded is safe: go on with --resume")
     return False
 
 
@@ -37,7 +47,7 @@ class Stage:
     `paused_until_s` is the end of the last pause on `time.perf_counter`.
     """
 
-    def __init__(self, screen: Screen, attend: Attend = stop_at_escape) -> None:
+    def __init__(self, screen: Screen, attend: Attend = stop_at_ending) -> None:
         self.screen = screen
         self.paused_until_s = -float("inf")
         self._attend = attend

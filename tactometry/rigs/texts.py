@@ -40,6 +40,8 @@ class Texts:
         What a label of an answer is called in the participant's language.
     language : str
         Its two letters, for words that come in several languages.
+    stop : str
+        The label of what stops a session.
     shipped : mapping of str to str
         What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
     """
@@ -48,6 +50,7 @@ class Texts:
     labels: Mapping[str, str] = field(default_factory=dict)
     language: str = "en"
     shipped: Mapping[str, str] = field(default_factory=dict)
+    stop: str = "escape"
 
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.
@@ -85,14 +88,14 @@ class Texts:
             return _filled(name, self.shipped[name], values or {})
 
     def page(self, request: Show, left_s: int = 0) -> str:
-        """The text of a page that is shown, with the seconds that are left of it.
+        """The text of a page that is shown, with the seconds that are left of it and what stops the session.
 
         Raises
         ------
         InvalidParameter
             As `message`.
         """
-        return self.message(request.message, {**request.values, "left_s": left_s})
+        return self.message(request.message, {**request.values, "left_s": left_s, "stop": self.label(self.stop)})
 
     def label(self, word: str) -> str:
         """A label in the participant's language; an unknown one as it is."""

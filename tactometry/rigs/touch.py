@@ -156,8 +156,8 @@ class Touch:
     ) -> Touched:
         return Touched(
             onset_s,
-            self.request.level,
-            None if signal is None else signal.digest(),
+            self.emitter.delivered(self.request.level),
+            self.emitter.digest(signal),
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,

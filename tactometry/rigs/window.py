@@ -18,7 +18,7 @@ import numpy as np
 from tactometry.errors import DeviceFailed
 from tactometry.rigs.frames import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from tactometry.rigs.keys import FreshPresses
-from tactometry.rigs.page import PAPER, Box, Click, Disc, Event, Item, KeyDown, Page, Text
+from tactometry.rigs.page import PAPER, Box, Click, Closed, Disc, Event, Item, KeyDown, Page, Text
 from tactometry.rigs.safely import ended_by_signal
 
 FONT = "Noto Sans"
@@ -133,7 +133,7 @@ class Window:
         self._pressed.append(Click((x - width / 2) / height, (y - height / 2) / height, at_s=time.perf_counter()))
 
     def _on_close(self) -> bool:
-        self._pressed.append(KeyDown("escape", at_s=time.perf_counter()))
+        self._pressed.append(Closed(at_s=time.perf_counter()))
         return True
 
     @property

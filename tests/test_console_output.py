@@ -1,0 +1,247 @@
+"""The console with and without an output: what plays, what counts as delivered, and which key stops it."""
+
+import csv
+import io
+import itertools
+import json
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import pytest
+from command_line import call
+from sampled import Sampled
+
+from tactometry.devices.calibration import ForceCalibration
+from tactometry.devices.file_output import FileOutput, FileSettings
+from tactometry.devices.guarded import Guarded
+from tactometry.devices.reader import Reader
+from tactometry.devices.streamed import streamed_force
+from tactometry.errors import DeviceFailed, Stopped
+from tactometry.experiments.study import load
+from tactometry.limits import Limits
+from tactometry.request import Adjust, Choose, Play, Press, Show
+from tactometry.rigs.console import Console
+from tactometry.rigs.texts import texts_in
+from tactometry.stimuli.electrovibration import Sine
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0)
+LIMITS = Limits(100.0)
+BENCH = """
+[output]
+kind = "file"
+folder = "{folder}"
+[limits]
+voltage_peak_v = 100.0
+duration_s = 10.0
+duty = {duty}
+session_s = "1 h"
+"""
+
+
+def study_in(folder):
+    text = load("tutorial")[1].decode()
+    for old, new in {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "catch_rate = 0.0"}.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "short.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0):
+    """A session whose stimuli are written into `played`."""
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+    bench = folder / "bench.toml"
+    bench.write_text(BENCH.format(folder=folder / "played", duty=duty), encoding="utf-8")
+    words = ("run", study_in(folder), "--participant", "P01", "--rig", "console", "--out", folder / "d")
+    return call(capsys, *words, *more)
+
+
+def rows_of(root):
+    [path] = (root / "data").glob("*.csv")
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def kinds(root):
+    [path] = (root / "journals").glob("*_events.tsv")
+    return [row["trial_type"] for row in csv.DictReader(path.read_text().splitlines(), delimiter="\t")]
+
+
+def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_counts_as_delivered(
+    tmp_path, capsys, monkeypatch
+):
+    status, _, out = run(capsys, monkeypatch, tmp_path)
+    assert status == 0
+    assert out.startswith("This terminal plays nothing: ")
+    assert {(row["rig"], row["level_delivered"], row["valid"]) for row in rows_of(tmp_path / "d")} == {
+        ("console", "", "1")
+    }
+    assert {row["level"] for row in rows_of(tmp_path / "d")} == {"10", "18", "26", "34"}
+    assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
+
+
+def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys, monkeypatch):
+    status, _, out = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml")
+    assert status == 0
+    assert out.startswith(f"Stimuli play through file {tmp_path / 'played'}.")
+    assert len(list((tmp_path / "played").glob("*.npz"))) == 32
+    assert all(row["level_delivered"] == row["level"] for row in rows_of(tmp_path / "d"))
+    assert kinds(tmp_path / "d") == ["stimulus"] * 32
+    onsets_s = [float(row["onset_s"]) for row in rows_of(tmp_path / "d")]
+    assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
+
+
+def test_the_guard_refuses_in_every_sitting_what_is_too_much(tmp_path, capsys, monkeypatch):
+    for sitting in range(3):
+        more = ("--resume",) if sitting else ()
+        words = ("--bench", tmp_path / "bench.toml", *more)
+        status, said, _ = run(capsys, monkeypatch, tmp_path, *words, duty=0.0055)
+        assert status == 3
+        assert "limits.duty: found signals in a part of 0.00666667 of the time" in said
+        assert len(list((tmp_path / "played").glob("*.npz"))) == 3
+
+
+def test_an_adjustment_with_an_output_is_refused_before_anything_is_written(tmp_path, capsys, monkeypatch):
+    study = study_in(tmp_path)
+    text = study.read_text().replace(
+        'kind = "yes_no"\ncatch_rate = 0.0', 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40'
+    )
+    study.write_text(text)
+    monkeypatch.setattr(sys.modules[__name__], "study_in", lambda folder: study)
+    status, said, _ = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml")
+    assert status == 2
+    assert "--rig: found console, where no level plays while it is set, expected bench for the adjustments" in said
+    assert not (tmp_path / "d").exists()
+
+
+def console(tmp_path, force_n=None, text="", said=None):
+    sensor = None
+    if force_n is not None:
+        sensor = streamed_force(Reader(Sampled(force_n)), 0, ForceCalibration(newtons_per_count=1.0))
+    device = Guarded(FileOutput(FileSettings(str(tmp_path))), LIMITS)
+    parts = {"source": io.StringIO(text), "output": said or io.StringIO()}
+    return Console({"tone": TONE}, LIMITS, texts_in("en", {}), **parts, device=device, sensor=sensor)
+
+
+def played(tmp_path):
+    return len(list(tmp_path.glob("*.npz")))
+
+
+def test_a_stimulus_waits_for_the_held_force_as_in_the_window(tmp_path):
+    said = io.StringIO()
+    rig = console(tmp_path, lambda time_s: 1.0 if time_s > 0.6 else 0.3, said=said)
+    touched = rig.press(PRESS)
+    rig.close()
+    assert touched.valid
+    assert touched.onset_s >= 0.6
+    assert (touched.force_mean_n, touched.level_delivered) == (pytest.approx(1.0), 5.0)
+    assert played(tmp_path) == 1
+    assert "played, 1.00 N" in said.getvalue()
+
+
+def test_a_force_that_is_never_held_plays_nothing(tmp_path):
+    rig = console(tmp_path, lambda time_s: 0.3)
+    touched = rig.press(replace(PRESS, timeout_s=0.5))
+    rig.close()
+    assert (touched.valid, touched.invalid_reason, touched.level_delivered) == (False, "timeout", None)
+    assert played(tmp_path) == 0
+
+
+def test_a_silent_sensor_pauses_the_session(tmp_path):
+    said = io.StringIO()
+    rig = console(tmp_path, lambda time_s: None if 0.2 < time_s < 1.2 else (1.0 if time_s > 1.2 else 0.3), said=said)
+    assert rig.press(PRESS).valid
+    rig.close()
+    assert "paused: the force sensor is silent\nit goes on\n" in said.getvalue()
+
+
+def test_an_interval_that_only_plays_takes_its_time(tmp_path):
+    rig = console(tmp_path)
+    begin_s = time.perf_counter()
+    told = rig.play(Play("tone", 5.0, 0.3))
+    rig.close()
+    assert time.perf_counter() - begin_s >= 0.3
+    assert (told.level_delivered, played(tmp_path)) == (5.0, 1)
+
+
+def test_a_level_that_would_play_while_it_is_set_is_refused(tmp_path):
+    rig = console(tmp_path, text="5\n")
+    with pytest.raises(Exception, match="console: found an adjustment, whose level plays while it is set"):
+        rig.adjust(Adjust("tone", 5.0, 1.0, 0.0, 10.0))
+    rig.close()
+
+
+def test_a_sensor_that_does_not_open_leaves_no_output_open(tmp_path):
+    class Absent(Sampled):
+        def open(self):
+            raise DeviceFailed("hand: not there")
+
+    sensor = streamed_force(Reader(Absent(lambda time_s: 1.0)), 0, ForceCalibration(newtons_per_count=1.0))
+    device = Guarded(FileOutput(FileSettings(str(tmp_path / "played"))), LIMITS)
+    with pytest.raises(DeviceFailed, match="hand: not there"):
+        Console({}, LIMITS, texts_in("en", {}), io.StringIO(), io.StringIO(), device=device, sensor=sensor)
+    assert not (tmp_path / "played").exists()
+
+
+# --- what stops it
+
+
+AT_A_TERMINAL = """
+import fcntl, sys, termios
+from tactometry.cli import main
+fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize(
+    ("language", "words"), [("en", "at any time with Ctrl-C."), ("fr", "tout moment avec Ctrl-C.")]
+)
+def test_its_pages_name_the_key_that_works(language, words):
+    said = io.StringIO()
+    rig = Console({}, LIMITS, texts_in(language, {}), io.StringIO(), said)
+    rig.show(Show("welcome", {"n_blocks": 1}))
+    assert words in said.getvalue()
+    assert "Escape" not in said.getvalue().split("\n\n", 1)[1]
+    assert "chap" not in said.getvalue()
+
+
+def test_escape_and_return_stop_it_too():
+    rig = Console({}, LIMITS, texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
+    with pytest.raises(Stopped, match="Escape was typed in trial 1; what was recorded is safe: go on with --resume"):
+        rig.choose(Choose("felt", (0, 1), ("no", "yes")))
+
+
+@pytest.mark.parametrize(
+    ("key", "status"), [(b"\x03", 130), (b"\x04", 1), (b"\x1b\r", 1)], ids=["C-c", "C-d", "Escape"]
+)
+def test_a_session_at_a_real_terminal_stops_with_each_of_them(tmp_path, key, status):
+    master, slave = pty.openpty()
+    words = ["run", "tutorial", "--participant", "P01", "--rig", "console", "--out", str(tmp_path / "d")]
+    ends = {"stdin": slave, "stdout": slave, "stderr": slave}
+    process = subprocess.Popen([sys.executable, "-c", AT_A_TERMINAL, *words], **ends, start_new_session=True)
+    os.close(slave)
+    seen, typed = b"", [b"1\r", b"0\r", key]
+    end_s = time.monotonic() + 60
+    while process.poll() is None and time.monotonic() < end_s:
+        if select.select([master], [], [], 0.1)[0]:
+            try:
+                seen += os.read(master, 4096)
+            except OSError:
+                break
+        if typed and seen.rstrip().endswith(b"(0 = no, 1 = yes):"):
+            os.write(master, typed.pop(0))
+            seen += b"|"
+    assert process.wait(30) == status, seen
+    os.close(master)
+    assert b"what was recorded is safe" in seen
+    assert b"Traceback" not in seen
+    assert len(rows_of(tmp_path / "d")) == 2
+    head = json.loads(next((tmp_path / "d" / "journals").glob("*.jsonl")).read_text().splitlines()[0])
+    assert head["facts"]["terminal"] is True
