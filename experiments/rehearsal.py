@@ -123,5 +123,6 @@ def flaw(experiment: Experiment, root: Path) -> str | None:
     except InvalidParameter as error:
         if not (root / "study.toml").exists():
             raise
-        return f"{error}; the shipped text is shown in its place"
+        shown = "; the shipped text is shown in its place" if str(error).startswith("texts: ") else ""
+        return f"{error}{shown}"
     return None

@@ -124,6 +124,18 @@ def test_a_study_that_is_locked_by_its_sessions_is_completed_with_the_shipped_te
     assert "That was all" in out
 
 
+def test_a_study_that_is_locked_goes_on_with_a_key_that_does_nothing(tmp_path, capsys, monkeypatch):
+    path, data = tmp_path / "s.toml", tmp_path / "d"
+    path.write_text(TUTORIAL.replace("catch_rate = 0.2", 'rest_s = "1 min"'), "utf-8")
+    data.mkdir()
+    (data / "study.toml").write_bytes(path.read_bytes())
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 30))
+    status, said, _ = call(capsys, "run", path, "--participant", "P01", "--rig", "console", "--out", data)
+    assert status == 0
+    assert "without rest_after, expected both: no rest comes" in said
+    assert "shipped text" not in said
+
+
 def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_at_once(tmp_path, capsys):
     path, bench = written(tmp_path, OWN_FORM), tmp_path / "bench.toml"
     bench.write_text('[screen]\nlanguage = "fr"\n', "utf-8")
