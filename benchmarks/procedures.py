@@ -210,7 +210,7 @@ def contenders(task: Task) -> list[Contender]:
     bounds = {"low": -24.0, "high": 24.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
 
     def late_reversals(rule: Staircase | WeightedStaircase) -> float | None:
-        return rule.threshold(discard=4)
+        return rule.mean_of_reversals(discard=4)
 
     def up_down(n_down: int) -> Contender:
         rule = Staircase(12.0, (4.0, 2.0), n_down=n_down, **bounds)
@@ -231,7 +231,7 @@ def contenders(task: Task) -> list[Contender]:
     ]
     if task.guess < 0.5:
         limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=N_MAX, n_start_steps=6)
-        found.append(Contender("limits, alternating", one_by_one(limits.shuffled, lambda rule: rule.threshold())))
+        found.append(Contender("limits, alternating", one_by_one(limits.shuffled, lambda rule: rule.threshold)))
     return found
 
 

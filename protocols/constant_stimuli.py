@@ -79,6 +79,10 @@ class ConstantStimuli:
             return "censored_below"
         return "censored_above" if n_yes == 0 < n_no else "trials"
 
+    @property
+    def threshold(self) -> None:
+        """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fit`)."""
+
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The next presentation; neither argument changes the order."""
         del delivered

@@ -43,7 +43,7 @@ class MethodOfLimits:
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):
     ...     rule = rule.after(answer)
-    >>> rule.transitions, rule.threshold()
+    >>> rule.transitions, rule.threshold
     ((7.0, 3.0), 5.0)
     """
 
@@ -116,6 +116,7 @@ class MethodOfLimits:
             return "aborted"
         return "censored_below" if more_yes > 0 else "censored_above"
 
+    @property
     def threshold(self) -> float | None:
         """The mean of the transitions; None where there is none or the run is censored."""
         known = [transition for transition in self.transitions if transition is not None]

@@ -53,6 +53,10 @@ class Practice:
         return self.ended is not None
 
     @property
+    def threshold(self) -> None:
+        """None: practice measures nothing."""
+
+    @property
     def ended(self) -> Ending | None:
         if sum(self.responses[-self.n_of :]) >= self.n_correct:
             return "converged"

@@ -17,7 +17,8 @@ class Procedure(Protocol):
 
     `after` gives the procedure that follows a response (1 or True: correct, or "felt") to the level that was
     *delivered*, which counts whether or not it is the one that was asked for. A finished procedure says by `ended` how
-    it came to its end.
+    it came to its end. `threshold` is what the rule itself makes of the answers so far; None where it makes nothing of
+    them, or they only bound it.
     """
 
     @property
@@ -31,6 +32,9 @@ class Procedure(Protocol):
 
     @property
     def ended(self) -> Ending | None: ...
+
+    @property
+    def threshold(self) -> float | None: ...
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self: ...
 

@@ -120,7 +120,12 @@ class Staircase:
     def step(self) -> float:
         return self.steps[min(len(self.reversals), len(self.steps) - 1)]
 
-    def threshold(self, *, discard: int = 2) -> float | None:
+    @property
+    def threshold(self) -> float | None:
+        """`mean_of_reversals` without the first two."""
+        return self.mean_of_reversals()
+
+    def mean_of_reversals(self, *, discard: int = 2) -> float | None:
         """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
         than two of them or the run is censored."""
         kept = self.reversals[discard + (len(self.reversals) - discard) % 2 :]

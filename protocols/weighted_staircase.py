@@ -96,9 +96,14 @@ class WeightedStaircase:
     def ended(self) -> Ending | None:
         return self._inner.ended
 
-    def threshold(self, *, discard: int = 2) -> float | None:
-        """As `Staircase.threshold`."""
-        return self._inner.threshold(discard=discard)
+    @property
+    def threshold(self) -> float | None:
+        """`mean_of_reversals` without the first two."""
+        return self._inner.threshold
+
+    def mean_of_reversals(self, *, discard: int = 2) -> float | None:
+        """As `Staircase.mean_of_reversals`."""
+        return self._inner.mean_of_reversals(discard=discard)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The staircase after a response to the level that was delivered (default: the one asked for)."""

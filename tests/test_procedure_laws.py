@@ -47,6 +47,20 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
 
 
 @per_procedure
+@given(answers=st.lists(st.booleans(), max_size=40))
+@settings(max_examples=20, deadline=None)
+def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
+    """A number or None at every trial, within the levels; None of a run that only bounds it."""
+    for answer in answers:
+        assert procedure.threshold is None or 0.0 <= procedure.threshold <= 40.0
+        if procedure.finished:
+            break
+        procedure = procedure.after(answer)
+    if procedure.ended in {"censored_above", "censored_below", "aborted"}:
+        assert procedure.threshold is None
+
+
+@per_procedure
 def test_the_same_answers_give_the_same_levels(procedure):
     answers = np.random.default_rng().random(30) < 0.7
     assert levels(procedure, answers) == levels(procedure, answers)

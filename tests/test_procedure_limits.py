@@ -24,7 +24,7 @@ def test_alternating_series_fall_then_rise():
     levels, rule = follow(RULE, [1, 1, 0, 0, 0, 1, 1, 0, 0, 1])
     assert levels == [10.0, 8.0, 6.0, 0.0, 2.0, 4.0, 10.0, 8.0, 0.0, 2.0]
     assert rule.transitions == (7.0, 3.0, 9.0, 1.0)
-    assert (rule.ended, rule.threshold()) == ("trials", 5.0)
+    assert (rule.ended, rule.threshold) == ("trials", 5.0)
 
 
 def test_ascending_series_all_rise():
@@ -42,7 +42,7 @@ def test_descending_series_all_fall():
 def test_a_transition_lies_between_the_levels_that_were_delivered():
     rule = MethodOfLimits(low=0.0, high=10.0, step=5.0, n_series=1, direction="ascending")
     rule = rule.after(0, delivered=0.5).after(1, delivered=4.5)
-    assert (rule.threshold(), rule.levels) == (2.5, (0.5, 4.5))
+    assert (rule.threshold, rule.levels) == (2.5, (0.5, 4.5))
 
 
 @pytest.mark.parametrize("direction", ["ascending", "descending", "alternating"])
@@ -51,20 +51,20 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
     rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=4, direction=direction)
     while not rule.finished:
         rule = rule.after(answer)
-    assert (rule.ended, rule.threshold()) == (ended, None)
+    assert (rule.ended, rule.threshold) == (ended, None)
 
 
 def test_series_that_contradict_each_other_have_no_bound():
     """Strong levels are never felt, weak ones always: neither bound holds."""
     _, rule = follow(RULE, [0, 1, 0, 1])
     assert rule.transitions == (None,) * 4
-    assert (rule.ended, rule.threshold()) == ("aborted", None)
+    assert (rule.ended, rule.threshold) == ("aborted", None)
 
 
 def test_half_of_the_series_without_a_transition_are_not_too_many():
     _, rule = follow(RULE, [0, 0, 1, 0, 0, 1])
     assert rule.transitions == (None, 1.0, None, 1.0)
-    assert (rule.ended, rule.threshold()) == ("trials", 1.0)
+    assert (rule.ended, rule.threshold) == ("trials", 1.0)
 
 
 def test_starts_are_drawn_inwards_by_whole_steps():
@@ -95,7 +95,7 @@ def test_alternating_limits_recover_the_half_point():
         rule = MethodOfLimits(low=-6.0, high=6.0, step=0.5, n_series=10)
         while not rule.finished:
             rule = rule.after(bool(rng.random() < norm.cdf(rule.level - 0.5)))
-        found.append(rule.threshold())
+        found.append(rule.threshold)
     assert abs(np.mean(found) - 0.5) <= 3.89 * np.std(found) / np.sqrt(len(found)) + 0.05
 
 

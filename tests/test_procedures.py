@@ -112,7 +112,7 @@ def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended)
     rule = Staircase(start=20.0, steps=(8.0, 4.0), low=0.0, high=40.0, n_down=1, n_at_bound=3)
     levels, end = follow(rule, [answer] * 100)
     assert end.ended == ended
-    assert end.threshold() is None
+    assert end.threshold is None
     assert levels[-3:] == [40.0 if answer == 0 else 0.0] * 3
 
 
@@ -126,13 +126,13 @@ def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
     rule = Staircase(start=10.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=1, n_reversals=5)
     _, end = follow(rule, [1, 0, 1, 0, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 8.0, 6.0)
-    assert end.threshold() == (8.0 + 6.0) / 2
+    assert end.threshold == (8.0 + 6.0) / 2
     _, end = follow(rule, [1, 0, 1, 0, 0, 1, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 10.0, 6.0)
-    assert end.threshold() == (10.0 + 6.0) / 2
+    assert end.threshold == (10.0 + 6.0) / 2
     _, end = follow(replace(rule, n_reversals=6), [1, 0, 1, 0, 0, 1, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 10.0, 6.0, 8.0)
-    assert end.threshold() == (6.0 + 10.0 + 6.0 + 8.0) / 4
+    assert end.threshold == (6.0 + 10.0 + 6.0 + 8.0) / 4
 
 
 @pytest.mark.parametrize("n_down", [1, 2, 3])

@@ -340,7 +340,7 @@ def test_a_censored_run_with_reversals_has_no_threshold():
     for answer in (1, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 1):
         rule = rule if rule.finished else rule.after(answer)
     assert len(rule.reversals) >= 4
-    assert (rule.ended, rule.threshold()) == ("censored_below", None)
+    assert (rule.ended, rule.threshold) == ("censored_below", None)
 
 
 def test_responses_at_a_bound_count_in_a_row_only():

@@ -117,18 +117,15 @@ def _fitted(runs: Sequence[Run]) -> list[float | None]:
     return [each.threshold for each in found]
 
 
-def _by_reversals(runs: Sequence[Run]) -> list[float | None]:
-    return [procedure.threshold() for procedure, _ in runs]
-
-
-def _by_posterior(runs: Sequence[Run]) -> list[float | None]:
+def _by_rule(runs: Sequence[Run]) -> list[float | None]:
+    """The mean of the reversals, or that of the posterior."""
     return [procedure.threshold for procedure, _ in runs]
 
 
 HALF = GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) / 2
 METHODS = {
     "constant stimuli": Method(_constant, _fitted, HALF),
-    "staircase": Method(_staircase, _by_reversals, math.sqrt(0.5)),
-    "QUEST": Method(_quest, _by_posterior, 0.82),
-    "QUEST+": Method(_quest_plus, _by_posterior, HALF),
+    "staircase": Method(_staircase, _by_rule, math.sqrt(0.5)),
+    "QUEST": Method(_quest, _by_rule, 0.82),
+    "QUEST+": Method(_quest_plus, _by_rule, HALF),
 }
