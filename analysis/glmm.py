@@ -5,6 +5,8 @@ or adaptive Gauss-Hermite quadrature, as lme4's glmer (Bates, Maechler, Bolker a
 Software 67(1); there g = l = 0). In `hierarchical` the threshold and the width have effects of their own instead.
 """
 
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -162,7 +164,7 @@ class _Design:
     @classmethod
     def of(
         cls, columns: Mapping[str, Array], random: Sequence[str], participants: NDArray[np.str_], yes: Array, no: Array
-    ) -> "_Design":
+    ) -> _Design:
         matrix = np.stack(list(columns.values()), axis=1)
         if np.linalg.matrix_rank(matrix) < matrix.shape[1]:
             raise InvalidParameter(

@@ -6,6 +6,8 @@ correlated, and integrated over by Laplace's approximation (`laplace`). A partic
 drawn to the group as far as the answers leave it open; nothing is put in place of a threshold outside of the levels.
 """
 
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType

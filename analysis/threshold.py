@@ -1,6 +1,8 @@
 """Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a
 status."""
 
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
