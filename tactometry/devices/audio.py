@@ -308,8 +308,8 @@ def _named(owner: str, device: str) -> None:
     """Refuse what is another device after a change of the system's settings."""
     if not device.strip() or device.strip().casefold() in DEFAULTS:
         raise InvalidParameter(
-            f"{owner}.device: found {device!r}, expected the name of a card, as tactometry check lists them: a default "
-            "may be another one tomorrow"
+            f"{owner}.device: found {device!r}, expected the name of a card (python -m sounddevice lists them): a "
+            "default may be another one tomorrow"
         )
 
 

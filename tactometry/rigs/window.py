@@ -4,6 +4,7 @@ What PsychoPy 2026.2.5 does and does not do was measured: text and plain shapes 
 from its `ptb` back end only, its clock is the wall clock on Linux, taps are missed by polling.
 """
 
+import ctypes
 import time
 import warnings
 from collections.abc import Callable
@@ -119,7 +120,7 @@ class Window:
 
     def _rhythm(self) -> Rhythm:
         """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
-        nominal_hz = nominal_rate_hz(self._window.winHandle.screen.get_mode())
+        nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):
             flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
             rhythm = rhythm_of(np.diff(flips_s).tolist(), nominal_hz)
@@ -264,6 +265,18 @@ class Window:
             alignText=item.align,
             autoLog=False,
         )
+
+
+def _mode_of(screen: Any) -> Any:
+    """The mode of a screen; None where its X server cannot tell it, of which Xlib would write to the terminal."""
+    server = getattr(screen.display, "_display", None)
+    if server is not None:
+        from pyglet.libs.x11 import xlib
+
+        unused = [ctypes.byref(ctypes.c_int()) for _ in range(3)]
+        if not xlib.XQueryExtension(server, b"XFree86-VidModeExtension", *unused):
+            return None
+    return screen.get_mode()
 
 
 def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int, int] | None) -> Any:
