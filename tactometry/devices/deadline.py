@@ -6,6 +6,9 @@ from typing import Final
 
 from tactometry.errors import DeviceFailed
 
+BEGIN_WITHIN_S: Final = 5.0
+"""An output that has not begun to play by then hangs: a sound card waits for the end of what it plays, and for its own
+beginning, 2 s each (unverified default)."""
 CLOSE_WITHIN_S: Final = 2.0
 """A driver that has not let go by then hangs (unverified default)."""
 

@@ -5,10 +5,11 @@ import threading
 import time
 from collections.abc import Mapping
 
+from tactometry.devices.deadline import BEGIN_WITHIN_S
 from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
 from tactometry.devices.guarded import Guarded
 from tactometry.devices.output import NullOutput, Output, check_playable, with_ramps
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import DeviceFailed, InvalidParameter, nearest
 from tactometry.limits import Limits
 from tactometry.signal import Signal, Stimulus
 
@@ -98,9 +99,16 @@ class Emitter:
     def mute(self, *, on: bool) -> None:
         """Zero now, and (`on`) nothing from another thread until it is off."""
         self._output.stop()
-        with self._playing:
+        if not self._playing.acquire(timeout=BEGIN_WITHIN_S):
+            raise DeviceFailed(
+                f"output {self._output.name!r}: it hangs, and did not begin within {BEGIN_WITHIN_S:g} s: switch its "
+                "amplifier off"
+            )
+        try:
             self._muted = on
             self._output.stop()
+        finally:
+            self._playing.release()
 
     def n_gaps(self, signal: Signal | None, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         """Gaps in the signal that was emitted last; None where nothing was, or the output cannot tell."""

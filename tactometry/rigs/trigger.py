@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from tactometry.devices.deadline import BEGIN_WITHIN_S
 from tactometry.devices.reader import FloatArray, Hear, Told
 
 TURN_S = 0.002
@@ -78,10 +79,12 @@ class Trigger:
             self._step, self._broken = None, True
             self._stop()
 
-    def disarm(self) -> None:
-        """Neither fire nor stop any more; waits for one that is under way."""
-        with self._lock:
-            self._step = None
+    def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
+        """Neither fire nor stop any more; waits for one that is under way, but for no output that hangs."""
+        taken = self._lock.acquire(timeout=longest_s)
+        self._step = None
+        if taken:
+            self._lock.release()
 
 
 @contextmanager
