@@ -13,6 +13,7 @@ from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
 from tactometry.analysis.findings import Outcome
 from tactometry.analysis.frames import frames, with_frames
+from tactometry.analysis.origin import Origin, of_one_kind
 from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.plan import Plan, plan_of
 from tactometry.analysis.ratings import Ratings, ratings
@@ -49,6 +50,7 @@ class Analysis:
     together: tuple[Together, ...] = ()
     forms: tuple[Ratings, ...] = ()
     plan: Plan = field(default_factory=Plan)
+    origin: Origin = field(default_factory=Origin)
     report: Path | None = None
     tables_folder: Path | None = None
     figures_folder: Path | None = None
@@ -61,6 +63,8 @@ class Analysis:
             "n_participants": int(self.trials.rows["participant"].nunique()),
             "factors": list(self.trials.factors),
             "level_unit": self.unit,
+            "simulated": self.origin.is_simulated,
+            "seeds": list(self.origin.seeds),
             "warnings": list(self.warnings),
             "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
             "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
@@ -181,6 +185,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     """All estimates, tables and warnings of a trials table; nothing is written."""
     plan = plan or Plan()
     plan.check(everything.factors)
+    everything, origin = of_one_kind(everything)
     trials, excluded = applied(everything, plan.exclusion)
     found, forms, lost = cells.cells(trials), ratings(trials, plan.primary), losses(trials)
     choices = _choice_tables(trials)
@@ -238,7 +243,9 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | _other_tables(forms, forces, trials.factors, excluded)
         | _growth(trials)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
+        origin=origin,
         warnings=(
+            *origin.warnings,
             *trials.notes,
             *words.exclusion_warnings(excluded),
             *(
@@ -249,7 +256,8 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
             ),
             *words.warnings(trials, table, quality, n_choices),
         ),
-        methods=words.methods(
+        methods=origin.method
+        + words.methods(
             table,
             n_choices,
             forms,

@@ -130,7 +130,8 @@ def _numbered(figure: Figure, n: int) -> str:
 def _title(found: Analysis) -> str:
     rows = found.trials.rows
     studies = sorted(set(rows["study"])) if "study" in rows.columns else []
-    return ", ".join(study for study in studies if study) or found.trials.path.stem
+    title = ", ".join(study for study in studies if study) or found.trials.path.stem
+    return f"{title} (simulated)" if found.origin.is_simulated else title
 
 
 def _cross(found: Analysis, name: str) -> pd.DataFrame:

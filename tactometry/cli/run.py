@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which the journal keeps.")
 @click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
-@click.option("--out", type=click.Path(path_type=Path), help="The data set; default: STUDY's name and -data.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="The data set; default: STUDY's name and -data, or -simulated."
+)
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 @json_option
@@ -60,7 +62,7 @@ def command(
         rehearse(experiment)
         _print_plan(experiment, who, as_json=as_json)
         return 0
-    root = out or Path(f"{numbers.name}-data")
+    root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     kind = RIGS[rig](experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded, as_json=as_json)
