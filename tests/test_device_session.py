@@ -117,6 +117,7 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
     facts = json.dumps(json.loads(journal.read_text().splitlines()[0]))
     for fact in (
         '"audio tofile"',
+        '"output_device": "tofile"',
         f'"lsl {device.name}"',
         f'"{date.today()} ZG"',
         '"electrode"',

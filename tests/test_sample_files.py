@@ -189,6 +189,10 @@ def archive(samples):
         (archive(npy("(1, 1, 1)", "|O")), "samples: found a damaged array (Object arrays cannot be loaded"),
         (archive(npy("(1, 1, 2)")), "samples: found a damaged array"),
         (archive(b"nothing"), "samples: found a damaged array"),
+        (
+            npz(samples=np.zeros((1, 3, 0))),
+            "cannot be read as impulse responses: found no samples, expected at least one",
+        ),
         (npz(samples=np.array(["a"])), "samples: found an array of <U1, expected numbers"),
         (npz(rate_hz=[1.0, 2.0]), "rate_hz: found an array of shape (2,), expected one number"),
         (npz(quantity=["velocity"]), "quantity: found an array of shape (1,), expected one text"),
@@ -275,6 +279,10 @@ def stored_elsewhere(h5py, file):
     file.create_dataset("samples", shape=(1, 3, 50), dtype="f8", external=[("other.raw", 0, 1200)])
 
 
+def empty(h5py, file):
+    file["samples"] = np.zeros((1, 3, 0))
+
+
 def texts(h5py, file):
     file["samples"] = [[["a"]]]
 
@@ -290,6 +298,7 @@ def texts(h5py, file):
         (virtual, "samples: found a group, or samples of another file"),
         (stored_elsewhere, "samples: found a group, or samples of another file"),
         (texts, "samples: found "),
+        (empty, "found no samples, expected at least one"),
     ],
 )
 def test_an_hdf5_file_holds_its_own_samples_and_no_more_than_is_read(tmp_path, hdf5, fill, message):

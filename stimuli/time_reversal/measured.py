@@ -186,7 +186,9 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     content = read_bounded(path, "impulse responses")
     try:
         content = as_npz(path, LARGEST_BYTES) if suffix in _HDF5 else content
-        return _READERS[suffix](content, full_scale, quantity)
+        found = _READERS[suffix](content, full_scale, quantity)
+        if found.n_samples == 0:
+            raise ValueError("found no samples, expected at least one")
     except ImportError as error:
         raise InvalidFile(
             f"{path}: found no h5py, expected it for an HDF5 file: pip install tactometry[hdf5]"
@@ -194,6 +196,7 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     except (ValueError, OverflowError, MemoryError) as error:
         words = " ".join(str(error).split())
         raise InvalidFile(f"{path}: cannot be read as impulse responses: {words}") from error
+    return found
 
 
 def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:

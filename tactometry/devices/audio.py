@@ -80,6 +80,7 @@ class AudioOutput:
         self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._stream: Any = None
+        self._device: str | None = None
         self._course: Course | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
         self._clocks = ClockMap()
@@ -88,6 +89,7 @@ class AudioOutput:
     def facts(self) -> dict[str, str | int | float | None]:
         latency_s = None if self._stream is None else self._stream.latency
         return {
+            "device": self._device,
             "output_latency_s": latency_s,
             "n_underruns": self._dry.n_gaps,
             "clock_offset_s": self._clocks.offset_s,
@@ -119,6 +121,7 @@ class AudioOutput:
                 callback=self._fill,
             )
             self._stream.start()
+            self._device = str(sounddevice.query_devices(self._stream.device)["name"])
         except (sounddevice.PortAudioError, ValueError) as error:
             raise DeviceFailed(_why(sounddevice, settings, error)) from None
 
