@@ -202,7 +202,8 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
     assert rows[0]["force_mean_n"] in ("1", "")  # it may die before its first sample in the stimulus
     assert rows[1]["force_mean_n"] == "1"
     events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
-    assert events == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
+    pause = [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
+    assert events in (pause, 2 * pause)  # a quick participant is there before the first half second of the sensor
     assert len(list(played.glob("*.npz"))) == 2
     assert validate(data).defects == ()
 
