@@ -176,7 +176,10 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
         time.sleep(0.01)
     child.send_signal(signal.SIGINT)
     _, said = child.communicate()
-    assert (child.returncode, said.strip()) == (130, "tactometry: interrupted; what was recorded is safe")
+    assert (child.returncode, said.strip()) == (
+        130,
+        "tactometry: interrupted; what was recorded is safe: go on with --resume",
+    )
     call(capsys, *words, "--out", stopped, "--resume")
     kept = {name: content for name, content in files(stopped).items() if "_interruptions" not in name}
     assert kept == files(whole)

@@ -272,6 +272,7 @@ def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never
     assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
     bench.press(PRESS)
     terminal.shows("trial 3: tone 5")
+    assert terminal._seen.count(b"valid") == 2
 
 
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):

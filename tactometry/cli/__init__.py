@@ -84,10 +84,9 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         with private():
             status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
-    except click.Abort:
-        status = _complain("interrupted; what was recorded is safe", 130)
-    except KeyboardInterrupt:
-        status = _complain("interrupted; what was recorded is safe", 130)
+    except (click.Abort, KeyboardInterrupt):
+        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"]) else ""
+        status = _complain(f"interrupted; what was recorded is safe{way}", 130)
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:

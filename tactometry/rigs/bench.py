@@ -322,9 +322,10 @@ class Bench:
     @safely
     def record(self, request: Record) -> Done:
         trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
-        self._tally = self._tally.after(trial)
-        response = "no answer" if trial.response is None else f"{trial.response}"
-        self._desk.add(f"{response}, {validity(trial)}")
+        before, self._tally = self._tally, self._tally.after(trial)
+        if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
+            response = "no answer" if trial.response is None else f"{trial.response}"
+            self._desk.add(validity(trial) if trial.task == "rating" else f"{response}, {validity(trial)}")
         self._desk.end_line()
         if request.aborted:
             self._desk.tell(f"! {request.aborted}")

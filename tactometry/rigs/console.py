@@ -249,7 +249,9 @@ class Console:
 
     def _fill_one(self, request: Fill, question: Question) -> float | None:
         statement, left, right = self._texts.question(question)
-        prompt = f"{statement} ({request.low:g} = {left}, {request.high:g} = {right}; - leaves it open):".lstrip()
+        step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
+        by = "" if step == 1 else f", in steps of {step:g}"
+        prompt = f"{statement} ({request.low:g} = {left}, {request.high:g} = {right}{by}; - leaves it open):".lstrip()
         value, _, _ = self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))
         assert value is None or isinstance(value, float)
         return value
