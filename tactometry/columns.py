@@ -53,7 +53,9 @@ OPTIONAL = (
     Column("attempt", "Number of the attempt at this trial, from 1"),
     Column("catch", "1: catch trial without stimulus (or with two standards), 0: not"),
     Column("item", "Item of a questionnaire, or first of a pair"),
-    Column("level_delivered", "Level that was delivered, in level_unit; empty for a catch trial"),
+    Column(
+        "level_delivered", "Level that was delivered, in level_unit; empty for a catch trial and where nothing played"
+    ),
     Column("level_measured", "Level that was measured, in level_unit"),
     Column("speed_target_m_per_s", "Target speed of the finger", "m/s"),
     Column("speed_mean_m_per_s", "Mean speed of the finger during the stimulus", "m/s"),

@@ -115,8 +115,27 @@ def is_marked(described: Mapping[str, object]) -> bool:
     return isinstance(keywords, list) and KEYWORD in keywords
 
 
-def sidecar_json(columns: Sequence[Column]) -> bytes:
-    """The description of every column of a table."""
+def describe_columns(path: Path, columns: Sequence[Column]) -> None:
+    """Write the description of every column of a table; one of the same columns stays as another version wrote it.
+
+    Raises
+    ------
+    InvalidFile
+        If it can't be read or written.
+    """
+    if not path.exists() or _described(read_file(path, "the description of a table")) != [c.name for c in columns]:
+        write_atomically(path, _sidecar_json(columns))
+
+
+def _described(content: bytes) -> list[str]:
+    try:
+        found = json.loads(content)
+    except (ValueError, RecursionError):
+        return []
+    return list(found) if isinstance(found, dict) else []
+
+
+def _sidecar_json(columns: Sequence[Column]) -> bytes:
     return pretty({column.name: {"Description": column.description, "Units": column.unit} for column in columns})
 
 

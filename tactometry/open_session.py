@@ -9,10 +9,10 @@ from pathlib import Path
 
 from tactometry.agreement import is_beginning
 from tactometry.dataset import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
-from tactometry.description import NAME, SIMULATED, Design, describe, is_marked, read_description, sidecar_json
+from tactometry.description import NAME, SIMULATED, Design, describe, describe_columns, is_marked, read_description
 from tactometry.errors import InvalidFile, InvalidParameter, counted
 from tactometry.event import COLUMNS, Event, events_tsv
-from tactometry.files import drafts, read_file, replaced, write_atomically, write_whole
+from tactometry.files import drafts, read_file, replaced, write_whole
 from tactometry.formats import FORMAT, as_kept, columns_in
 from tactometry.head import Head
 from tactometry.history import exposure_before
@@ -178,7 +178,7 @@ class OpenSession:
         for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
             self._keep_surplus(path, content)
         self._keep_surplus(self._session.events(self._root), events_tsv(recording.told, self._events_columns))
-        write_atomically(self._session.sidecar(self._root), sidecar_json(self._columns))
+        describe_columns(self._session.sidecar(self._root), self._columns)
         self._file = replaced(self._trials, content)
         if recording.told:
             self._events_file = self._new_events(recording.told)
@@ -214,7 +214,7 @@ class OpenSession:
 
     def _new_events(self, events: Sequence[Event]) -> int:
         path = self._session.events(self._root)
-        write_atomically(path.with_suffix(".json"), sidecar_json(self._events_columns))
+        describe_columns(path.with_suffix(".json"), self._events_columns)
         return replaced(path, events_tsv(events, self._events_columns))
 
 

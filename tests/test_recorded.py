@@ -9,7 +9,7 @@ from command_line import call
 
 RECORDED = Path(__file__).with_name("recorded")
 DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
-SIMULATED = sorted(set(DATA_SETS) - {"bench", "bench-repeated", "console"})
+SIMULATED = sorted(set(DATA_SETS) - {"bench", "bench-repeated", "console", "format-2-console"})
 
 
 def files(root):

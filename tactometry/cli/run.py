@@ -42,7 +42,10 @@ def command(
     dry_run: bool,
     as_json: bool,
 ) -> int:
-    """Run a session of STUDY (a built-in name or a path)."""
+    """Run a session of STUDY (a built-in name or a path).
+
+    Exit status 1 if a block, or a track of it, did not come to its end.
+    """
     from tactometry.cli.rigs import RIGS
     from tactometry.dataset import Session
     from tactometry.experiments.bench_file import load_bench
