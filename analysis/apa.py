@@ -94,10 +94,17 @@ def simple_sentences(found: pd.DataFrame, by: str) -> list[str]:
 
 
 def _f_text(row: "pd.Series[Any]") -> str:
-    """F with its degrees of freedom, corrected where they are."""
-    first, second = (row[name] * row["eps_CM"] for name in ("ddof1", "ddof2"))
-    degrees = f"{first:.2f}, {second:.2f}" if row["eps_CM"] < 1 else f"{first:.0f}, {_df(second)}"
-    return f"F({degrees}) = {row['F']:.2f}"
+    return f_text(row["F"], row["ddof1"], row["ddof2"], row["eps_CM"])
+
+
+def f_text(f: float, first: float, second: float, epsilon: float = 1.0) -> str:
+    """F with its degrees of freedom, corrected where they are.
+
+    >>> f_text(8.1, 2, 14), f_text(8.1, 2, 14, 0.9), f_text(8.1, 1, 10.8)
+    ('F(2, 14) = 8.10', 'F(1.80, 12.60) = 8.10', 'F(1, 10.8) = 8.10')
+    """
+    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if epsilon < 1 else f"{first:.0f}, {_df(second)}"
+    return f"F({degrees}) = {f:.2f}"
 
 
 def permutation_sentences(tested: pd.DataFrame) -> list[str]:

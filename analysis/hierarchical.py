@@ -259,11 +259,12 @@ def _components(
     sd = np.sqrt(np.diagonal(covariance))
     kinds = [0, 1, *range(2, len(sd), study.n_conditions)]
     units = (spread, 1.0, spread, 1.0)
-    named = {name: float(unit * sd[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
+    told = np.where(sd > ZERO_SD, sd, 0.0)
+    named = {name: float(unit * told[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
     if not study.width_varies:
         named.pop("log_width")
-    told = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
-    return MappingProxyType(named), float(covariance[0, 1] / (sd[0] * sd[1])) if told else None
+    correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
+    return MappingProxyType(named), float(covariance[0, 1] / (sd[0] * sd[1])) if correlated else None
 
 
 __all__ = ["Contrast", "Effect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]

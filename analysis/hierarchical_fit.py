@@ -9,9 +9,11 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
+from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 from scipy.stats import t as t_distribution
 
+from tactometry.analysis.contrasts import epsilons
 from tactometry.analysis.counts import Array
 from tactometry.errors import InvalidParameter
 
@@ -52,12 +54,14 @@ class Contrast:
 
 @dataclass(frozen=True)
 class Effect:
-    """Wald's F of an effect with its degrees of freedom and p."""
+    """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it. With
+    infinite `df_error` it is no F but a chi-square over its degrees of freedom."""
 
     f: float
     df: int
-    df_error: int
+    df_error: float
     p: float
+    epsilon: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -68,8 +72,8 @@ class HierarchicalFit:
     ----------
     conditions : DataFrame
         Per condition (a column per factor) `threshold`, `standard_error`, `interval_low`, `interval_high`, `width`,
-        `width_low`, `width_high`, `status`; a threshold outside of the levels is missing and one end of its interval is
-        a bound. For ``weibull`` widths and standard errors are of logarithms of the level.
+        `width_low`, `width_high`, `status`; a threshold outside of the levels is missing, with one end of its
+        interval where the model holds it. For ``weibull`` widths and standard errors are of logarithms of the level.
     participants : DataFrame
         The same per participant and condition, with `n_trials`: shrunken estimates with intervals that count the
         uncertainty of the group's means, not that of the variances.
@@ -129,19 +133,44 @@ class HierarchicalFit:
     def effect(self, *factors: str, of: str = "threshold") -> Effect:
         """Wald's test of a main effect, or of the interaction of several factors, in a complete factorial.
 
-        The error has df (n - 1) degrees of freedom, since the deviations of the cells have one variance (the sphericity
-        of the repeated-measures analysis).
+        The error has df (n - 1) degrees of freedom, as in the repeated-measures analysis: the model has one variance
+        for the deviations of all cells. Where participants' thresholds (or widths) show that they are not alike, both
+        degrees are corrected by Chi and Muller's epsilon (`contrasts.epsilons`). Where that variance is 0, nothing but
+        the answers makes an error, which their number and no variance of participants tells: it has no degrees of
+        freedom, and p is that of Wald's chi-square, df f.
 
         Raises
         ------
         InvalidParameter
-            For an unknown factor, an incomplete factorial, and as for `contrast`.
+            For an unknown factor, an incomplete factorial, conditions whose widths were taken to be the same, and as
+            for `contrast`.
         """
-        rows = self._rows(self._effect_weights(factors), of)
+        weights = self._effect_weights(factors)
+        rows = self._rows(weights, of)
+        if np.linalg.matrix_rank(rows) < len(rows):
+            raise InvalidParameter(
+                f"of: found {of!r} over {', '.join(factors)}, expected conditions whose widths are their own (width_by)"
+            )
         differences, df = rows @ self.means, len(rows)
         f = float(differences @ np.linalg.solve(rows @ self.covariance @ rows.T, differences)) / df
-        df_error = df * (self.n_participants - 1)
-        return Effect(f, df, df_error, float(f_distribution.sf(f, df, df_error)))
+        if not self.components.get(f"{of}_cell"):
+            return Effect(f, df, np.inf, float(chi2.sf(df * f, df)))
+        df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
+        return Effect(f, df, df_error, float(f_distribution.sf(f, epsilon * df, epsilon * df_error)), epsilon)
+
+    def _epsilon(self, weights: Array, of: str) -> float:
+        """Chi and Muller's, of the participants who have an estimate in every condition; the least there is without
+        three of them."""
+        names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
+        wide = self.participants.pivot(index="participant", columns=names, values=column)
+        keys = [key if len(key) > 1 else key[0] for key in self._keys()]
+        values = wide[keys].dropna().to_numpy(dtype=np.float64)
+        if len(values) < 3:
+            return 1 / len(weights)
+        contrast = np.linalg.qr(weights.T)[0]
+        scores = (np.log(values) if of == "log_width" else values) @ contrast
+        covariance = np.asarray(np.cov(scores, rowvar=False), dtype=np.float64).reshape(len(weights), -1)
+        return epsilons(covariance, len(values) - 1)[2]
 
     def _keys(self) -> list[tuple[float | str, ...]]:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]

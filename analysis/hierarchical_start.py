@@ -49,11 +49,6 @@ class Alone:
         ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
         return np.array(ends, dtype=np.float64)
 
-    def bounds(self) -> Array:
-        """Of each condition (n_conditions, 2), with every participant's threshold at its own bound; NaN for none."""
-        used = [[one.n_trials > 0 for one in cell] for cell in self.cells]
-        return np.array([own[here].mean(axis=0) for own, here in zip(self.own_bounds(), used, strict=True)])
-
     def width_bounds(self) -> Array:
         """The upper bound of each condition's width, from its answers together; NaN for none."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])

@@ -156,11 +156,10 @@ def cells(model: MixedModel, found: MixedFit) -> tuple[Array, ...]:
 
 
 def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
-    """Of the means; where no participant tells a threshold, a bound or none."""
+    """Of the means; where no participant tells a threshold, its status alone: bounds of participants bound no mean."""
     low, high, _ = study.ranges()
     status = [_placed(*each) for each in zip(alone.statuses(), place.threshold, low, high, strict=True)]
-    lost = np.isnan(place.threshold) & [each in CENSORED for each in status]
-    table = _table(layout, place, status, np.where(lost[:, None], alone.bounds(), place.ends(reach)), reach)
+    table = _table(layout, place, status, place.ends(reach), reach)
     if alone.separated:
         widest = np.where(table["width"].isna(), np.nan, layout.spread * alone.width_bounds())
         table = table.assign(width=np.nan, width_low=np.nan, width_high=widest)

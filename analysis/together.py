@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from tactometry.analysis import apa
 from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, shape_of
 from tactometry.analysis.hierarchical import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
 from tactometry.analysis.number_text import interval_text, number_text
+from tactometry.analysis.status import Status
 from tactometry.errors import InvalidParameter
 
 MOST_CELLS = 500
@@ -41,11 +43,14 @@ class Together:
         """Effects, variances and rates, and what a reader must know."""
         if self.fit is None:
             return [self.note]
-        tested = [
-            f"{name}: Wald's F({one.df}, {one.df_error}) = {one.f:.2f}, {apa.p_text(one.p)}"
-            for name, one in self.effects.items()
-        ]
+        tested = [f"{name}: Wald's {_statistic(one)}, {apa.p_text(one.p)}" for name, one in self.effects.items()]
         return [*tested, *_variance_sentences(self.fit, unit), *([self.note] if self.note else [])]
+
+
+def _statistic(one: Effect) -> str:
+    if np.isinf(one.df_error):
+        return f"chi-square({one.df}) = {one.df * one.f:.2f} (participants' deviations by condition have no variance)"
+    return apa.f_text(one.f, one.df, one.df_error, one.epsilon)
 
 
 def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
@@ -136,21 +141,25 @@ def _effects(
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
     parts = [part for r in range(1, len(varied) + 1) for part in combinations(varied, r)]
-    several = len(quantities) > 1
-    try:
-        return {
-            " * ".join(part) + (f" on the {QUANTITIES[of]}" if several else ""): fit.effect(*part, of=of)
-            for of in quantities
-            for part in parts
-        }, ""
-    except InvalidParameter as refusal:
-        return {}, f"no test of effects: {refusal}"
+    several, notes = len(quantities) > 1, []
+    found: dict[str, Effect] = {}
+    for of in quantities:
+        where = f" on the {QUANTITIES[of]}" if several else ""
+        try:
+            found |= {" * ".join(part) + where: fit.effect(*part, of=of) for part in parts}
+        except InvalidParameter as refusal:
+            notes.append(f"no test of effects: {refusal}")
+    return found, "; ".join(notes)
 
 
 def _text(row: "pd.Series[Any]") -> str:
+    """The threshold with its interval; where the mean lies outside of the levels that end of it which the model holds,
+    and where no participant has a threshold on which side they lie."""
     low, high = row["interval_low"], row["interval_high"]
     if pd.notna(row["threshold"]):
         return interval_text(row["threshold"], low, high)
     if pd.notna(high):
         return f"< {number_text(high)}"
-    return f"> {number_text(low)}" if pd.notna(low) else "none"
+    if pd.notna(low):
+        return f"> {number_text(low)}"
+    return {Status.BELOW: "all below the levels", Status.ABOVE: "all above the levels"}.get(row["status"], "none")

@@ -1,15 +1,19 @@
 """All participants at once: derivatives, truths found again, real data, and the cases where the data say little."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from hard_cases import exact_case
+from scipy.linalg import helmert
 from scipy.special import ndtri
-from scipy.stats import binom
+from scipy.stats import binom, chi2
+from scipy.stats import f as fisher
 
+from tactometry.analysis.contrasts import epsilons
 from tactometry.analysis.hierarchical import GroupStatus, HierarchicalFit, fit_hierarchical
 from tactometry.analysis.hierarchical_table import Layout
 from tactometry.analysis.laplace import inner_mode, log_marginal
@@ -189,13 +193,15 @@ def test_a_missing_cell_stays_empty(study) -> None:
     assert found.conditions["threshold"].notna().all()
 
 
-def test_a_condition_without_a_threshold_is_left_out_with_its_bound(study) -> None:
+def test_a_condition_without_a_threshold_is_left_out_and_has_no_bound_of_its_mean(study) -> None:
+    """Its participants have theirs."""
     rows = study[0].copy()
     rows.loc[rows["force_n"] == 0.5, "k"] = 20
     found = fitted(rows)
     assert found.conditions["status"].tolist() == ["threshold_below_range", "ok"]
     assert pd.isna(found.conditions["threshold"][0])
-    assert found.conditions["interval_high"][0] < 6
+    assert found.conditions.loc[0, ["interval_low", "interval_high"]].isna().all()
+    assert (found.participants.query("force_n == 0.5")["interval_high"] < 6).all()
     with pytest.raises(InvalidParameter, match="conditions: found no mean threshold for .*threshold_below_range"):
         found.contrast({(1.0,): 1.0, (0.5,): -1.0})
 
@@ -302,11 +308,63 @@ def test_effects_of_a_factorial() -> None:
         rows["level"], rows["k"], rows["n"], rows["participant"], conditions, shape="normal", guess_rate=0.5
     )
     frequency, both = found.effect("frequency_hz"), found.effect("frequency_hz", "force_n")
-    assert (frequency.df, frequency.df_error, both.df) == (1, 7, 1)
+    assert (frequency.df, both.df) == (1, 1)
+    assert frequency.df_error == (7 if found.components["threshold_cell"] else np.inf)
     assert frequency.p < 1e-3
     assert both.p > RARE
     weights = {(60.0, 0.5): 0.5, (60.0, 1.0): 0.5, (240.0, 0.5): -0.5, (240.0, 1.0): -0.5}
     assert found.contrast(weights).t ** 2 == pytest.approx(frequency.f, rel=1e-9)
+
+
+def test_without_a_variance_of_participants_deviations_there_is_no_f(study) -> None:
+    found = fitted(study[0])
+    none = replace(found, components={**found.components, "threshold_cell": 0.0}).effect("force_n")
+    assert none.df_error == np.inf
+    assert none.p == pytest.approx(float(chi2.sf(none.f, 1)), rel=1e-9)
+
+
+def test_uneven_deviations_cost_degrees_of_freedom() -> None:
+    """As the covariance of the participants' thresholds says."""
+    rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
+    found = fitted(rows)
+    noise = np.random.default_rng().normal(0, 9, 6)
+    table = found.participants
+    uneven = replace(
+        found,
+        components={**found.components, "threshold_cell": 1.0},
+        participants=table.assign(threshold=table["threshold"] + np.outer(noise, [0, 0, 1]).ravel()),
+    )
+    one, other = (each.effect("force_n") for each in (found, uneven))
+    values = uneven.participants.pivot(index="participant", columns="force_n", values="threshold").to_numpy()
+    expected = epsilons(np.cov(values @ helmert(3).T, rowvar=False), 5)[2]
+    assert other.epsilon == pytest.approx(expected, rel=1e-9)
+    assert other.epsilon < 0.9
+    assert other.f == one.f
+    assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
+
+
+def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
+    with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
+        fitted(study[0]).effect("force_n", of="log_width")
+
+
+@pytest.mark.skipif(not SOAK, reason="a hundred seconds and more; in the soak")
+def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
+    rng, n_studies = np.random.default_rng(), 400
+    found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
+    assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
+
+
+def noisy(rng) -> pd.DataFrame:
+    """Ten participants, four conditions of one mean, the first with deviations three times as large."""
+    rows = []
+    for p in range(10):
+        own = 18.0 + 2.0 * rng.normal()
+        for condition, sd in enumerate((3.0, 1.0, 1.0, 1.0)):
+            curve = PsychometricFunction("normal", own + sd * rng.normal(), WIDTH, 0.02, LAPSE_RATE)
+            k = rng.binomial(20, curve.probability(LEVELS))
+            rows += [(f"P{p}", condition, x, each, 20) for x, each in zip(LEVELS, k, strict=True)]
+    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"])
 
 
 @pytest.mark.parametrize(
