@@ -85,6 +85,7 @@ def fit_glmm(
     lapse_rate: float = 0.0,
     n_nodes: int = 1,
     expected: bool = False,
+    correlated: bool = True,
 ) -> MixedEstimate:
     """Fit a mixed model to counts of answers, one row a participant and level.
 
@@ -95,7 +96,7 @@ def fit_glmm(
     fixed : mapping of name to (n_rows,) array_like or number
         The columns of X.
     random : sequence of str
-        The names of those that vary between participants (the columns of Z), correlated.
+        The names of those that vary between participants (the columns of Z).
     link : str
         ``probit`` or ``logit``.
     guess_rate, lapse_rate : float
@@ -106,6 +107,9 @@ def fit_glmm(
     expected : bool
         Whether Laplace's approximation takes the expected information instead of the observed. lme4 does; with the
         probit link the observed is nearer to the quadrature.
+    correlated : bool
+        Whether the random effects have correlations of their own, or none (lme4's ``||``), which few participants tell
+        more easily.
 
     Raises
     ------
@@ -129,7 +133,7 @@ def fit_glmm(
     if not used.any():
         return _nothing(MixedStatus.NO_DATA)
     columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
-    design = _Design.of(columns, random, names[used], k[0, used], (n - k)[0, used])
+    design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
     return design.fitted(SHAPES[LINKS[link]], (guess_rate, lapse_rate), n_nodes, expected=expected)
 
 
@@ -160,10 +164,17 @@ class _Design:
     fixed: Array
     answers: tuple[Array, Array]
     participants: tuple[str, ...]
+    correlated: bool
 
     @classmethod
     def of(
-        cls, columns: Mapping[str, Array], random: Sequence[str], participants: NDArray[np.str_], yes: Array, no: Array
+        cls,
+        columns: Mapping[str, Array],
+        random: Sequence[str],
+        participants: NDArray[np.str_],
+        answers: tuple[Array, Array],
+        *,
+        correlated: bool,
     ) -> _Design:
         matrix = np.stack(list(columns.values()), axis=1)
         if np.linalg.matrix_rank(matrix) < matrix.shape[1]:
@@ -173,8 +184,9 @@ class _Design:
             )
         scale = np.sqrt(np.square(matrix).mean(axis=0))
         who, cluster = np.unique(participants, return_inverse=True)
-        laid = clustered(cluster, matrix / scale, yes, no)
-        return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), tuple(str(one) for one in who))
+        laid = clustered(cluster, matrix / scale, *answers)
+        names = tuple(str(one) for one in who)
+        return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), names, correlated)
 
     def fitted(self, shape: Shape, asymptotes: tuple[float, float], n_nodes: int, *, expected: bool) -> MixedEstimate:
         model = self._model(shape, asymptotes, expected=expected)
@@ -199,6 +211,8 @@ class _Design:
 
         fixed = self.fixed[:, :, None, :]
         basis = triangular_basis(len(places) if len(self.participants) > 1 else 0, len(places))
+        if not self.correlated:
+            basis = basis[basis.trace(axis1=1, axis2=2) > 0]
         return MixedModel(
             log_likelihood, fixed, fixed[..., places], basis, information=information if expected else None
         )

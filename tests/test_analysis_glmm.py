@@ -182,3 +182,16 @@ def test_refuses_what_it_does_not_know(options, message) -> None:
 def test_refuses_columns_that_depend_on_each_other() -> None:
     with pytest.raises(InvalidParameter, match=r"fixed: found columns \(one, two\) that depend on each other"):
         fit_glmm([1, 2, 3], 10, ["A", "B", "C"], fixed={"one": 1.0, "two": 2.0}, random=())
+
+
+def test_uncorrelated_effects_have_the_likelihood_of_independent_integrals() -> None:
+    found, whole = (fitted(correlated=correlated, n_nodes=15) for correlated in (False, True))
+    assert found.correlation.tolist() == [[1.0, 0.0], [0.0, 1.0]]
+    assert found.log_likelihood < whole.log_likelihood
+    points, weights = np.polynomial.hermite_e.hermegauss(81)
+    own, slope = (sd * points for sd in (found.sd["intercept"], found.sd["level"]))
+    intercept = found.effects["intercept"] + own[:, None, None]
+    chance = ndtr(intercept + (found.effects["level"] + slope[:, None]) * LEVELS)
+    of_all = [np.prod(chance**k * (1 - chance) ** (N_TRIALS - k), axis=-1) for k in COUNTS]
+    total = sum(np.log(weights @ each @ weights / (2 * np.pi)) for each in of_all)
+    hard_case("uncorrelated random effects", found.log_likelihood, total, 1e-6, against="an integral")
