@@ -37,7 +37,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench pages stability constraints platforms clean system
+.PHONY: help demo test soak static check bench pages keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -67,6 +67,9 @@ bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 pages: $(VENV)/.test ## write docs/cost.md (what accuracy costs) and docs/stability.md (hard cases) anew
 	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
 	$(MAKE) --no-print-directory stability
+
+keys: $(VENV)/.core ## write the tables of keys in docs/studies.md and docs/procedures.md anew
+	@$(BIN)/python -m tactometry.experiments.key_tables
 
 stability: system $(VENV)/.test ## write docs/stability.md from the hard cases of the tests
 	@$(BIN)/python -m pytest -q --stability

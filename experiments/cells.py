@@ -20,11 +20,15 @@ Factors = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class StimulusKind:
-    """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share."""
+    """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
+
+    `stands` says that it is at one place, which a finger that slides would leave.
+    """
 
     stimulus: str
     sensation: str
     shared: tuple[str, ...] = ()
+    stands: bool = False
 
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
@@ -32,6 +36,7 @@ FOCUSING = StimulusKind(
     "tactometry.stimuli.time_reversal.focus_train:FocusTrain",
     "tactometry.stimuli.time_reversal.sensation:TimeReversalSensation",
     ("setup",),
+    stands=True,
 )
 STIMULI: Mapping[str, StimulusKind] = {
     **{
@@ -49,7 +54,7 @@ STIMULI: Mapping[str, StimulusKind] = {
     "focus": FOCUSING,
     "pattern": FOCUSING,
     "measured_focus": StimulusKind(
-        FOCUSING.stimulus, "tactometry.stimuli.time_reversal.reading:FocusReading", FOCUSING.shared
+        FOCUSING.stimulus, "tactometry.stimuli.time_reversal.reading:FocusReading", FOCUSING.shared, stands=True
     ),
     "hybrid": StimulusKind("tactometry.stimuli.hybrid:Hybrid", "tactometry.stimuli.hybrid:HybridSensation", ("setup",)),
 }
@@ -106,6 +111,11 @@ class Wiring:
         of = tables(self._study, factors)
         kind: StimulusKind = kind_of(of["stimulus"], "stimulus", STIMULI)
         stimulus_class, touch_class = resolve(kind.stimulus), kind_of(of["touch"], "touch", TOUCHES)
+        if kind.stands and touch_class is Sliding:
+            raise InvalidParameter(
+                f"touch.kind: found 'slide' with the stimulus {of['stimulus']['kind']!r}, expected 'press': a finger "
+                "that slides leaves a focus; take 'hybrid' for a focus and friction at once"
+            )
         of_stimulus, of_touch = _fields(factors, stimulus_class), _fields(factors, touch_class)
         self._check_effect(factors, of, stimulus_class, touch_class)
         stimulus = build(stimulus_class, {**without(of["stimulus"], "kind"), **of_stimulus}, "stimulus")

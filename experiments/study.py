@@ -15,7 +15,7 @@ from tactometry.limits import Limits
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.quantity import as_si
-from tactometry.require import repeated
+from tactometry.require import given, positive, repeated
 from tactometry.strict import build
 from tactometry.toml import located, table_of
 
@@ -49,6 +49,9 @@ class PlanTable:
     interleave: tuple[str, ...] = ()
     orders: dict[str, tuple[str, ...]] = field(default_factory=dict)
     longest_s: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("PlanTable", **given({"longest_s": self.longest_s}))
 
     @property
     def rules(self) -> dict[str, str]:

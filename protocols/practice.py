@@ -37,11 +37,12 @@ class Practice:
         whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         if not self.levels:
             raise InvalidParameter("Practice.levels: found no level, expected at least one")
-        for name, high in (("n_correct", self.n_of), ("n_of", self.n_trials)):
+        for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
+            high = getattr(self, most)
             if getattr(self, name) > high:
                 raise InvalidParameter(
-                    f"Practice.{name}: found {getattr(self, name)}, expected from 1 to {high}; it must be possible "
-                    "to meet the criterion"
+                    f"Practice.{name}: found {getattr(self, name)}, expected from 1 to {high}, {most}; it must be "
+                    "possible to meet the criterion"
                 )
 
     @property

@@ -13,7 +13,7 @@ from tactometry.protocols.parameter_grid import NARROWEST, ParameterGrid
 from tactometry.protocols.posterior import Posterior, Stop, mean_sd
 from tactometry.protocols.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
-from tactometry.require import finite, one_of, positive
+from tactometry.require import below_1, finite, one_of, positive
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
@@ -100,9 +100,7 @@ class Quest:
         self._check_rates()
 
     def _check_rates(self) -> None:
-        for name in ("guess_rate", "blind_share"):
-            if not 0 <= getattr(self, name) < 1:
-                raise InvalidParameter(f"Quest.{name}: found {getattr(self, name):g}, expected 0 to below 1")
+        below_1("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
         if not self.guess_rate < self.target < 1 - self.lapse_rate:
             raise InvalidParameter(
                 f"Quest.target: found {self.target:g}, expected a chance between the asymptotes "

@@ -9,35 +9,37 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.parameter_grid import ParameterGrid
 from tactometry.protocols.quest_plus import Aim, Criterion, QuestPlus
-from tactometry.require import finite, is_number, numbers, one_of, whole
+from tactometry.require import below_1, finite, is_number, numbers, one_of, whole
 
 Spacing = Literal["linear", "log"]
 MOST_VALUES = 10_000
 """Of one grid."""
 
 
-def spaced(low: float, high: float, n: int, spacing: Spacing, where: str) -> tuple[float, ...]:
-    """`n` values from `low` to `high`, with equal steps or equal ratios.
+def spaced(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
+    """Values with equal steps or equal ratios: the lowest, the highest and how many, by the names that a caller gave.
 
     Raises
     ------
     InvalidParameter
-        If they make no rising grid; `where` opens the sentence.
+        If they make no rising grid; `owner` and the name open the sentence.
 
-    >>> spaced(1.0, 100.0, 3, "log", "levels")
+    >>> spaced("levels", "log", low=1.0, high=100.0, n=3)
     (1.0, 10.0, 100.0)
     """
-    finite(where, low=low, high=high)
-    whole(where, lowest=1, highest=MOST_VALUES, n=n)
-    one_of(f"{where}.spacing", spacing, get_args(Spacing))
+    (of_low, low), (of_high, high), (of_n, n) = grid.items()
+    finite(owner, **{of_low: low, of_high: high})
+    whole(owner, lowest=1, highest=MOST_VALUES, **{of_n: n})
+    n = int(n)
+    one_of(f"{owner}.spacing", spacing, get_args(Spacing))
     if n > 1 and not low < high:
-        raise InvalidParameter(f"{where}: found {n} values from {low:g} to {high:g}, expected a rising grid")
+        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected less than {of_high} ({high:g})")
     if spacing == "log" and low <= 0:
-        raise InvalidParameter(f"{where}: found a log grid from {low:g}, expected one that begins above 0")
+        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected above 0 (values with equal ratios)")
     if n == 1:
         return (low,)
-    grid = np.linspace(low, high, n) if spacing == "linear" else np.geomspace(low, high, n)
-    return tuple(float(value) for value in grid)
+    values = np.linspace(low, high, n) if spacing == "linear" else np.geomspace(low, high, n)
+    return tuple(float(value) for value in values)
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,9 @@ class QuestPlusSettings:
     aim: Aim = "threshold"
     criterion: Criterion = "entropy"
 
+    def __post_init__(self) -> None:
+        _ = self._levels(), self._grid()
+
     def procedure(self) -> QuestPlus:
         levels, grid = self._levels(), self._grid()
         prior = {} if self.width_prior_factor is None else {"width": self._width_prior(grid.widths)}
@@ -105,17 +110,19 @@ class QuestPlusSettings:
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
     def _levels(self) -> tuple[float, ...]:
-        return spaced(self.low, self.high, self.n_levels, self.spacing, "QuestPlusSettings.levels")
+        bounds = {"low": self.low, "high": self.high, "n_levels": self.n_levels}
+        return spaced("QuestPlusSettings", self.spacing, **bounds)
 
     def _grid(self) -> ParameterGrid:
         thresholds = spaced(
-            self.low if self.threshold_low is None else self.threshold_low,
-            self.high if self.threshold_high is None else self.threshold_high,
-            self.n_levels if self.n_thresholds is None else self.n_thresholds,
+            "QuestPlusSettings",
             self.spacing,
-            "QuestPlusSettings.thresholds",
+            threshold_low=self.low if self.threshold_low is None else self.threshold_low,
+            threshold_high=self.high if self.threshold_high is None else self.threshold_high,
+            n_thresholds=self.n_levels if self.n_thresholds is None else self.n_thresholds,
         )
-        widths = spaced(self.width_low, self.width_high, self.n_widths, "log", "QuestPlusSettings.widths")
+        bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
+        widths = spaced("QuestPlusSettings", "log", **bounds)
         return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)
 
 
@@ -157,13 +164,21 @@ class PsiSettings:
     n_trials: int = 60
     sd_stop: float | None = None
 
+    def __post_init__(self) -> None:
+        _ = self._levels(), self._sds()
+        below_1("PsiSettings", guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
+
+    def _levels(self) -> tuple[float, ...]:
+        return spaced("PsiSettings", "linear", low=self.low, high=self.high, n_levels=self.n_levels)
+
+    def _sds(self) -> tuple[float, ...]:
+        return spaced("PsiSettings", "log", sd_low=self.sd_low, sd_high=self.sd_high, n_sds=self.n_sds)
+
     def procedure(self) -> QuestPlus:
-        levels = spaced(self.low, self.high, self.n_levels, "linear", "PsiSettings.levels")
-        sds = spaced(self.sd_low, self.sd_high, self.n_sds, "log", "PsiSettings.sds")
         return psi(
-            levels,
-            levels,
-            sds,
+            self._levels(),
+            self._levels(),
+            self._sds(),
             guess_rate=self.guess_rate,
             lapse_rate=self.lapse_rate,
             n_trials=self.n_trials,

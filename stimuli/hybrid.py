@@ -11,6 +11,7 @@ import numpy as np
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
+from tactometry.require import positive
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
@@ -169,6 +170,9 @@ class HybridSensation:
     setup: Setup = field(default_factory=Setup)
     friction: ElectrovibrationSensation = field(default_factory=ElectrovibrationSensation)
     reference_m: float = 10e-6
+
+    def __post_init__(self) -> None:
+        positive("HybridSensation", reference_m=self.reference_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a drive of all transducers and the electrode under a finger; ``-inf`` for nothing.

@@ -44,17 +44,38 @@ _COMPOUND = {
     "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}),
     "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
 }
+_RATIOS = {"_rad": "rad", "_db": "dB"}
+"""Which a file writes as plain numbers."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 
 
 def unit_suffix(name: str) -> str | None:
-    """The unit suffix of a name, or None.
+    """The unit suffix of a name, or None; a part of a unit that has no name here (N/V in ``moment_n_per_v``) is none.
 
-    >>> unit_suffix("speed_m_per_s"), unit_suffix("force_n"), unit_suffix("repeats")
-    ('m_per_s', 'n', None)
+    >>> unit_suffix("speed_m_per_s"), unit_suffix("force_n"), unit_suffix("repeats"), unit_suffix("moment_n_per_v")
+    ('m_per_s', 'n', None, None)
     """
-    fitting = [suffix for suffix in (*_COMPOUND, *_SI) if name.endswith(f"_{suffix}")]
+    ending = [suffix for suffix in (*_COMPOUND, *_SI) if name.endswith(f"_{suffix}")]
+    fitting = [suffix for suffix in ending if not name.removesuffix(f"_{suffix}").endswith("_per")]
     return max(fitting, key=len, default=None)
+
+
+def unit_in(name: str) -> str:
+    """The unit that a name ends with, ratios of units too; empty without one.
+
+    >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
+    ('N', 'N/V', 'Hz/(m/s)', '')
+    """
+    suffix = unit_suffix(name)
+    if suffix is not None:
+        return units(suffix)[0]
+    if name.endswith(tuple(_RATIOS)):
+        return _RATIOS[name[name.rindex("_") :]]
+    for per in re.finditer("_per_", name):
+        above, below = unit_in(name[: per.start()]), unit_in(f"_{name[per.end() :]}")
+        if above and below:
+            return f"{above}/({below})" if "/" in below else f"{above}/{below}"
+    return ""
 
 
 def units(suffix: str) -> tuple[str, Mapping[str, float]]:

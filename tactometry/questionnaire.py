@@ -13,7 +13,7 @@ from importlib.resources import files
 from typing import Any, Self
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.require import repeated
+from tactometry.require import repeated, whole
 from tactometry.strict import build
 from tactometry.toml import located, table_of
 
@@ -53,6 +53,9 @@ class Dimension:
     min_answered: int
     title: dict[str, str] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        whole("Dimension", lowest=1, min_answered=self.min_answered)
 
 
 @dataclass(frozen=True)

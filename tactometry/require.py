@@ -139,6 +139,18 @@ def between(owner: str, low: float, high: float, /, **values: object) -> None:
             raise _refused(owner, name, value, f"a number above {low:g} and below {high:g}")
 
 
+def below_1(owner: str, /, **values: object) -> None:
+    """Each is a number from 0 to below 1: a rate, or a coefficient of variation.
+
+    >>> below_1("Observer", lapse_rate=1.0)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Observer.lapse_rate: found 1.0, expected a number from 0 to below 1
+    """
+    for name, value in values.items():
+        if not (is_number(value) and 0 <= value < 1):
+            raise _refused(owner, name, value, "a number from 0 to below 1")
+
+
 def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
     """Each is a whole number from `lowest` to `highest`.
 

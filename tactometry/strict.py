@@ -30,16 +30,16 @@ def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (),
     if not isinstance(table, Mapping):
         raise InvalidParameter(f"{path}: found {table!r}, expected a table")
     hints = typing.get_type_hints(kind)
-    fields = {f.name: f for f in dataclasses.fields(kind) if f.init and not f.name.startswith("_")}  # type: ignore[arg-type]
-    names = [name for name in fields if name not in given and name not in hidden]
+    fields = settable(kind, hidden)
+    names = [name for name in fields if name not in given]
     for key in table:
         if key not in names:
             raise InvalidParameter(
                 f"{_join(path, key)}: found an unknown key, expected one of {', '.join(names)}{nearest(key, names)}"
             )
     for name in names:
-        if name not in table and _required(fields[name]):
-            raise InvalidParameter(f"{_join(path, name)}: found no such key, expected {_words(hints[name])}")
+        if name not in table and is_required(fields[name]):
+            raise InvalidParameter(f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}")
     values = {name: convert(hints[name], table[name], _join(path, name)) for name in names if name in table}
     try:
         return kind(**values, **given)
@@ -80,11 +80,18 @@ def convert(kind: Any, value: object, path: str) -> Any:
         inner = (match[2] or "") if match else ""
         found = _at(value, inner)
         raise InvalidParameter(
-            f"{path}{inner}: found {_shown(found)}, expected {_words(kind) if not inner else _expected(str(error))}"
+            f"{path}{inner}: found {_shown(found)}, expected {words_of(kind) if not inner else _expected(str(error))}"
         ) from None
 
 
-def _required(field: dataclasses.Field[Any]) -> bool:
+def settable(kind: type, hidden: Collection[str] = ()) -> dict[str, dataclasses.Field[Any]]:
+    """The fields of a class that a table of a file may set, by name."""
+    found = dataclasses.fields(kind)
+    return {field.name: field for field in found if field.init and field.name[0] != "_" and field.name not in hidden}
+
+
+def is_required(field: dataclasses.Field[Any]) -> bool:
+    """Whether a table must hold this field."""
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
@@ -108,8 +115,12 @@ def _shown(value: object) -> str:
     return "true" if value is True else "false" if value is False else repr(value)
 
 
-def _words(kind: Any) -> str:
-    """A type in words."""
+def words_of(kind: Any) -> str:
+    """A type in words.
+
+    >>> words_of(float), words_of(tuple[str, ...]), words_of(int | None)
+    ('a number', 'a list of texts', 'a whole number')
+    """
     simple = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
     if kind in simple:
         return simple[kind]
@@ -117,9 +128,9 @@ def _words(kind: Any) -> str:
     if origin is typing.Literal:
         return "one of " + ", ".join(map(str, inner))
     if origin in (typing.Union, types.UnionType):
-        return " or ".join(_words(part) for part in inner if part is not type(None))
+        return " or ".join(words_of(part) for part in inner if part is not type(None))
     if origin is tuple:
-        return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in _words(inner[0]).split(' or '))}"
+        return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in words_of(inner[0]).split(' or '))}"
     return "a table"
 
 

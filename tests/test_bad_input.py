@@ -13,6 +13,16 @@ from tactometry.experiments.wiring import wire
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 THRESHOLD = builtin()["electrovibration-threshold"].read_text("utf-8")
+FOCUS = builtin()["time-reversal-threshold"].read_text("utf-8")
+FALLING = """[procedure]
+kind = "psi"
+low = 40.0
+high = 0.0
+n_levels = 41
+sd_low = 1.0
+sd_high = 8.0
+
+"""
 
 STUDIES = {
     "unknown key": (
@@ -86,6 +96,28 @@ STUDIES = {
         TUTORIAL.replace("force_n = 1.0", "force_n = 9.0"),
         "s.toml, touch.force_n: found 9 N, expected one within the limits (limits.force_peak_n: found a force of up to "
         "10.8 N, the limit is 10 N; ask for less; nothing was played)",
+    ),
+    "a slide over a focus": (
+        FOCUS.replace('kind = "press"', 'kind = "slide"\nspeed_m_per_s = 0.05'),
+        "s.toml, touch.kind: found 'slide' with the stimulus 'focus', expected 'press': a finger that slides leaves a "
+        "focus; take 'hybrid' for a focus and friction at once",
+    ),
+    "a finger beside the plate": (
+        FOCUS + "[sensation]\nfinger_x_m = -1.0\n",
+        "s.toml, sensation.finger_x_m, finger_y_m: found (-1.0, 0.093) m, expected a point of the plate of 0.297 x "
+        "0.21 m",
+    ),
+    "patches without a side": (
+        FOCUS + "[stimulus.setup]\nside_m = 0.0\n",
+        "s.toml, stimulus.setup.side_m: found 0.0, expected a finite number above 0",
+    ),
+    "a grid that falls": (
+        re.sub(r"(?s)\[procedure\].*?(?=\[limits\])", FALLING, THRESHOLD),
+        "s.toml, procedure.low: found 40, expected less than high (0)",
+    ),
+    "no voltage": (
+        FOCUS.replace('pattern = "P0"', "voltage_max_v = 0.0"),
+        "s.toml, stimulus.voltage_max_v: found 0.0, expected a finite number above 0",
     ),
     "no repeats": (
         TUTORIAL.replace("repeats = 4", "repeats = 0"),

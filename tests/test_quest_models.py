@@ -265,11 +265,11 @@ def summing_to(total):
         ),
         (
             lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
-            "QuestPlusSettings.levels: found a log grid from 0",
+            "QuestPlusSettings.low: found 0, expected above 0",
         ),
         (
             lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
-            "QuestPlusSettings.levels: found 11 values from 1 to 0, expected a rising grid",
+            "QuestPlusSettings.low: found 1, expected less than high",
         ),
         (
             lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
@@ -292,10 +292,10 @@ def half_table():
         (math.nan, 1.0, 3, "grid.low: found nan"),
         (0.0, math.inf, 3, "grid.high: found inf"),
         (0.0, 1.0, 0, "grid.n: found 0"),
-        (1.0, 1.0, 2, "grid: found 2 values from 1 to 1"),
-        (2.0, 1.0, 2, "grid: found 2 values from 2 to 1"),
+        (1.0, 1.0, 2, "grid.low: found 1, expected less than high"),
+        (2.0, 1.0, 2, "grid.low: found 2, expected less than high"),
     ],
 )
 def test_values_that_make_no_rising_grid_are_refused(low, high, n, found):
     with pytest.raises(InvalidParameter, match=found):
-        spaced(low, high, n, "linear", "grid")
+        spaced("grid", "linear", low=low, high=high, n=n)

@@ -62,7 +62,7 @@ def test_ten_thousand_answers_stay_finite():
         ({"step": 50.0}, "Quest.start: found 20, low 0, high 40 and step 50, expected a start between low and high"),
         ({"target": 0.997}, r"Quest.target: found 0.997, expected a chance between the asymptotes \(0.5 and 0.995\)"),
         ({"sd_stop": 0.0}, "Quest.sd_stop: found 0.0, expected a finite number above 0"),
-        ({"guess_rate": 1.0}, "Quest.guess_rate: found 1, expected 0 to below 1"),
+        ({"guess_rate": 1.0}, "Quest.guess_rate: found 1.0, expected a number from 0 to below 1"),
         ({"target": 0.4}, r"Quest.target: found 0.4, expected a chance between the asymptotes \(0.5 and 0.995\)"),
     ],
 )

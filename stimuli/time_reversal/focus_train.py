@@ -96,7 +96,7 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        positive("FocusTrain", duration_s=self.duration_s)
+        positive("FocusTrain", duration_s=self.duration_s, voltage_max_v=self.voltage_max_v)
         _check_band(self)
         _check_times(self)
 

@@ -62,6 +62,7 @@ class FocusReading:
 
     def __post_init__(self) -> None:
         Contactor(self.contactor, self.diameter_m)
+        self.setup.plate.check_holds("FocusReading.x_m, y_m", self.place_m)
         values_at(self.setup.screen, [self.place_m], self.setup.modes_to_hz)
 
     @property

@@ -90,6 +90,7 @@ class TimeReversalSensation:
             mass_kg=self.mass_kg,
             stiffness_n_per_m=self.stiffness_n_per_m,
         )
+        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a drive under a finger; ``-inf`` in silence and without contact.

@@ -6,7 +6,7 @@ from typing import Final
 
 from tactometry.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.require import one_of, positive
+from tactometry.require import given, one_of, positive
 from tactometry.stimuli.time_reversal.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33, GLASSES
 from tactometry.stimuli.time_reversal.plate import Plate
@@ -72,7 +72,9 @@ class Setup:
 
     def __post_init__(self) -> None:
         one_of("Setup.glass", self.glass, tuple(GLASSES))
-        positive("Setup", modes_to_hz=self.modes_to_hz, learnt_s=self.learnt_s, tau_s=self.tau_s)
+        positive("Setup", modes_to_hz=self.modes_to_hz, rate_hz=self.rate_hz, learnt_s=self.learnt_s, tau_s=self.tau_s)
+        positive("Setup", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
+        positive("Setup", **given({"shear_factor": self.shear_factor}))
         self.plate.check_holds("Setup.focus", self.focus_m)
         _check_nyquist(self)
         _ = self.screen

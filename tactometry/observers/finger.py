@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidParameter
 from tactometry.request import Press, Slide
-from tactometry.require import positive
+from tactometry.require import below_1, positive
 from tactometry.speed_gate import triangle
 
 
@@ -39,11 +38,8 @@ class SimulatedFinger:
     rate_hz: float = 100.0
 
     def __post_init__(self) -> None:
-        for name in ("force_cv", "waver_cv", "speed_cv", "speed_waver_cv"):
-            if not 0 <= getattr(self, name) < 1:
-                raise InvalidParameter(
-                    f"SimulatedFinger.{name}: found {getattr(self, name)}, expected from 0 to below 1"
-                )
+        below_1("SimulatedFinger", force_cv=self.force_cv, waver_cv=self.waver_cv)
+        below_1("SimulatedFinger", speed_cv=self.speed_cv, speed_waver_cv=self.speed_waver_cv)
         positive("SimulatedFinger", waver_s=self.waver_s, rate_hz=self.rate_hz)
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:

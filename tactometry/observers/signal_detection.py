@@ -7,8 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
-from tactometry.require import finite, not_negative, positive
+from tactometry.require import below_1, finite, not_negative, positive
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
 
@@ -54,8 +53,7 @@ class SignalDetectionObserver:
         positive(owner, criterion=self.criterion, exponent=self.exponent, latency_s=self.latency_s)
         finite(owner, sensitivity_db=self.sensitivity_db)
         not_negative(owner, between_sd_db=self.between_sd_db)
-        if not 0 <= self.lapse_rate < 1:
-            raise InvalidParameter(f"{owner}.lapse_rate: found {self.lapse_rate}, expected a number from 0 to below 1")
+        below_1(owner, lapse_rate=self.lapse_rate)
 
     def participant(self, rng: np.random.Generator) -> Self:
         """One participant of the population that this observer is the mean of."""
