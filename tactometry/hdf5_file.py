@@ -1,12 +1,14 @@
 """Samples of an HDF5 file, read by a process of its own: damaged bytes can keep its library from ever coming back.
 
-`python hdf5_file.py FILE LARGEST` writes what it holds as NPZ to standard output, or one sentence to standard error.
+`python -P hdf5_file.py FILE LARGEST` writes what it holds as NPZ to standard output, or one sentence to standard error;
+`-P`, as modules beside this one have names of the standard library's.
 """
 
 import io
 import math
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,8 +16,6 @@ import numpy as np
 
 READ_WITHIN_S: Final = 30.0
 """A sound file of the largest size is read in seconds (unverified default)."""
-ABSENT: Final = 3
-"""Exit status where there is no h5py."""
 
 
 def as_npz(path: Path, largest_bytes: int) -> bytes:
@@ -28,15 +28,15 @@ def as_npz(path: Path, largest_bytes: int) -> bytes:
     ValueError
         If the file is none, is damaged, or holds links, parts of other files, or more than `largest_bytes`.
     """
-    command = [sys.executable, __file__, str(path), str(largest_bytes)]
+    if find_spec("h5py") is None:
+        raise ImportError("h5py")
+    command = [sys.executable, "-P", __file__, str(path), str(largest_bytes)]
     try:
         done = subprocess.run(command, capture_output=True, timeout=READ_WITHIN_S, check=False)
     except subprocess.TimeoutExpired:
         raise ValueError(
             f"found a file that HDF5's library did not read within {READ_WITHIN_S:g} s, expected a sound one"
         ) from None
-    if done.returncode == ABSENT:
-        raise ImportError("h5py")
     if done.returncode:
         words = done.stderr.decode("utf-8", "replace").splitlines()
         raise ValueError(words[-1] if words else "found a file that broke HDF5's library, expected a sound one")
@@ -50,8 +50,10 @@ def _own_dataset(file: Any, name: str, largest_bytes: int) -> Any:
     if not isinstance(file.get(name, getlink=True), h5py.HardLink):
         raise ValueError(f"{name}: found a link, or nothing, expected a dataset of this file")
     found = file[name]
-    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external:
-        raise ValueError(f"{name}: found a group, or samples of another file, expected a dataset of this file")
+    if not isinstance(found, h5py.Dataset):
+        raise ValueError(f"{name}: found a group, expected a dataset of this file")
+    if found.is_virtual or found.external:
+        raise ValueError(f"{name}: found values of another file, expected a dataset of this file")
     n_bytes = math.prod(found.shape or (0,)) * found.dtype.itemsize
     if n_bytes > largest_bytes:
         raise ValueError(f"{name}: found {n_bytes} bytes, expected at most {largest_bytes}")
@@ -73,8 +75,6 @@ def _written(path: str, largest_bytes: int) -> bytes:
 def _main(path: str, largest_bytes: str) -> int:
     try:
         sys.stdout.buffer.write(_written(path, int(largest_bytes)))
-    except ImportError:
-        return ABSENT
     except Exception as error:  # whatever h5py raises of damaged bytes
         print(" ".join(f"{error or type(error).__name__}".split()), file=sys.stderr)
         return 1

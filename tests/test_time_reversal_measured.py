@@ -64,8 +64,7 @@ def write_wav(h: Responses, folder) -> list:
 
 
 def write_hdf5(h: Responses, folder) -> list:
-    import h5py
-
+    h5py = pytest.importorskip("h5py", reason="the extra hdf5 is not installed")
     with h5py.File(folder / "h.h5", "w") as file:
         file["samples"], file["rate_hz"], file["quantity"] = h.samples, h.rate_hz, h.quantity
     return [folder / "h.h5"]
