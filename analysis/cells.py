@@ -73,12 +73,21 @@ def level_unit(trials: Trials) -> str:
 
 def cells(trials: Trials) -> list[Cell]:
     """The cells of all psychophysical trials, ordered by participant, condition and task."""
+    groups = answered(trials).groupby(cell_keys(trials), sort=True, observed=True)
+    return [_cell(key, part, len(trials.factors)) for key, part in groups]
+
+
+def cell_keys(trials: Trials) -> list[str]:
+    """The columns by which trials are of one cell."""
+    return ["participant", *trials.factors, "task"]
+
+
+def answered(trials: Trials) -> pd.DataFrame:
+    """The psychophysical trials that are counted, as they stand, with `yes` (1 or 0), `is_catch` and the level `x`."""
     rows = used_rows(trials)
     rows = rows[rows["task"].isin(FITTED_TASKS)]
     rows = rows.assign(yes=yes(rows), is_catch=is_catch(rows), x=delivered(rows))
-    rows = rows[rows["yes"].notna()]
-    keys = ["participant", *trials.factors, "task"]
-    return [_cell(key, part, len(trials.factors)) for key, part in rows.groupby(keys, sort=True, observed=True)]
+    return rows[rows["yes"].notna()]
 
 
 def yes(rows: pd.DataFrame) -> "pd.Series[float]":

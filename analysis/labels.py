@@ -3,8 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
 UNITS = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "m": "m", "mm": "mm", "db": "dB", "m_per_s": "m/s"}
+NAMED = 6
+"""So many cells are named one by one."""
 
 
 def title_of(name: str) -> str:
@@ -42,3 +45,13 @@ def percent_text(share: float) -> str:
 
 def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
     return ", ".join(value_of(name, value) for name, value in zip(factors, condition, strict=True)) or "all"
+
+
+def named_cells(table: pd.DataFrame, factors: Sequence[str]) -> str:
+    """Participants with their conditions, the first of them by name."""
+    names = [
+        f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}"
+        for _, row in table.head(NAMED).iterrows()
+    ]
+    more = len(table) - len(names)
+    return "; ".join(names) + (f"; and {more} more" if more else "")

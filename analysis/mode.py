@@ -102,8 +102,10 @@ def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: 
     return found[equal[np.unique(sets[equal], return_index=True)[1]]]
 
 
-def climb(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
-    """To the summit that `start` (n_sets, 4) leads to."""
+def climb(
+    shape: Shape, counts: Counts, prior: Prior, start: Array, *, small_decrement: float = SMALL_DECREMENT
+) -> Mode:
+    """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
     theta = start.copy()
     low, high = prior.bounds()
     theta = np.clip(theta, low, high)
@@ -119,7 +121,7 @@ def climb(shape: Shape, counts: Counts, prior: Prior, start: Array) -> Mode:
         part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
         here = _chosen(better, there, here)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
-        small = SMALL_DECREMENT * np.maximum(1.0, np.abs(here.value))
+        small = small_decrement * np.maximum(1.0, np.abs(here.value))
         going = (decrement > small) & ~is_endless & (part.damping < 1e15)
         theta[part.sets] = at
         if not going.any():

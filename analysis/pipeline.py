@@ -4,11 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from tactometry.analysis import adjustment, cells, group, magnitude, words
 from tactometry.analysis.amplitude_loss import loss_table, losses
 from tactometry.analysis.bradley_terry import preference_table
+from tactometry.analysis.cell_goodness import SEED, goodness_columns, goodness_table, goodness_warnings
 from tactometry.analysis.column_map import ColumnMap
 from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
 from tactometry.analysis.findings import Outcome
@@ -67,6 +69,7 @@ class Analysis:
             "seeds": list(self.origin.seeds),
             "warnings": list(self.warnings),
             "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
+            "goodness": words.plain_rows(self.tables.get("goodness", pd.DataFrame())),
             "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
             "hierarchical": [_plain_together(each, self.unit) for each in self.together],
             "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
@@ -197,6 +200,8 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
     table = cells.estimate_table(estimates, trials.factors, unit)
+    if len(table):
+        table = table.join(goodness_columns(trials, estimates, n_choices, unit, np.random.default_rng(SEED)))
     forces = force_of_participants(trials) if has_force(trials) else None
     outcomes = tuple(
         outcome(
@@ -255,6 +260,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
                 for text in words.missing_cells(choices[name], trials.factors)
             ),
             *words.warnings(trials, table, quality, n_choices),
+            *(goodness_warnings(table, trials.factors) if len(table) else []),
         ),
         methods=origin.method
         + words.methods(
@@ -323,6 +329,7 @@ def _fit_tables(table: pd.DataFrame, found: Sequence[cells.Cell], trials: Trials
         return {}
     return {
         "thresholds": table,
+        "goodness": goodness_table(table),
         "rates": group.detection_rates(found, trials.factors),
         "mean_rates": group.mean_rates(found, trials.factors),
         "counts": cells.count_table(found, trials.factors),

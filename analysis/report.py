@@ -108,6 +108,7 @@ def render(found: Analysis) -> str:
         choices={name: _grid(tables[name]) for name in words.CHOICES if name in tables},
         excluded=_grid(tables["excluded"]) if "excluded" in tables else None,
         quality=_grid(tables["quality"]),
+        goodness=_grid(tables["goodness"].rename(columns=GOODNESS_COLUMNS)) if "goodness" in tables else None,
         thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: _grid(each.participants) for each in found.together},
@@ -150,6 +151,9 @@ def _summary_grid(form: Ratings) -> Grid:
     return Grid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
 
 
+GOODNESS_COLUMNS = {
+    "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "what a small p says",
+}  # fmt: skip
 EFFECT_COLUMNS = {
     "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
     "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p", "p": "p", "p_permutation": "p", "np2": "partial eta²",
@@ -169,7 +173,7 @@ def _effects_grid(outcome: Outcome) -> Grid | None:
 def _short_thresholds(found: Analysis) -> pd.DataFrame:
     table = found.tables["thresholds"]
     wanted = ["participant", *found.trials.factors, "threshold", "interval_low", "interval_high", "jnd", "jnd_low"]
-    wanted += ["jnd_high", "width", "guess_rate", "lapse_rate", "n_trials", "n_catch", "status"]
+    wanted += ["jnd_high", "width", "guess_rate", "lapse_rate", "n_trials", "n_catch", "status", "misfit"]
     return table[[name for name in wanted if name in table.columns]]
 
 

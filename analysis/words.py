@@ -10,7 +10,7 @@ from tactometry.analysis.amplitude_loss import TASK as MEASURED_TASK
 from tactometry.analysis.cells import FITTED_TASKS
 from tactometry.analysis.findings import Outcome
 from tactometry.analysis.group_words import group_methods
-from tactometry.analysis.labels import condition_name, percent_text
+from tactometry.analysis.labels import named_cells, percent_text
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.stated import forms_of
@@ -23,8 +23,6 @@ MANY_INVALID = 0.2
 MANY_DROPPED = 0.01
 """Shares above these are warned of; unverified defaults."""
 FEW_TRIALS = 15
-NAMED = 6
-"""So many cells are named one by one."""
 STATUS_WORDS = {
     Status.BELOW: "with a threshold below the levels: its upper bound is given",
     Status.ABOVE: "with a threshold above the levels: its lower bound is given",
@@ -77,7 +75,9 @@ def missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
         held = whole.merge(part[["participant", *inside]].drop_duplicates(), how="left", indicator=True)
         lost = held[held["_merge"] == "left_only"].sort_values(["participant", *inside])
         if len(lost):
-            found.append(f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({_named(lost, inside)})")
+            found.append(
+                f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
+            )
     return found
 
 
@@ -86,7 +86,7 @@ def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     for status, text in STATUS_WORDS.items():
         part = table[table["status"] == status.value]
         if len(part):
-            found.append(f"{len(part)} of {len(table)} cells {text} ({_named(part, factors)})")
+            found.append(f"{len(part)} of {len(table)} cells {text} ({named_cells(part, factors)})")
     return found
 
 
@@ -96,17 +96,8 @@ def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
         return []
     return [
         f"{len(part)} of {len(table)} cells with fewer than {FEW_TRIALS} trials: such intervals rest on the priors "
-        f"({_named(part, factors)})"
+        f"({named_cells(part, factors)})"
     ]
-
-
-def _named(part: pd.DataFrame, factors: Sequence[str]) -> str:
-    names = [
-        f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}"
-        for _, row in part.head(NAMED).iterrows()
-    ]
-    more = len(part) - len(names)
-    return "; ".join(names) + (f"; and {more} more" if more else "")
 
 
 def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> list[str]:
@@ -134,11 +125,10 @@ def _other_tasks(trials: Trials) -> list[str]:
 
 
 def _frame_warnings(quality: pd.DataFrame) -> list[str]:
-    due = quality["n_frames"] + quality["n_dropped_frames"]
-    lost = quality.assign(n_due=due)[quality["n_dropped_frames"] > MANY_DROPPED * due]
+    lost = quality[quality["n_dropped_frames"] > MANY_DROPPED * quality["n_frames"]]
     if not len(lost):
         return []
-    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
+    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_frames}" for row in lost.itertuples(index=False)]
     return [f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(names)}"]
 
 
@@ -177,6 +167,11 @@ HIERARCHICAL = (
     "logarithms of the width with normal effects of participants, rates the same for all; maximum likelihood by "
     "Laplace's approximation; compare Moscatelli, Mezzetti & Lacquaniti 2012)."
 )
+GOODNESS = (
+    "Goodness of fit was tested by the deviance, by the residuals' bend with the level and trend with time, and by "
+    "their dispersion over stretches of ten trials (Wichmann & Hill 2001), each against up to 999 sets of answers "
+    "drawn from the fitted function at the levels as presented and fitted anew."
+)
 REFERENCES = (
     "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",
     "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
@@ -187,6 +182,8 @@ REFERENCES = (
     "paired comparisons. Biometrika, 39, 324-345.",
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
+    "Wichmann, F. A., & Hill, N. J. (2001). The psychometric function: I. Fitting, sampling, and goodness of fit. "
+    "Perception & Psychophysics, 63, 1293-1313.",
     "Schütt, H. H., Harmeling, S., Macke, J. H., & Wichmann, F. A. (2016). Painfree and accurate Bayesian "
     "estimation of psychometric functions for (potentially) overdispersed data. Vision Research, 122, 105-123.",
     "Bakeman, R. (2005). Recommended effect size statistics for repeated measures designs. Behavior Research "
@@ -272,4 +269,4 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
             "are maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile "
             "likelihood's 95 % interval for the former and Wald's, of the logarithm, for the latter."
         )
-    return parts
+    return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]
