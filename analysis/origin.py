@@ -1,4 +1,4 @@
-"""Who answered: people, or simulated participants. They are never pooled."""
+"""Who answered, and to what: people or simulated participants, never pooled, and whether anything was played."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -63,7 +63,7 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
     known = _heads(trials.path)
     mask = _simulated(trials.rows, known)
     seeds = tuple(sorted({told[0].seed for told in known.values() if told[0].rig == SIMULATED}))
-    warnings = tuple(_changes(known))
+    warnings = (*_unplayed(trials.rows), *_changes(known))
     if mask.all() and len(mask):
         origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings)
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
@@ -91,6 +91,19 @@ def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> NDArr
         keys = zip(rows["participant"], rows["session"], strict=True)
         rigs = rigs.mask(rigs == "", pd.Series([by_journal.get(key, "") for key in keys], index=rows.index))
     return np.asarray(rigs == SIMULATED)
+
+
+def _unplayed(rows: pd.DataFrame) -> Iterator[str]:
+    """A level is analysed as it was asked for where none was delivered, so it is told that nothing played.
+
+    Only rows that name their rig can tell; a level that a participant sets is never one that was delivered.
+    """
+    if not {"rig", "level_delivered"} <= set(rows.columns):
+        return
+    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & (rows["task"] != "adjustment")]
+    silent = asked[asked["level_delivered"].isna()]
+    if len(silent):
+        yield f"nothing was played where a level was to be felt ({_named(silent)}): these answers are to no stimulus"
 
 
 def _named(rows: pd.DataFrame) -> str:

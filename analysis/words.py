@@ -125,10 +125,11 @@ def _other_tasks(trials: Trials) -> list[str]:
 
 
 def _frame_warnings(quality: pd.DataFrame) -> list[str]:
-    lost = quality[quality["n_dropped_frames"] > MANY_DROPPED * quality["n_frames"]]
+    due = quality["n_frames"] + quality["n_dropped_frames"]
+    lost = quality.assign(n_due=due)[quality["n_dropped_frames"] > MANY_DROPPED * due]
     if not len(lost):
         return []
-    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_frames}" for row in lost.itertuples(index=False)]
+    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
     return [f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(names)}"]
 
 

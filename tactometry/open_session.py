@@ -189,9 +189,9 @@ class OpenSession:
     def _say_cut(self) -> None:
         if self.journal.cut:
             self._repaired.append(
-                f"the last sitting was cut off after trial {self.n_trials}; {counted(len(self.journal.cut), 'byte')} "
-                f"of the trial that was under way are kept in {self.journal.interruptions.name}, and that trial is "
-                "asked again"
+                f"the last sitting ended after {counted(self.n_trials, 'trial')}; "
+                f"{counted(len(self.journal.cut), 'byte')} of what was under way are kept in "
+                f"{self.journal.interruptions.name}, and it is asked again"
             )
 
     def _keep_surplus(self, path: Path, content: bytes) -> None:

@@ -5,9 +5,12 @@ Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
 processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
 that comes again and again, and a count of - is a gap in which nothing is sent.
+
+The network sensor sends from a request to begin until one to end, as often as it is asked.
 """
 
 import argparse
+import contextlib
 import os
 import select
 import socket
@@ -69,17 +72,20 @@ def run_udp(asked):
         line.setblocking(False)
         for n, _, values in samples(asked):
             record = RECORD.pack(n % 2**32, round(7 * asked.clock * n) % 2**32, 0, *values, 0, 0, 0)
-            for _ in range(2 if asked.twice else 1):
+            for _ in range((2 if asked.twice else 1) if address else 0):
                 line.sendto(record, address)
-            if n % 100 == 0 and ended(line):
-                return
+            if n % 100 == 0:
+                address = asker(line, address)
 
 
-def ended(line):
-    try:
-        return line.recv(64) == END
-    except BlockingIOError:
-        return False
+def asker(line, address):
+    """Who is sent to after the requests that came up to now."""
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            request, origin = line.recvfrom(64)
+            assert request in (BEGIN, END)
+            address = origin if request == BEGIN else None
+    return address
 
 
 def run_lsl(asked):

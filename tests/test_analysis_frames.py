@@ -45,7 +45,7 @@ def test_frames_are_summed_over_trials_and_told(data_set) -> None:
     assert quality["frame_interval_max_s"]["P01"] == 0.08
     assert quality["n_dropped_frames"]["P02"] == 0
     assert quality["n_dropped_frames"].isna()["P03"]
-    assert "more than 1 % of the screen's frames dropped: P01 20 of 1000" in found.warnings
+    assert "more than 1 % of the screen's frames dropped: P01 20 of 1020" in found.warnings
 
 
 def test_without_events_nothing_is_said(tmp_path) -> None:

@@ -84,6 +84,11 @@ def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_count
     }
     assert {row["level"] for row in rows_of(tmp_path / "d")} == {"10", "18", "26", "34"}
     assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
+    _, _, out = call(capsys, "analyse", tmp_path / "d", "--json")
+    assert (
+        "nothing was played where a level was to be felt (P01: 32 rows): these answers are to no stimulus"
+        in json.loads(out)["warnings"]
+    )
 
 
 def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys, monkeypatch):
@@ -93,6 +98,7 @@ def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys,
     assert len(list((tmp_path / "played").glob("*.npz"))) == 32
     assert all(row["level_delivered"] == row["level"] for row in rows_of(tmp_path / "d"))
     assert kinds(tmp_path / "d") == ["stimulus"] * 32
+    assert "nothing was played" not in call(capsys, "analyse", tmp_path / "d", "--json")[2]
     onsets_s = [float(row["onset_s"]) for row in rows_of(tmp_path / "d")]
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
 

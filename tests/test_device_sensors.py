@@ -9,6 +9,7 @@ import sys
 import time
 import uuid
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import emulator
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 from conftest import SOAK
 
+from tactometry.devices.arrival import LATE_S
 from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.counted import STEP_S
 from tactometry.devices.lsl import LslSettings
@@ -26,7 +28,7 @@ from tactometry.devices.streamed import streamed_force, streamed_position
 from tactometry.devices.udp import UdpSettings
 from tactometry.errors import DeviceFailed
 
-LISTENED_S = 600.0 if SOAK else 20.0
+N_LISTENED = 600_000 if SOAK else 3000
 KINDS = ("serial", "udp", "lsl")
 LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
 
@@ -91,7 +93,7 @@ def available(kind):
     return library is None or importlib.util.find_spec(library) is not None
 
 
-def wait_for(what, longest_s=20.0):
+def wait_for(what, longest_s=120.0):
     end_s = time.monotonic() + longest_s
     while not what():
         assert time.monotonic() < end_s, "it did not happen"
@@ -101,7 +103,7 @@ def wait_for(what, longest_s=20.0):
 def collected(sensor, until):
     """Times and values of a sensor up to the moment at which `until` says so."""
     times_s, values = [], []
-    end_s = time.monotonic() + 30
+    end_s = time.monotonic() + 120
     while not until(times_s):
         assert time.monotonic() < end_s, "the sensor is silent"
         block = sensor.read()
@@ -111,30 +113,33 @@ def collected(sensor, until):
     return np.array(times_s), np.array(values)
 
 
-def put_with_arrival(listener, block):
-    arrivals_s = np.full(len(block.values), time.perf_counter())
-    listener.put(Block(block.times_s, np.column_stack([block.values, arrivals_s])))
+def joined(blocks):
+    return Block(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
 
 
 class Listening:
-    """All kinds at once for 20 s, 10 minutes at full size, beside the other tests of this file."""
+    """All kinds at once, until each has sent 3000 samples (600 000 at full size), beside the other tests."""
 
     def __init__(self, folders):
         self._emulators = {kind: Emulator(kind, folders(kind)) for kind in KINDS if available(kind)}
-        self._listeners = {kind: Listener() for kind in self._emulators}
+        self._heard = {kind: [] for kind in self._emulators}
         for kind, each in self._emulators.items():
-            each.reader.tell(partial(put_with_arrival, self._listeners[kind]))
+            each.reader.tell(partial(self._hear, kind))
         for each in self._emulators.values():
             each.reader.open()
-        self._end_s = time.monotonic() + LISTENED_S
+
+    def _hear(self, kind, block):
+        """The last value of a sample is when it arrived."""
+        if block.times_s.size:
+            arrivals_s = np.full(len(block.values), time.perf_counter())
+            self._heard[kind].append(Block(block.times_s, np.column_stack([block.values, arrivals_s])))
 
     def heard(self):
-        """(block, facts, seconds) of each; the last value of a sample is when it arrived."""
-        time.sleep(max(0.0, self._end_s - time.monotonic()))
-        listened_s = LISTENED_S + time.monotonic() - self._end_s
+        """(block, facts) of each."""
+        for blocks in self._heard.values():
+            wait_for(lambda blocks=blocks: blocks and blocks[-1].values[-1, 0] >= N_LISTENED, 120.0 + N_LISTENED / 500)
         return {
-            kind: (listener.read(3), self._emulators[kind].reader.facts(), listened_s)
-            for kind, listener in self._listeners.items()
+            kind: (joined(list(blocks)), self._emulators[kind].reader.facts()) for kind, blocks in self._heard.items()
         }
 
     def close(self):
@@ -324,18 +329,18 @@ FAST, LATE = "found a stamp .* s after its arrival", "found samples that are .* 
 RATE = "found a clock that runs .* times as fast as this computer's, expected within 2%"
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_sensor_whose_clock_does_not_run_as_ours_is_away_for_a_reason(plugged, kind, tmp_path):
-    """Four at once: each is found out within seconds."""
+def test_a_sensor_whose_clock_does_not_run_as_ours_is_away_for_a_reason(plugged, tmp_path):
+    """All at once: each is found out within seconds."""
     devices = []
-    for name, options in CLOCKS.items():
-        (tmp_path / name).mkdir()
-        devices.append(plugged(kind, options=options, folder=tmp_path / name))
+    for kind, (name, options) in product(filter(available, KINDS), CLOCKS.items()):
+        folder = tmp_path / kind / name
+        folder.mkdir(parents=True)
+        devices.append(plugged(kind, options=options, folder=folder))
         devices[-1].reader.open()
     for device in devices:
-        wait_for(lambda device=device: device.reader.facts()["n_outages"])
-        reason = device.reader.facts()["failure"]
-        assert re.search(f"^{kind} .*: ({'|'.join((FAST, LATE, RATE))})", reason)
+        reason = re.compile(f"^{device.kind} .*: ({'|'.join((FAST, LATE, RATE))})")
+        wait_for(lambda device=device, reason=reason: reason.match(str(device.reader.facts()["failure"])))
+        assert device.reader.facts()["n_outages"] > 0
 
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
@@ -412,7 +417,7 @@ def test_a_recording_that_is_none_is_refused(tmp_path, text, message):
         recording(tmp_path / "f.csv", text).open()
 
 
-# --- last, when 20 s have passed
+# --- last, when they have sent enough
 
 
 @pytest.fixture(params=KINDS)
@@ -422,21 +427,30 @@ def stream(request, heard):
     return heard[request.param]
 
 
+def lateness_s(block):
+    """How much later than it was taken each sample arrived: the emulator has the clock of this machine."""
+    return since_taken_s(block, block.values[:, -1])
+
+
+def since_taken_s(block, times_s):
+    return ((times_s * 1e6 - np.round(block.values[:, 1]) + 2**30) % 2**31 - 2**30) / 1e6
+
+
 def test_no_sample_of_a_stream_is_lost(stream):
-    """A datagram that the system drops on a busy machine is no fault of ours, but it must be counted."""
-    block, facts, listened_s = stream
-    n_lost = np.sum(np.diff(block.values[:, 0]) - 1)
-    assert n_lost <= (facts["n_lost"] if "n_refused" in facts else 0)
-    assert np.all(np.diff(block.values[:, 0]) >= 1)
-    assert len(block.times_s) + n_lost >= 1000 * min(listened_s, 55.0) - 2500
-    assert facts["n_outages"] == 0
-    assert facts["failure"] is None
+    """A datagram that the system drops on a busy machine is no fault of ours, but it must be counted; a sensor is away
+    only on a machine so busy that samples came late."""
+    block, facts = stream
+    steps = np.diff(block.values[:, 0])
+    assert np.all(steps >= 1)
+    if facts["n_outages"]:
+        assert np.max(lateness_s(block)) > LATE_S
+    else:
+        assert np.sum(steps - 1) <= (facts["n_lost"] if "n_refused" in facts else 0)
+        assert facts["failure"] is None
 
 
 def test_stamps_are_those_of_the_sample(stream):
-    """The emulator has the clock of this machine: a stamp is not earlier, nor later than it came, but for a step."""
-    block, _, _ = stream
-    taken_us = np.round(block.values[:, 1])
-    late_s = ((block.times_s * 1e6 - taken_us + 2**30) % 2**31 - 2**30) / 1e6
-    assert np.all(late_s[1000:] > -2e-3)
+    """A stamp is not earlier, nor later than it came, but for a step."""
+    block, _ = stream
+    assert np.all(since_taken_s(block, block.times_s)[1000:] > -2e-3)
     assert np.all(block.times_s <= block.values[:, -1] + STEP_S)

@@ -251,10 +251,29 @@ def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
     terminal.shows("no answer, not valid: too light")
 
 
+def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, attempt=2)))
+    terminal.shows("trial 2: tone 5")
+    terminal.shows("1, valid (trial 7, attempt 2)")
+
+
+def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.close()
+    terminal.output.write("$")
+    terminal.output.flush()
+    terminal.shows("\r\n$")
+
+
 def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
     bench = bench_with()
     bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
-    assert terminal.sees("no force was held in time\r\n! block 2 is aborted: so\r\n")
+    assert terminal.sees("no force was held in time (trial 7)\r\n! block 2 is aborted: so\r\n")
 
 
 def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):

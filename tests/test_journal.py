@@ -75,7 +75,7 @@ def test_what_was_cut_off_is_kept_and_said(lived):
     content = journal.read_bytes()
     journal.write_bytes(content[:-400])
     recorded = live(lived, resume=True)
-    assert "cut off after trial" in recorded.repaired
+    assert "the last sitting ended after " in recorded.repaired
     assert next((lived / "journals").glob("*_interruptions.jsonl")).stat().st_size > 0
 
 

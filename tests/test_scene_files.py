@@ -4,6 +4,7 @@ import json
 import math
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -73,6 +74,14 @@ def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(set
     assert ours.resolve().run(given)["t_s"].size == 33
     with pytest.raises(InvalidParameter, match=message):
         scene_of(table(settings={"sampling": setting})).scene.resolve()
+
+
+def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path):
+    """It said "predicted error inf"."""
+    page = Path(__file__).parents[1].joinpath("docs", "scenes.md").read_text("utf-8")
+    (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
+    assert call("scene", tmp_path / "s.toml") == 0
+    assert "predicted error not known (a setting is given)" in capsys.readouterr().out
 
 
 def test_settings_that_no_memory_holds_are_one_sentence():

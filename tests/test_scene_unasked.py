@@ -208,15 +208,23 @@ def words(scene, given):
     ]
 
 
-@pytest.mark.parametrize("kind", ["finger_dynamics", "body_resistance", "sensitivity", "receptors"])
-def test_the_explanation_tells_of_an_effect_that_no_output_needs_that_it_is_off(kind):
-    scene = replace(panel(*with_needs("friction")), outputs=("voltage_v",))
-    with_it = replace(scene, effects=(*scene.effects, default(kind)))
-    told = words(with_it, LEVEL)
+def others(lines, kinds):
+    """Lines of other effects."""
+    return [line for line in lines if line.partition(" ")[0] not in kinds]
+
+
+@pytest.mark.parametrize(
+    ("side", "kind"), [(side, kind) for side in KINDS for kind in KINDS[side] if kind not in ALWAYS]
+)
+def test_the_explanation_tells_of_an_effect_that_no_output_needs_that_it_is_off(side, kind):
+    scene = SCENES[f"bare {side}"]
+    output = next(output for output, _, _ in unneeded(f"bare {side}", kind))
+    without, with_it = (replace(scene, outputs=(output,), effects=effects) for effects in pair(scene, kind))
+    told = words(with_it, {**LEVEL, **VOLT})
     off = next(line for line in told if line.startswith(kind))
     assert off.split() == [kind, "off", "no", "output", "needs", "it"]
-    rest = [line for line in words(scene, LEVEL) if not line.startswith(kind)]
-    assert [line for line in told if line != off] == rest
+    added = {found.kind for found in with_it.effects} - {found.kind for found in without.effects}
+    assert others(told, added) == others(words(without, {**LEVEL, **VOLT}), added)
 
 
 @pytest.mark.parametrize(

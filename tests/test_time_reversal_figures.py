@@ -38,7 +38,7 @@ SIZES: dict[str, dict[str, object]] = {
     "4.15-four-signals": {"emissions": SHORT},
     "4.25-sound": {"emissions": SHORT},
     "4.34-resolution-of-foci": {"foci": FOCI[6:9]},
-    "5.3-force-loss": {"forces_n": (0.0, 2.0)},
+    "5.4-force-loss": {"forces_n": (0.0, 2.0)},
 }
 """What is drawn smaller here than in the gallery."""
 

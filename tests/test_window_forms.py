@@ -199,7 +199,8 @@ def learnt(name, folder):
     if name != LEARNT:
         return ""
     write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
-    return f'[time_reversal]\nresponses = "{folder / "learnt.npz"}"\n'
+    played = f'[output]\nkind = "file"\nfolder = "{folder / "played"}"\n'
+    return f'{played}[time_reversal]\nresponses = "{folder / "learnt.npz"}"\n'
 
 
 def check_played(folder):

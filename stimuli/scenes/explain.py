@@ -93,10 +93,15 @@ def _assumed(scene: Scene) -> list[str]:
     return textwrap.wrap(f"taken for granted: {'; '.join(scene.assumed())}", WIDTH, subsequent_indent="    ")
 
 
+def error_in_words(plan: Plan) -> str:
+    """The predicted error; none of a plan with a setting that was given."""
+    return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
+
+
 def _totals(scene: Scene, plan: Plan, measured_s: float) -> list[str]:
     total = (
-        f"accuracy {scene.accuracy:g}: predicted error {plan.error:.1e}, predicted time {_time(plan.predicted_s)}, "
-        f"measured {_time(measured_s)}"
+        f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
+        f"predicted time {_time(plan.predicted_s)}, measured {_time(measured_s)}"
     )
     return [total, _one_more_digit(scene, plan)]
 

@@ -145,13 +145,16 @@ def _record(result: "Result") -> dict[str, Any]:
 
 
 def _text(found: "SceneFile", record: dict[str, Any], result: "Result") -> str:
+    from tactometry.stimuli.scenes.explain import error_in_words
+
     lines = [found.title] if found.title else []
     for name, value in record["outputs"].items():
         unit = result.unit(name)
         words = f"{value:.6g}" if isinstance(value, float) else _range(value)
         lines.append(f"{name:<24}{words} {unit}".rstrip())
+    error = error_in_words(result.plan)
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
-    return "\n".join([*lines, *_lifted(record), f"predicted error {result.plan.error:.1e}, {times}"])
+    return "\n".join([*lines, *_lifted(record), f"predicted error {error}, {times}"])
 
 
 def _lifted(record: dict[str, Any]) -> list[str]:

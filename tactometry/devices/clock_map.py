@@ -12,6 +12,12 @@ N_BINS = 8
 """The smallest delay of the last four seconds: at 100 ppm of drift, 0.4 ms (unverified defaults)."""
 RATE_TOLERANCE, SLOWEST = 0.02, 0.5
 """Of a device's clock; those of crystals are within 1e-4, of ceramic resonators within 5e-3 (unverified defaults)."""
+DRIFT = 5e-3
+"""How much later than the least delayed sample ever each second may make the least delayed of now (unverified
+default)."""
+GAINED_S = 0.05
+"""A clock that runs fast passes what it ever was by so much; samples that were late and catch up come back to it
+(unverified default)."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,8 @@ class ClockMap:
     ----------
     smallest_s : tuple of (bin, difference)
         The smallest difference in each of the last bins of `BIN_S` of our time.
+    floor_s : float
+        The smallest of the bins before, raised by `DRIFT` since then.
 
     Examples
     --------
@@ -37,6 +45,7 @@ class ClockMap:
     """
 
     smallest_s: tuple[tuple[int, float], ...] = ()
+    floor_s: float = math.inf
 
     def after(self, device_s: float, arrival_s: float) -> "ClockMap":
         """With a sample that was taken at `device_s` and arrived at `arrival_s`.
@@ -51,8 +60,9 @@ class ClockMap:
         now, difference_s = math.floor(arrival_s / BIN_S), arrival_s - device_s
         older = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
         if older and older[-1][0] == now:
-            return ClockMap((*older[:-1], (now, min(older[-1][1], difference_s))))
-        return ClockMap((*older, (now, difference_s)))
+            return ClockMap((*older[:-1], (now, min(older[-1][1], difference_s))), self.floor_s)
+        past_s = (past_s for n, past_s in self.smallest_s if n <= now - N_BINS)
+        return ClockMap((*older, (now, difference_s)), min(self.floor_s + DRIFT * BIN_S, *past_s, math.inf))
 
     def ours_s(self, device_s: float) -> float:
         """A device time on our clock.
@@ -69,7 +79,8 @@ class ClockMap:
     def check(self, name: str) -> None:
         """Refuse a clock that does not run as ours: the difference falls from bin to bin, or rises by half of the time.
 
-        One of the bins may do something else. A difference that rises less is one of samples that are late.
+        One of the bins may do something else. A difference that rises less is one of samples that are late; one that
+        falls back to what it was, of late ones that catch up.
 
         Raises
         ------
@@ -89,7 +100,10 @@ within 2%; mend the device, or what the bench file says of its rate
         slopes = sorted(
             (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
         )
-        if len(slopes) == N_BINS - 1 and (slopes[-2] < -RATE_TOLERANCE or slopes[1] > SLOWEST):
+        if len(slopes) < N_BINS - 1:
+            return
+        gained_s = min(self.floor_s, self.smallest_s[0][1]) - self.smallest_s[-1][1]
+        if (slopes[-2] < -RATE_TOLERANCE and gained_s > GAINED_S) or slopes[1] > SLOWEST:
             raise DeviceFailed(
                 f"{name}: found a clock that runs {1 - median(slopes):.3g} times as fast as this computer's, expected "
                 f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"

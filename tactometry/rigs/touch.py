@@ -98,6 +98,10 @@ class Held:
         return max(0.0, decided_s - self.let_through_s)
 
 
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 6)
+
+
 @dataclass(frozen=True)
 class Felt:
     """What came of a touch (its onset on `time.perf_counter`), and how late the gate's decision was, s."""
@@ -134,7 +138,7 @@ class Touch:
             felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
         touched = felt.touched
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
-        return replace(felt, touched=replace(touched, speed_mean_m_per_s=speed))
+        return replace(felt, touched=replace(touched, speed_mean_m_per_s=_rounded(speed)))
 
     def _unmeasured(self, signal: Signal | None) -> Felt:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
@@ -161,7 +165,7 @@ class Touch:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
-            **kept,
+            **{name: _rounded(value) for name, value in kept.items()},
         )
 
     def _held(self, signal: Signal | None, sensor: ForceSensor) -> Felt:

@@ -89,6 +89,7 @@ class TimeReversal:
         "patches": "transducers that push at points and weigh nothing",
         "drift": "the temperature at which it learnt",
         "amplifier": "amplifiers without a roll-off",
+        "deflection": "a plate that moves by far less than its thickness",
     }
 
     glass: str = "Borofloat 33"

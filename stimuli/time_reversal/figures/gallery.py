@@ -156,7 +156,7 @@ GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     ),
     "4.31-amplitude-by-subset": _subsets,
     "4.34-resolution-of-foci": _resolution_of_foci,
-    "5.3-force-loss": _force_loss,
+    "5.4-force-loss": _force_loss,
     "5.8-patterns": drives.pattern_waveforms,
 }
 

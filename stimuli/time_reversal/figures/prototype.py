@@ -1,4 +1,4 @@
-"""Figures of the prototype's variability (thesis 4.6), the force-loss study (5.3, 5.4)."""
+"""Figures of the prototype's variability (thesis 4.6), the force-loss study (5.4, 5.5)."""
 
 from collections.abc import Mapping, Sequence
 
@@ -80,7 +80,7 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
 
 
 def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -> Figure:
-    """Amplitude loss against force, one panel per place (thesis 5.3, 5.4), measured rows as open markers if given."""
+    """Amplitude loss against force, one panel per place (thesis 5.4, 5.5), measured rows as open markers if given."""
     places = list(dict.fromkeys(row.place for row in rows))
     figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):
