@@ -148,14 +148,14 @@ def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
     number = who.counterbalancing_number
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed
+    if kind.name != head.rig:
+        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
     asked = {"seed": head.seed if who.seed is None else who.seed, "number": number}
     for name, value in asked.items():
         if value != getattr(head, name):
             raise InvalidParameter(
                 f"--{name}: found {value}, but this session began with {getattr(head, name)}; leave it out to go on"
             )
-    if kind.name != head.rig:
-        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
     return head.seed
 
 

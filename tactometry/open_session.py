@@ -65,7 +65,8 @@ class OpenSession:
 
     def __init__(self, root: Path, design: Design, session: Session, rig: str, *, resume: bool) -> None:
         own = session.journal(root)
-        if not own.is_file() or own.stat().st_size == 0:  # one that has begun is held against its own head
+        goes_on = resume and own.is_file() and own.stat().st_size > 0
+        if not goes_on:  # one that goes on is held against its own head
             refuse_mixing(root, rig)
         prepare(root, design)
         self._root, self._session = root, session

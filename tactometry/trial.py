@@ -29,7 +29,7 @@ REASON_WORDS: Final[Mapping[Reason, str]] = {
     "too_slow": "too slow",
     "too_fast": "too fast",
     "lifted": "the finger left",
-    "timeout": "no force was held in time",
+    "timeout": "the touch was not held as asked in time",
     "sensor_lost": "the sensor was silent",
     "output_gap": "a gap in the output",
     "experimenter": "as the experimenter wanted",
@@ -101,6 +101,17 @@ def validity(trial: Trial) -> str:
     if trial.valid:
         return "valid"
     return "not valid" if trial.invalid_reason is None else f"not valid: {REASON_WORDS[trial.invalid_reason]}"
+
+
+def outcome(trial: Trial, n_told: int) -> str:
+    """Whether a trial counts, and its place in the table where that is not the number by which it was told.
+
+    >>> outcome(Trial(1, 2, {}, "staircase", 5.0, "V", "yes_no", 1, attempt=2), 9)
+    'valid (trial 2, attempt 2)'
+    """
+    attempt = f", attempt {trial.attempt}" if trial.attempt > 1 else ""
+    place = "" if trial.trial == n_told else f" (trial {trial.trial}{attempt})"
+    return f"{validity(trial)}{place}"
 
 
 @dataclass(frozen=True)

@@ -24,10 +24,11 @@ from tactometry.devices.streamed import streamed_force
 from tactometry.errors import DeviceFailed, Stopped
 from tactometry.experiments.study import load
 from tactometry.limits import Limits
-from tactometry.request import Adjust, Choose, Play, Press, Show
+from tactometry.request import Adjust, Choose, Play, Press, Record, Show
 from tactometry.rigs.console import Console
 from tactometry.rigs.texts import texts_in
 from tactometry.stimuli.electrovibration import Sine
+from tactometry.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0)
@@ -159,6 +160,19 @@ def test_a_force_that_is_never_held_plays_nothing(tmp_path):
     assert played(tmp_path) == 0
 
 
+def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_path):
+    said = io.StringIO()
+    rig = console(tmp_path, said=said)
+    trial = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="timeout")
+    for attempt in (1, 2):
+        rig.record(Record(replace(trial, attempt=attempt)))
+    rig.close()
+    assert said.getvalue().splitlines()[-2:] == [
+        "[trial 1] not valid: the touch was not held as asked in time",
+        "[trial 2] not valid: the touch was not held as asked in time (trial 1, attempt 2)",
+    ]
+
+
 def test_a_silent_sensor_pauses_the_session(tmp_path):
     said = io.StringIO()
     rig = console(tmp_path, lambda time_s: None if 0.2 < time_s < 1.2 else (1.0 if time_s > 1.2 else 0.3), said=said)
@@ -220,7 +234,7 @@ def test_its_pages_name_the_key_that_works(language, words):
 
 def test_escape_and_return_stop_it_too():
     rig = Console({}, LIMITS, texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
-    with pytest.raises(Stopped, match="Escape was typed in trial 1; what was recorded is safe: go on with --resume"):
+    with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
         rig.choose(Choose("felt", (0, 1), ("no", "yes")))
 
 

@@ -273,7 +273,7 @@ def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, termi
 def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
     bench = bench_with()
     bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
-    assert terminal.sees("no force was held in time (trial 7)\r\n! block 2 is aborted: so\r\n")
+    assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
 
 
 def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):

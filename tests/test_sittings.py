@@ -10,7 +10,7 @@ import pytest
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.dataset import Session
-from tactometry.errors import InvalidFile
+from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.recording import RigKind, Who, record, simulated
 from tactometry.experiments.replaying import replay_data_set
 from tactometry.experiments.study import load
@@ -201,6 +201,16 @@ def test_a_simulated_participant_beside_people_is_refused_before_anything_is_wri
         InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
+    assert files(tmp_path) == before
+
+
+def test_so_is_one_of_the_same_code(tmp_path):
+    sit(tmp_path, SOUND)
+    before, other = files(tmp_path), Who(WHO.participant, seed=2)
+    with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
+        simulate(tmp_path, other)
+    with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
+        record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
     assert files(tmp_path) == before
 
 

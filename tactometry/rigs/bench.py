@@ -52,7 +52,7 @@ from tactometry.rigs.trace import Trace
 from tactometry.rigs.vigil import vigil
 from tactometry.scale import value_at
 from tactometry.signal import Stimulus
-from tactometry.trial import Tally, Trial, tally, validity
+from tactometry.trial import Tally, Trial, outcome, tally
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -325,7 +325,8 @@ class Bench:
         trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
-            self._desk.add(_outcome(trial, self._tally.n_trials))
+            response = "no answer, " if trial.response is None else f"{trial.response}, "
+            self._desk.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_trials)}")
         self._desk.end_line()
         if request.aborted:
             self._desk.tell(f"! {request.aborted}")
@@ -341,15 +342,3 @@ def _utc(clock_s: float) -> str:
 def _option(answer: Answer) -> int:
     assert isinstance(answer, int)
     return answer
-
-
-def _outcome(trial: Trial, n_told: int) -> str:
-    """How a trial ended, and its place in the table where that is not the number by which it was told.
-
-    >>> _outcome(Trial(1, 2, {}, "staircase", 5.0, "V", "yes_no", 1, attempt=2), 9)
-    '1, valid (trial 2, attempt 2)'
-    """
-    response = "no answer, " if trial.response is None else f"{trial.response}, "
-    attempt = f", attempt {trial.attempt}" if trial.attempt > 1 else ""
-    place = "" if trial.trial == n_told else f" (trial {trial.trial}{attempt})"
-    return f"{'' if trial.task == 'rating' else response}{validity(trial)}{place}"

@@ -48,7 +48,7 @@ from tactometry.rigs.texts import Texts
 from tactometry.rigs.touch import Touch
 from tactometry.rigs.trace import Trace
 from tactometry.signal import Stimulus
-from tactometry.trial import Tally, Trial, tally
+from tactometry.trial import Tally, Trial, outcome, tally
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
@@ -154,7 +154,7 @@ class Console:
     def _stopped(self, why: str) -> Stopped:
         self._emitter.stop()
         self._note("stop", time.perf_counter(), {"text": why})
-        return Stopped(f"{why} in trial {self._tally.n_trials + 1}; {SAFE} ({self._tally})")
+        return Stopped(f"{why}; {SAFE} ({self._tally})")
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         """The output is at zero until it is over."""
@@ -276,7 +276,9 @@ class Console:
         return Done(self._now_s())
 
     def record(self, request: Record) -> Done:
-        self._tally = self._tally.after(request.trial)
+        before, self._tally = self._tally, self._tally.after(request.trial)
+        if self._tally.n_invalid > before.n_invalid:
+            self._say(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")
         if request.aborted:
             self._say(f"! {request.aborted}")
         return Done(self._now_s())
