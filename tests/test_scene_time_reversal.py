@@ -338,6 +338,11 @@ def test_a_screen_outside_of_its_domain_is_refused(changes, message):
     [
         ("edges", {"boundary": "SSSS"}, r"leave the effect out"),
         ("edges", {"boundary": "SSXF"}, r"expected four letters of S, C, F"),
+        (
+            "temperature_drift",
+            {"kelvin": 3e4},
+            r"shift_of_frequencies: found -1\.5, expected a number from -0\.1 to 0\.1",
+        ),
         ("temperature_drift", {"kelvin": 0.0}, r"without a drift leave the effect out"),
         ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected as many"),
         ("sigma_delta", {"order": 3}, r"expected 1 or 2"),

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from tactometry.errors import InvalidParameter
+from tactometry.require import within
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     from tactometry.stimuli.scenes.time_reversal.emission import Points
     from tactometry.stimuli.time_reversal.responses import Responses
     from tactometry.stimuli.time_reversal.screen import Screen
+
+MOST_SHIFT: Final = 0.1
+"""As in `drift.warmed`: an effect that no output needs imports no physics."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,8 @@ class TemperatureDrift:
                     f"TemperatureDrift.{name}: found {value}, expected a finite number other than 0; without a drift "
                     "leave the effect out"
                 )
+
+        within("TemperatureDrift", -MOST_SHIFT, MOST_SHIFT, shift_of_frequencies=self.kelvin * self.shift_per_k)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface: Any = scene.surface
