@@ -17,7 +17,7 @@ from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.quantity import as_si
 from tactometry.require import given, positive, repeated
 from tactometry.strict import build
-from tactometry.toml import located, table_of
+from tactometry.toml import LARGEST_FILE, located, table_of
 
 FOLDER = Path(__file__).parent
 
@@ -254,5 +254,5 @@ def locate(study: str) -> Path:
 def load(study: str) -> tuple[Study, bytes]:
     """A study, named or given as a path, with the bytes of its file."""
     path = locate(study)
-    content = read_file(path, "a study file")
+    content = read_file(path, "a study file", LARGEST_FILE)
     return parse(content, str(path) if study not in builtin() else study), content

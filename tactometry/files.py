@@ -7,9 +7,12 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Final
 
 from tactometry.errors import DeviceFailed, InvalidFile
 
+LARGEST_BYTES: Final = 2**30
+"""Of a file that is read at once (unverified default)."""
 PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
 """Modes of what is made: its owner alone may read it. What was there before keeps its mode."""
 _BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
@@ -26,18 +29,21 @@ def private() -> Iterator[None]:
         os.umask(before)
 
 
-def read_file(path: Path, what: str) -> bytes:
+def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
     """The bytes of a file; `what` says in an error what was expected. A pipe is not waited for.
 
     Raises
     ------
     InvalidFile
-        If there is none, it may not be read, or it is no file.
+        If there is none, it may not be read, it is no file, or has more than `largest` bytes.
     """
     try:
         file = os.open(path, os.O_RDONLY | _NOT_WAITING | _BINARY)
         _refuse_others(file, path, what)
         with os.fdopen(file, "rb") as opened:
+            size = os.fstat(file).st_size
+            if size > largest:
+                raise InvalidFile(f"{path}: found {size} bytes, expected {what} of at most {largest}")
             return opened.read()
     except OSError as failure:
         raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None

@@ -8,40 +8,19 @@ import struct
 import warnings
 import zipfile
 import zlib
-from pathlib import Path
 from typing import Any, Final, NamedTuple, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidFile
-from tactometry.files import read_file
+from tactometry.files import LARGEST_BYTES
 
-LARGEST_BYTES: Final = 2**30
-"""Of a file of samples, and of the samples in it (unverified default)."""
 LARGEST_WORDS: Final = 2**20
 """Of a text beside the samples, bytes."""
 _CHUNK: Final = struct.Struct("<4sI")
 _FORMAT: Final = struct.Struct("<HHIIHH")
 _ENDLESS: Final = 2**32 - 1
 _read_array: Final[Any] = np.lib.format.read_array
-
-
-def read_bounded(path: Path, what: str) -> bytes:
-    """The bytes of a file of at most `LARGEST_BYTES`; `what` says in an error what was expected.
-
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or is larger.
-    """
-    try:
-        size = path.stat().st_size
-    except OSError as failure:
-        raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
-    if size > LARGEST_BYTES:
-        raise InvalidFile(f"{path}: found {size} bytes, expected at most {LARGEST_BYTES}, {what}")
-    return read_file(path, what)
 
 
 class Wav(NamedTuple):

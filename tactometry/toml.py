@@ -22,7 +22,7 @@ def read_table(path: Path, what: str) -> dict[str, Any]:
     InvalidFile
         If the file cannot be read, or as `table_of`.
     """
-    return table_of(read_file(path, what), str(path), what)
+    return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files import read_file
 from tactometry.require import positive, within
 from tactometry.rule import Vector
-from tactometry.sample_files import Npz, read_bounded
+from tactometry.sample_files import Npz
 from tactometry.stimuli.time_reversal.modal_time import QUANTITIES
 from tactometry.stimuli.time_reversal.responses import Responses, samples_in
 
@@ -242,7 +243,7 @@ def read_provenance(path: Path) -> dict[str, str | float | int]:
     InvalidFile
         If the file is no NPZ of responses.
     """
-    content = read_bounded(path, "learnt responses")
+    content = read_file(path, "learnt responses")
     try:
         file = Npz(content)
         return dict(json.loads(file.words("provenance"))) if "provenance" in file else {}

@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 from tactometry.checked import checked
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files import LARGEST_BYTES, read_file
 from tactometry.hdf5_file import as_npz
 from tactometry.require import one_of, positive, shaped, some, within
 from tactometry.rule import Vector
-from tactometry.sample_files import LARGEST_BYTES, Npz, read_bounded, table_of_numbers, wav_of
+from tactometry.sample_files import Npz, table_of_numbers, wav_of
 from tactometry.stimuli.time_reversal.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from tactometry.stimuli.time_reversal.responses import Responses
 
@@ -183,7 +184,7 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
-    content = read_bounded(path, "impulse responses")
+    content = read_file(path, "impulse responses")
     try:
         content = as_npz(path, LARGEST_BYTES) if suffix in _HDF5 else content
         found = _READERS[suffix](content, full_scale, quantity)

@@ -10,7 +10,8 @@ import numpy as np
 
 from tactometry.devices.gain import Gain, SignalChain
 from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.sample_files import Npz, read_bounded, wav_of
+from tactometry.files import read_file
+from tactometry.sample_files import Npz, wav_of
 from tactometry.signal import Signal
 
 
@@ -96,7 +97,7 @@ def read_signal(path: Path) -> Signal:
     InvalidParameter
         If it is no NPZ or WAV of samples.
     """
-    content = read_bounded(path, "a signal as NPZ or WAV")
+    content = read_file(path, "a signal as NPZ or WAV")
     try:
         if path.suffix == ".npz":
             file = Npz(content)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from tactometry.devices.reader import Block, now_s
 from tactometry.errors import DeviceFailed, TactometryError
+from tactometry.files import read_file
 from tactometry.require import positive
-from tactometry.sample_files import read_bounded, table_of_numbers
+from tactometry.sample_files import table_of_numbers
 
 STEP_S = 0.005
 
@@ -62,7 +63,7 @@ class RecordedSource:
 
 def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
     try:
-        lines = io.StringIO(read_bounded(path, "a CSV file").decode("utf-8-sig"))
+        lines = io.StringIO(read_file(path, "a CSV file").decode("utf-8-sig"))
         header = lines.readline().strip().split(",")
         table = table_of_numbers(lines, n_columns=len(header))
     except (TactometryError, ValueError) as error:
