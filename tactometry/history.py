@@ -21,7 +21,7 @@ def stimuli(journal: Path) -> Iterator[Event]:
         if line.startswith(_STIMULUS):
             try:
                 yield decode_event(msgspec.json.decode(line))
-            except msgspec.DecodeError:
+            except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
                 continue
 
 

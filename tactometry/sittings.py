@@ -33,7 +33,7 @@ def heads(path: Path) -> tuple[Head, ...]:
     try:
         values = [msgspec.json.decode(line) for line in told]
         return tuple(head_of(value.get("sitting", value)) for value in values)
-    except (msgspec.DecodeError, AttributeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, AttributeError, RecursionError) as error:
         raise InvalidFile(f"{path}: found a damaged head ({error}), expected those that the journal wrote") from None
 
 

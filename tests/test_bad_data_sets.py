@@ -135,6 +135,17 @@ def test_resuming_with_another_seed_is_refused(copied, capsys):
     )
 
 
+@pytest.mark.parametrize("begin", [b"", b'{"head":', b'{"sitting":', b'{"event":"stimulus","facts":'])
+def test_a_journal_that_is_nested_too_deep_is_damaged(copied, capsys, begin):
+    journal = next((copied / "journals").glob("*P01*"))
+    whole = journal.read_bytes()
+    journal.write_bytes((whole if begin.startswith((b'{"s', b'{"e')) else b"") + begin + b"[" * 100_000 + b"\n")
+    assert call(capsys, "validate", copied)[:2] == (1, "")
+    arguments = ["run", "tutorial", "--participant", "P01", "--rig", "simulated", "--resume"]
+    status, said, _ = call(capsys, *arguments, "--out", copied)
+    assert (status, len(said.splitlines())) == (2, 1)
+
+
 @given(content=st.binary(max_size=400))
 @settings(max_examples=50)
 def test_random_bytes_for_a_journal_never_give_a_traceback(data_set, content):
