@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from tactometry.analysis.labels import percent_text, value_of
+from tactometry.analysis.labels import level_of, percent_text, value_of
 from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.number_text import interval_texts, number_text
 from tactometry.analysis.post_hoc import evidence
@@ -120,29 +120,35 @@ def permutation_sentences(tested: pd.DataFrame) -> list[str]:
     ]
 
 
-def pair_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "") -> list[str]:
-    """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared.
+def pair_sentences(
+    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
+) -> list[str]:
+    """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared,
+    `factor` the one that was compared: its name says the unit.
 
     >>> row = {"a": 60, "b": 120, "difference": -4.8125, "simultaneous_low": -5.21, "simultaneous_high": -4.41, "df": 7}
     >>> row |= {"t": -28.527, "p_unc": 1e-8, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
-    >>> print(*pair_sentences(pd.DataFrame([row]), "dB"))
-    120 less 60: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
+    >>> print(*pair_sentences(pd.DataFrame([row]), "dB", factor="frequency_hz"))
+    120 Hz less 60 Hz: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
     extreme evidence for a difference
     """
     n = int(compared["p_unc"].notna().sum())
-    return [_pair_sentence(row, unit, correction, n, by) for _, row in compared.iterrows()]
+    names = [_compared_name(row, by, factor) for _, row in compared.iterrows()]
+    rows = zip(names, compared.iterrows(), strict=True)
+    return [_pair_sentence(row, unit, correction, n, name) for name, (_, row) in rows]
 
 
-def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, by: str) -> str:
-    name = f"{_place(row, by)}{row['b']} less {row['a']}"
+def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
     if row["status"] != "ok":
         told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
         return f"{name}: {told} in every participant: no test, as there is no error"
     return f"{name}: {_compared(row, unit, n, correction)}, dz = {row['dz']:.2f}{_evidence(row)}"
 
 
-def _place(row: "pd.Series[Any]", by: str) -> str:
-    return f"{value_of(by, row[by])}: " if by else ""
+def _compared_name(row: "pd.Series[Any]", by: str, factor: str) -> str:
+    """Which values of a factor are compared, and at which value of another."""
+    place = f"{value_of(by, row[by])}: " if by else ""
+    return f"{place}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}"
 
 
 def _compared(row: "pd.Series[Any]", unit: str, n: int, correction: str, statistic: str = "t") -> str:
@@ -164,7 +170,9 @@ def _evidence(row: "pd.Series[Any]") -> str:
     return f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
 
 
-def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "") -> list[str]:
+def group_sentences(
+    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
+) -> list[str]:
     """One for each pair of `group_pairs`.
 
     >>> row = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27}
@@ -174,11 +182,12 @@ def group_sentences(compared: pd.DataFrame, unit: str = "", correction: str = "H
     moderate evidence for a difference
     """
     n = int(compared["p_unc"].notna().sum())
-    return [_group_sentence(row, unit, correction, n, by) for _, row in compared.iterrows()]
+    return [
+        _group_sentence(row, unit, correction, n, _compared_name(row, by, factor)) for _, row in compared.iterrows()
+    ]
 
 
-def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, by: str) -> str:
-    name = f"{_place(row, by)}{row['b']} less {row['a']}"
+def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
     if row["status"] != "ok":
         told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
         return f"{name}: {told}, alike in all participants of a group: no test, as there is no error"
@@ -186,21 +195,21 @@ def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, b
     return f"{name}: {compared}, g = {row['g']:.2f}{_evidence(row)}"
 
 
-def equivalence_sentences(tested: pd.DataFrame, unit: str = "") -> list[str]:
+def equivalence_sentences(tested: pd.DataFrame, unit: str = "", factor: str = "") -> list[str]:
     """One for each pair of `equivalence`, and of several one for all of them together.
 
     >>> row = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
     >>> table = pd.DataFrame([row])
     >>> table.attrs |= {"p_all": 0.001, "bound": 1.0, "alpha": 0.05}
-    >>> print(*equivalence_sentences(table, "dB"), sep=chr(10))
-    1.0 and 0.5 are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001
+    >>> print(*equivalence_sentences(table, "dB", "force_n"), sep=chr(10))
+    1 N and 0.5 N are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001
     """
     level = percent_text(1 - 2 * tested.attrs["alpha"])
     bound = f"+-{tested.attrs['bound']:g}{' ' + unit if unit else ''}"
     each = [
-        f"{row['b']} and {row['a']} {'are' if row['equivalent'] else 'were not shown to be'} equivalent within "
-        f"{bound}: difference {_with_interval(row['difference'], row['low'], row['high'], unit, level)}, "
-        f"TOST {p_text(row['p'])}"
+        f"{level_of(factor, row['b'])} and {level_of(factor, row['a'])} "
+        f"{'are' if row['equivalent'] else 'were not shown to be'} equivalent within {bound}: difference "
+        f"{_with_interval(row['difference'], row['low'], row['high'], unit, level)}, TOST {p_text(row['p'])}"
         for _, row in tested.iterrows()
     ]
     if len(each) == 1:

@@ -13,6 +13,7 @@ from tactometry.analysis.primary import TITLES, Primary
 
 FORCE = "force_n"
 PURE_NUMBERS = ("exponent",)
+DIFFERENCES = ("jnd",)
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,10 @@ class Outcome:
     simple_pairs: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
 
     def unit(self, of_levels: str) -> str:
-        """Of the dependent value; an exponent has none."""
-        return "" if self.dependent in PURE_NUMBERS else of_levels
+        """Of the dependent value: an exponent has none, and a difference in decibels has no reference."""
+        if self.dependent in PURE_NUMBERS:
+            return ""
+        return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels
 
     @property
     def effects(self) -> pd.DataFrame | None:
@@ -109,14 +112,14 @@ class Outcome:
         for (name, by), table in self.simple.items():
             found[f"Simple effects of {name} at each {by}"] = apa.simple_sentences(table, by)
         for name, table in self.pairs.items():
-            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit)
+            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit, factor=name)
         for (name, by), table in self.simple_pairs.items():
             tell = apa.group_sentences if name == self.between else apa.pair_sentences
-            found[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by)
+            found[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
         for name, table in self.group_pairs.items():
-            found[f"Groups of {name}"] = apa.group_sentences(table, unit)
+            found[f"Groups of {name}"] = apa.group_sentences(table, unit, factor=name)
         for name, table in self.equivalence.items():
-            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit)
+            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit, factor=name)
         return found
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:

@@ -1,5 +1,6 @@
 """Names of factors and conditions as a person writes them."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,29 +11,73 @@ NAMED = 6
 """So many cells are named one by one."""
 
 
+def split_unit(name: str) -> tuple[str, str]:
+    """A name in words, and the unit that its suffix says; without one an empty text.
+
+    >>> split_unit("frequency_hz"), split_unit("speed_m_per_s"), split_unit("pattern")
+    (('frequency', 'Hz'), ('speed', 'm/s'), ('pattern', ''))
+    """
+    for suffix in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(f"_{suffix}"):
+            return name[: -len(suffix) - 1].replace("_", " "), UNITS[suffix]
+    return name.replace("_", " "), ""
+
+
 def title_of(name: str) -> str:
     """A factor's name as a person writes it.
 
     >>> title_of("frequency_hz"), title_of("force_n"), title_of("pattern")
     ('Frequency (Hz)', 'Force (N)', 'Pattern')
     """
-    for suffix in sorted(UNITS, key=len, reverse=True):
-        if name.endswith(f"_{suffix}"):
-            return f"{name[: -len(suffix) - 1].replace('_', ' ').capitalize()} ({UNITS[suffix]})"
-    return name.replace("_", " ").capitalize()
+    words, unit = split_unit(name)
+    return f"{words.capitalize()} ({unit})" if unit else words.capitalize()
+
+
+def level_of(name: str, value: object) -> str:
+    """A factor's value with the unit, if its name has one.
+
+    >>> level_of("frequency_hz", 240.0), level_of("pattern", "P0"), level_of("size", 3)
+    ('240 Hz', 'P0', '3')
+    """
+    text, unit = f"{value:g}" if isinstance(value, int | float | np.number) else str(value), split_unit(name)[1]
+    return f"{text} {unit}" if unit else text
 
 
 def value_of(name: str, value: object) -> str:
-    """A factor's value with its unit, such as ``240 Hz``.
+    """A factor's value that is told from those of other factors, such as ``240 Hz``.
 
-    >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0")
-    ('240 Hz', 'P0')
+    >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0"), value_of("size", 3)
+    ('240 Hz', 'P0', 'size 3')
     """
-    text = f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
-    for suffix in sorted(UNITS, key=len, reverse=True):
-        if name.endswith(f"_{suffix}"):
-            return f"{text} {UNITS[suffix]}"
-    return text if not isinstance(value, int | float | np.number) else f"{name.replace('_', ' ')} {text}"
+    words, unit = split_unit(name)
+    is_bare = isinstance(value, int | float | np.number) and not unit
+    return f"{words} {level_of(name, value)}" if is_bare else level_of(name, value)
+
+
+def in_words(text: str, factors: Sequence[str]) -> str:
+    """A sentence with the names of factors as words, their values with units and a sign between those that interact.
+
+    >>> in_words("force_n * frequency_hz: F(2, 4) = 1.20", ["frequency_hz", "force_n"])
+    'force × frequency: F(2, 4) = 1.20'
+    >>> in_words("without frequency_hz = 60, force_n = 0.5", ["frequency_hz", "force_n"])
+    'without frequency = 60 Hz, force = 0.5 N'
+    """
+    for name in factors:
+        words, unit = split_unit(name)
+        own = rf"(?<![\w/.]){re.escape(name)}(?![\w/])"
+        if unit:
+            text = re.sub(rf"{own} = (-?[\d.]*\d(?:e[+-]?\d+)?)", rf"{name} = \1 {unit}", text)
+        text = text if words == name else re.sub(own, words, text)
+    return re.sub(r"(?<=\w) \* (?=\w)", " × ", text)
+
+
+def header_of(column: str, factors: Sequence[str]) -> str:
+    """The head of a column of a table for people.
+
+    >>> [header_of(name, ["frequency_hz", "force_n"]) for name in ("frequency_hz", "force_n = 0.5", "n_trials")]
+    ['Frequency (Hz)', 'force = 0.5 N', 'n trials']
+    """
+    return title_of(column) if column in factors else in_words(column, factors).replace("_", " ")
 
 
 def percent_text(share: float) -> str:

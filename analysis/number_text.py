@@ -54,3 +54,16 @@ def interval_text(value: Any, low: Any = None, high: Any = None) -> str:
         return number_text(float(value))
     texts = interval_texts(float(value), float(low), float(high))
     return f"{texts[0]} [{texts[1]}, {texts[2]}]"
+
+
+def cell_text(value: Any) -> str:
+    """A cell of a table for people: nothing where nothing is known.
+
+    >>> cell_text(240.0), cell_text(12345.0), cell_text(0.21349), cell_text(7), cell_text(None), cell_text(float("nan"))
+    ('240', '12345', '0.213', '7', '', '')
+    """
+    if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() and abs(value) < LARGEST else number_text(value)
+    return str(value)

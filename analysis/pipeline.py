@@ -20,6 +20,7 @@ from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.plan import Plan, plan_of
 from tactometry.analysis.ratings import Ratings, ratings
 from tactometry.analysis.same_different import same_different_table
+from tactometry.analysis.study_text import StudyText, study_text
 from tactometry.analysis.table import Trials, read_trials
 from tactometry.analysis.together import Together, together
 from tactometry.analysis.tracks import tracks
@@ -53,6 +54,7 @@ class Analysis:
     forms: tuple[Ratings, ...] = ()
     plan: Plan = field(default_factory=Plan)
     origin: Origin = field(default_factory=Origin)
+    study: StudyText = field(default_factory=StudyText)
     report: Path | None = None
     tables_folder: Path | None = None
     figures_folder: Path | None = None
@@ -249,6 +251,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
         | _growth(trials)
         | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
         origin=origin,
+        study=study_text(everything.path, unit),
         warnings=(
             *origin.warnings,
             *trials.notes,

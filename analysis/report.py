@@ -1,23 +1,28 @@
 """The report: one HTML file that needs nothing else, its tables beside it; figures as files."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from tactometry.analysis import words
+from tactometry.analysis.apa import p_text
+from tactometry.analysis.captions import means_sentence
+from tactometry.analysis.decibels import as_amplitudes, is_decibel
 from tactometry.analysis.findings import Outcome
 from tactometry.analysis.group import cross_table
+from tactometry.analysis.labels import header_of, in_words, split_unit
+from tactometry.analysis.number_text import cell_text
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.printing import print_pdf
 from tactometry.analysis.ratings import Ratings
 from tactometry.analysis.report_figures import NAMES, Figure, Place, figures_of
 from tactometry.analysis.table_files import write_tables
 from tactometry.analysis.together import Together
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.errors import DeviceFailed, InvalidParameter, counted
 from tactometry.safe_text import file_text
 
 
@@ -89,32 +94,99 @@ def render(found: Analysis) -> str:
     """The whole page; the same data give the same text."""
     from jinja2 import Environment, StrictUndefined
 
+    factors = found.trials.factors
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"words": lambda text: in_words(text, factors), "unbroken": unbroken}
     template = environment.from_string((files("tactometry.analysis") / "report.html").read_text("utf-8"))
     drawn = figures_of(found)
-    svgs = {figure.name: _numbered(figure, n) for n, figure in enumerate(drawn)}
-    tables = found.tables
     return template.render(
         analysis=found,
-        title=_title(found),
+        title=title_of(found),
         names=NAMES,
         places=Place,
         figures=drawn,
-        svgs=svgs,
-        outcomes=[(o, _grid(o.cross), _effects_grid(o), o.all_sentences(found.unit)) for o in found.outcomes],
-        forms=[(form, _summary_grid(form), form.sentences()) for form in found.forms],
-        loss=_grid(_cross(found, "loss")) if "loss" in tables else None,
-        force=_grid(_cross(found, "force")) if "force" in tables else None,
-        choices={name: _grid(tables[name]) for name in words.CHOICES if name in tables},
-        excluded=_grid(tables["excluded"]) if "excluded" in tables else None,
-        quality=_grid(tables["quality"]),
-        goodness=_grid(tables["goodness"].rename(columns=GOODNESS_COLUMNS)) if "goodness" in tables else None,
-        thresholds=_grid(_short_thresholds(found)) if "thresholds" in tables else None,
+        svgs={figure.name: _numbered(figure, n) for n, figure in enumerate(drawn)},
+        data=data_line(found),
+        warnings=[text for text in found.warnings if f"{text}." != found.origin.line] + _notes(found),
+        outcomes=[_section(outcome, found) for outcome in found.outcomes],
+        forms=[(form, means_sentence(form.summary), _summary_grid(form), form.sentences()) for form in found.forms],
+        grids=_grids(found),
+        choices={name: _grid(found.tables[name], factors) for name in words.CHOICES if name in found.tables},
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
-        shrunken={each.task: _grid(each.participants) for each in found.together},
+        shrunken={each.task: _grid(each.participants, factors) for each in found.together},
         references=words.references(found.methods),
-        notes=_notes(found),
     )
+
+
+def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
+    """What the page says of one dependent value."""
+    sentences = outcome.all_sentences(found.unit)
+    primary = sentences.pop(outcome.heading(), []) if outcome.primary is not None else []
+    return {
+        "outcome": outcome,
+        "unit": outcome.unit(found.unit),
+        "means": means_sentence(outcome.group),
+        "cross": _grid(outcome.cross, found.trials.factors),
+        "amplitudes": amplitudes(outcome, found),
+        "effects": _effects_grid(outcome, found.trials.factors),
+        "primary": primary,
+        "sentences": sentences,
+    }
+
+
+def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, Grid] | None:
+    """The group table in the unit that decibels refer to, with this unit; None where levels are in none."""
+    unit = outcome.unit(found.unit)
+    if not is_decibel(unit):
+        return None
+    cross = cross_table(as_amplitudes(outcome.group), found.trials.factors)
+    peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
+    return f"{unit.partition(' re 1 ')[2]}{peak}", _grid(cross, found.trials.factors)
+
+
+def _grids(found: Analysis) -> dict[str, Grid | None]:
+    """The tables that stand alone; None where there is none."""
+    tables, factors = dict(found.tables), found.trials.factors
+    tables |= {name: cross_table(tables[name], factors) for name in ("loss", "force") if name in tables}
+    if "thresholds" in tables:
+        tables["thresholds"] = _short_thresholds(found)
+    for name, heads in (("quality", QUALITY), ("goodness", GOODNESS_COLUMNS)):
+        if name in tables:
+            tables[name] = tables[name].rename(columns=heads)
+    names = ("loss", "force", "excluded", "quality", "goodness", "thresholds")
+    return {name: _grid(tables[name], factors) if name in tables else None for name in names}
+
+
+QUALITY = {
+    "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
+    "n_unanswered": "unanswered", "n_catch": "catch trials", "n_false_alarms": "false alarms",
+    "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
+}  # fmt: skip
+"""Columns of the table of data quality, in words."""
+
+
+def data_line(found: Analysis) -> str:
+    """What was read: rows, participants and files, factors and the unit of the levels."""
+    rows, words_of = found.trials.rows, [split_unit(name)[0] for name in found.trials.factors]
+    n_participants = len(found.tables["quality"])
+    names = ", ".join(sorted(set(rows["study"]) - {""})) if "study" in rows.columns else ""
+    parts = [f"{'study ' + names + ': ' if names else ''}{counted(n_participants, 'participant')}"]
+    parts.append(f"{counted(len(rows), 'row')} in {counted(found.trials.n_files, 'file')}")
+    told = [", ".join(parts), f"factors: {', '.join(words_of) or 'none'}"]
+    told += [f"levels in {found.unit}"] if found.unit else []
+    return f"{'; '.join(told)}."[0].upper() + f"{'; '.join(told)}."[1:]
+
+
+def unbroken(text: str) -> str:
+    """A cell that breaks between a value, its interval and its number, and nowhere else.
+
+    >>> unbroken("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
+    '0.29 [~0.78,_1.35] (n_=_3)'
+    >>> unbroken("1.47 ± 0.03 N, 100 % in band").replace(chr(160), "_")
+    '1.47_±_0.03_N, 100_%_in_band'
+    """
+    joined = re.sub(r" (?![\[(])", "\u00a0", text).replace("N,\u00a0", "N, ")
+    return re.sub(r"-(?=\d)", "\u2011", joined)
 
 
 def _notes(found: Analysis) -> list[str]:
@@ -128,21 +200,18 @@ def _numbered(figure: Figure, n: int) -> str:
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", figure.drawing.svg)
 
 
-def _title(found: Analysis) -> str:
+def title_of(found: Analysis) -> str:
+    """The title of the study, else its name, else that of the file."""
     rows = found.trials.rows
     studies = sorted(set(rows["study"])) if "study" in rows.columns else []
-    title = ", ".join(study for study in studies if study) or found.trials.path.stem
+    title = found.study.title or ", ".join(study for study in studies if study) or found.trials.path.stem
     return f"{title} (simulated)" if found.origin.is_simulated else title
-
-
-def _cross(found: Analysis, name: str) -> pd.DataFrame:
-    return cross_table(found.tables[name], found.trials.factors)
 
 
 def _cross_grid(each: Together, found: Analysis) -> Grid | None:
     if each.fit is None:
         return None
-    return _grid(cross_table(each.conditions, each.fit.factors))
+    return _grid(cross_table(each.conditions, each.fit.factors), found.trials.factors)
 
 
 def _summary_grid(form: Ratings) -> Grid:
@@ -156,18 +225,23 @@ GOODNESS_COLUMNS = {
 }  # fmt: skip
 EFFECT_COLUMNS = {
     "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
-    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p", "p": "p", "p_permutation": "p", "np2": "partial eta²",
-    "ng2": "generalised eta²",
+    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
+    "np2": "partial eta²", "ng2": "generalised eta²",
 }  # fmt: skip
 """What the page shows of the primary analysis; the file has the rest."""
+P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
 
-def _effects_grid(outcome: Outcome) -> Grid | None:
+def _effects_grid(outcome: Outcome, factors: Sequence[str]) -> Grid | None:
     if outcome.effects is None:
         return None
     effects = outcome.effects[outcome.effects["F"].notna()]
-    kept = [name for name in EFFECT_COLUMNS if name in effects.columns]
-    return _grid(effects[kept].rename(columns=EFFECT_COLUMNS))
+    shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
+    for name in set(P_COLUMNS) & set(shown.columns):
+        shown[name] = [p_text(p).removeprefix("p ").removeprefix("= ") for p in shown[name].astype(float)]
+    for name in {"Source", "term"} & set(shown.columns):
+        shown[name] = [in_words(source, factors) for source in shown[name]]
+    return _grid(shown.rename(columns=EFFECT_COLUMNS), ())
 
 
 def _short_thresholds(found: Analysis) -> pd.DataFrame:
@@ -177,12 +251,6 @@ def _short_thresholds(found: Analysis) -> pd.DataFrame:
     return table[[name for name in wanted if name in table.columns]]
 
 
-def _grid(table: pd.DataFrame) -> Grid:
-    rows = tuple(tuple(_cell(value) for value in row) for row in table.itertuples(index=False, name=None))
-    return Grid(tuple(str(name) for name in table.columns), rows)
-
-
-def _cell(value: object) -> str:
-    if value is None or value is pd.NA or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+def _grid(table: pd.DataFrame, factors: Sequence[str]) -> Grid:
+    rows = tuple(tuple(cell_text(value) for value in row) for row in table.itertuples(index=False, name=None))
+    return Grid(tuple(header_of(str(name), factors) for name in table.columns), rows)

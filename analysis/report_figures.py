@@ -6,11 +6,12 @@ from enum import StrEnum
 
 import pandas as pd
 
+from tactometry.analysis.captions import figure_text
 from tactometry.analysis.cells import Estimate
 from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
 from tactometry.analysis.findings import FORCE, Outcome
-from tactometry.analysis.group import HIGH, LOW, MODEL, bounds_of
+from tactometry.analysis.group import HIGH, LOW, bounds_of
 from tactometry.analysis.magnitude import DEPENDENT as EXPONENT
 from tactometry.analysis.magnitude import GROWTH
 from tactometry.analysis.magnitude import TASK as MAGNITUDE
@@ -27,6 +28,16 @@ NAMES = {
     "setting": "Setting by adjustment",
     "exponent": "Exponent of magnitude estimates",
 }
+TRACKS = {
+    "staircase": "staircase",
+    "weighted_staircase": "weighted staircase",
+    "method_of_limits": "method of limits",
+    "quest": "QUEST",
+    "quest_plus": "QUEST+",
+    "psi": "psi method",
+}
+FILLED = {"yes_no": "yes", "forced_choice": "correct", "comparison": "more"}
+"""What a filled dot of a track means."""
 MOST_LINES = 7
 """A figure of word pairs shows no more conditions than there are colours."""
 
@@ -92,19 +103,10 @@ def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figu
         individuals=bounds_of(outcome.estimates, outcome.dependent),
         dependent=outcome.dependent,
     )
-    text = f"{name}: means over participants{_bars(outcome.group)}; faint dots are participants{_triangles(outcome)}."
+    dots = f"faint dots are participants{_triangles(outcome)}"
+    text = f"{name}: {figure_text(outcome.group, dots)}."
     stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
     return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
-
-
-def _bars(means: pd.DataFrame) -> str:
-    """What the bars of a figure are: what was drawn, no more."""
-    drawn = [bool(means[name].notna().any()) for name in ("within_low", "mean_low")]
-    kinds = ["bars are 95 % intervals within participants (Cousineau-Morey)"] * drawn[0]
-    kinds += [f"{'thin lines' if drawn[0] else 'bars'} are 95 % t-intervals between participants"] * drawn[1]
-    told = "; ".join(["", *kinds])
-    is_model = "method" in means.columns and (means["method"] == MODEL).any()
-    return told + (", of the censored model where a value is a bound" if is_model else "")
 
 
 def _triangles(outcome: Outcome) -> str:
@@ -120,8 +122,9 @@ def _growth_figure(found: Analysis) -> Figure:
 
 def _loss_figure(found: Analysis) -> Figure:
     own = found.tables["loss"]
-    over = "participants" if own["n"].max() > 1 else "readings"
-    text = f"Loss of amplitude: means with 95 % t-intervals over {over}."
+    over = "participants" if own["n"].max() > 1 else "readings of one participant"
+    bars = "; bars are 95 % t-intervals" if own["mean_low"].notna().any() else ""
+    text = f"Loss of amplitude: means over {over}{bars}."
     return Figure("loss", loss.loss_figure(own, found.trials.factors), text, "loss", Place.LOSS)
 
 
@@ -136,9 +139,8 @@ def _together_figure(found: Analysis, each: Together) -> Figure:
         individuals=each.participants,
         dependent="threshold",
     )
-    text = (
-        f"{name}: the hierarchical model's means with 95 % intervals; faint dots are participants, drawn to the group."
-    )
+    bars = " with 95 % intervals" if each.conditions["interval_low"].notna().any() else ""
+    text = f"{name}: the hierarchical model's means{bars}; faint dots are participants, drawn to the group."
     stem = f"hierarchical_{each.task}"
     return Figure(stem, drawing, text, stem, Place.TOGETHER, each.task)
 
@@ -146,7 +148,8 @@ def _together_figure(found: Analysis, each: Together) -> Figure:
 def _force_figure(found: Analysis) -> Figure:
     factors = found.trials.factors
     own = found.tables["force_participants"]
-    targets = sorted(set(own[FORCE].astype(float))) if FORCE in factors else []
+    stated = [] if found.study.force_n is None else [found.study.force_n]
+    targets = sorted(set(own[FORCE].astype(float))) if FORCE in factors else stated
     drawing = group.threshold_figure(
         found.tables["force"],
         factors,
@@ -154,9 +157,10 @@ def _force_figure(found: Analysis) -> Figure:
         individuals=own,
         dependent="force_mean_n",
         targets=targets,
+        from_zero=True,
     )
-    dashed = "; dashed: targets" if targets else ""
-    text = f"Mean applied force: means over participants with 95 % t-intervals; faint dots are participants{dashed}."
+    dashed = f"; dashed: {'the target' if len(targets) == 1 else 'targets'}" if targets else ""
+    text = f"Mean applied force: {figure_text(found.tables['force'], 'faint dots are participants')}{dashed}."
     return Figure("force", drawing, text, "force", Place.FORCE)
 
 
@@ -170,20 +174,28 @@ def _form_figures(form: Ratings) -> list[Figure]:
         return Figure(f"{stem}_{part}", drawing, caption, f"{stem}_{table}", Place.FORM, form.name)
 
     scores = attrakdiff.scores_figure(form.summary, names[:MOST_LINES], order, low, high)
-    found = [figure("scores", scores, f"Scores: means over participants{_bars(form.summary)}.", "summary")]
+    found = [figure("scores", scores, f"Scores: {figure_text(form.summary)}.", "summary")]
     if form.portfolio is not None:
-        text = "Portfolio: means with 95 % confidence rectangles over participants."
+        bars = " with 95 % confidence rectangles" if form.portfolio["PQ_low"].notna().any() else ""
+        text = f"Portfolio: means over participants{bars}."
         found.append(figure("portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio"))
     if form.crossed is not None:
         drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
-        band = f"dashed with its t-interval between participants: {REFERENCE}"
-        text = f"Frequency by envelope: means over participants{_bars(form.summary)}; {band}."
+        shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
+        band = f"dashed{shaded}: {REFERENCE}"
+        text = f"Frequency by envelope: {figure_text(form.summary)}; {band}."
         found.append(figure("frequency_by_envelope", drawing, text, "summary"))
     for part, chosen in _profiles(form, names):
         drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
-        text = f"Word pairs: means over participants of {', '.join(chosen)}."
+        text = f"{_items(form)}: means over participants{' of ' * (len(names) > 1)}"
+        text += f"{', '.join(chosen) * (len(names) > 1)}."
         found.append(figure(part, drawing, text, "word_pairs"))
     return found + ([] if form.grouped is None else _grouped_figures(form, form.grouped, stem))
+
+
+def _items(form: Ratings) -> str:
+    """Whether the items of a questionnaire are pairs of words or sentences."""
+    return "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
 
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame, stem: str) -> list[Figure]:
@@ -215,11 +227,16 @@ def _rate_figures(found: Analysis, task: str) -> list[Figure]:
     drawing = group.rate_figure(rates, factors, unit=found.unit)
     text = f"{kind} against level, all participants together."
     drawn = [Figure(f"rates_{task}", drawing, text, "rates", Place.RATES, of=of)]
-    if factors:
+    if factors and not _is_tracked(found, task):
         text = f"{kind} over all levels, mean over participants."
         drawing = group.mean_rate_figure(means, factors)
         drawn.append(Figure(f"mean_rates_{task}", drawing, text, "mean_rates", Place.RATES, of=of))
     return drawn
+
+
+def _is_tracked(found: Analysis, task: str) -> bool:
+    """Whether levels followed the answers: the rate over all of them then tells of the procedure alone."""
+    return "tracks" in found.tables and task in set(found.tables["tracks"]["task"])
 
 
 def _curves(own: Sequence[Estimate], found: Analysis, code: str) -> Figure:
@@ -238,7 +255,12 @@ def _tracks(found: Analysis, code: str) -> list[Figure]:
     if rows.empty:
         return []
     drawing = participants.track_figure(rows, found.trials.factors, unit=found.unit)
-    text = f"{code}: staircases; filled: yes or correct, open: not; catch trials are left out."
+    kinds = ", ".join(TRACKS.get(name, name) for name in sorted(set(rows["procedure"])))
+    text = f"{code}: tracks ({kinds}); filled: {_filled(rows)}, open: not; catch trials are left out."
     return [
         Figure(f"{code}_tracks", drawing, text, "tracks", Place.PARTICIPANTS, f"{code}: tracks", ("participant", code))
     ]
+
+
+def _filled(rows: pd.DataFrame) -> str:
+    return " or ".join(FILLED[task] for task in sorted(set(rows["task"])))

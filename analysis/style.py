@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008)."""
 PRINT_DPI = 300
+LIGHTEST = 0.8
+"""Of viridis (dark to light): lighter is too faint on white."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _SETTINGS: dict[str, Any] = {
     "svg.fonttype": "none",
@@ -78,12 +80,13 @@ def drawn(figure: "Figure") -> Drawing:
 
 
 def look(place: int) -> dict[str, Any]:
-    """Colour and marker of the series at this place."""
-    return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
+    """Colour and marker of the series at this place; open markers where the colours come again."""
+    found: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
+    return found | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
 
 def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
     """n ordered colours, dark to light, for an ordered factor of many levels."""
     import matplotlib as mpl
 
-    return [mpl.colormaps["viridis"](0.88 * place / max(1, n - 1)) for place in range(n)]
+    return [mpl.colormaps["viridis"](LIGHTEST * place / max(1, n - 1)) for place in range(n)]

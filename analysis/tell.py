@@ -3,16 +3,15 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from tactometry.analysis.captions import means_text
 from tactometry.analysis.group import cross_table
-from tactometry.analysis.number_text import LARGEST, number_text
+from tactometry.analysis.labels import header_of, in_words
+from tactometry.analysis.number_text import cell_text
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.table import Table
 
-    from tactometry.analysis.findings import Outcome
     from tactometry.analysis.pipeline import Analysis
 
 NAMES = {
@@ -25,62 +24,52 @@ NAMES = {
 
 
 def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
-    """For each outcome its group table and what is to be said below it."""
+    """For each outcome its group table and what is to be said below it; factors in words."""
+    factors = found.trials.factors
+    for cross, title, sentences in _told(found):
+        yield text_table(cross, title, factors), [in_words(sentence, factors) for sentence in sentences]
+
+
+def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]]]":
+    """Each table with its title and what is said below it."""
     for outcome in found.outcomes:
         unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
-        yield (
-            outcome_table(outcome, f"{NAMES[outcome.dependent]}{unit} (mean, 95 % interval between participants, n)"),
-            (*outcome.notes, *([outcome.heading()] if outcome.primary else []), *outcome.sentences),
-        )
+        primary = [outcome.heading()] if outcome.primary else []
+        said = (*outcome.notes, *primary, *outcome.sentences)
+        yield outcome.cross, f"{NAMES[outcome.dependent]}{unit} ({means_text(outcome.group)}, n)", said
     for each in found.together:
         if each.fit is not None:
             cross = cross_table(each.conditions, each.fit.factors)
             title = "point of subjective equality" if each.task == "comparison" else "threshold"
-            yield (
-                text_table(cross, f"check, all participants at once: {title} (mean, 95 % interval)"),
-                each.sentences(found.unit),
-            )
+            unit = f", {found.unit}" if found.unit else ""
+            title = f"check, all participants at once: {title}{unit} (mean, 95 % interval)"
+            yield cross, title, each.sentences(found.unit)
     for form in found.forms:
         heading, lines = next(iter(form.sentences().items()))
         compared = [heading, *lines] if form.tests_effects else []
-        yield (
-            text_table(form.cross(), f"{form.form.title} (mean, 95 % interval between participants, n)"),
-            [*form.notes, *compared],
-        )
+        yield form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared]
     for name in ("preference", "same_different"):
         if name in found.tables:
-            yield text_table(found.tables[name], name.replace("_", " ")), ()
-    if "loss" in found.tables:
-        cross = cross_table(found.tables["loss"], found.trials.factors)
-        yield text_table(cross, "loss of amplitude (mean, 95 % interval)"), ()
-    if "force" in found.tables:
-        yield text_table(cross_table(found.tables["force"], found.trials.factors), "applied force (mean ± SD)"), ()
+            yield found.tables[name], name.replace("_", " "), ()
+    for name, title in (("loss", "loss of amplitude"), ("force", "applied force")):
+        if name in found.tables:
+            table = found.tables[name]
+            yield cross_table(table, found.trials.factors), f"{title} ({_spread(table, name)})", ()
 
 
-def outcome_table(outcome: "Outcome", title: str) -> "Table":
-    """The group table in the thesis's form."""
-    return text_table(outcome.cross, title)
+def _spread(table: "pd.DataFrame", name: str) -> str:
+    """What a table of means tells beside them."""
+    has_spread = bool(table["mean_low"].notna().any())
+    return "mean" + has_spread * (", 95 % interval" if name == "loss" else " ± SD between participants")
 
 
-def text_table(cross: "pd.DataFrame", title: str) -> "Table":
-    """Rows as they stand."""
+def text_table(cross: "pd.DataFrame", title: str, factors: Sequence[str]) -> "Table":
+    """Rows as they stand, under heads in words."""
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", min_width=min(len(title), 78))
     for name in cross.columns:
-        table.add_column(str(name), justify="right")
+        table.add_column(header_of(str(name), factors), justify="right")
     for row in cross.itertuples(index=False, name=None):
-        table.add_row(*map(_cell, row))
+        table.add_row(*map(cell_text, row))
     return table
-
-
-def _cell(value: object) -> str:
-    """
-    >>> _cell(240.0), _cell(12345.0), _cell(0.21349), _cell(7), _cell(None), _cell(float("nan"))
-    ('240', '12345', '0.213', '7', '', '')
-    """
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    if isinstance(value, float):
-        return str(int(value)) if value.is_integer() and abs(value) < LARGEST else number_text(value)
-    return str(value)

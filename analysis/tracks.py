@@ -12,12 +12,14 @@ FIXED = ("constant", "constant_stimuli")
 
 def tracks(trials: Trials) -> pd.DataFrame:
     """A row per trial of a procedure whose levels follow the answers, without catch trials: whose, under which
-    condition, in which track, `step` from 1, the level and whether the answer was yes or correct. Empty without any."""
+    condition, in which track, of which task and procedure, `step` from 1, the level and whether the answer was yes,
+    correct or more. Empty without any."""
     rows = used_rows(trials)
     if "procedure" not in rows.columns:
         return pd.DataFrame()
     rows = rows[rows["task"].isin(FITTED_TASKS) & ~rows["procedure"].isin(FIXED) & ~is_catch(rows)]
     keys = ["participant", *trials.factors, *(name for name in ("session", "track") if name in rows.columns)]
-    found = rows.assign(yes=yes(rows))[[*keys, "level", "yes"]].reset_index(drop=True)
+    told = ["task", "procedure", "level", "yes"]
+    found = rows.assign(yes=yes(rows))[[*keys, *told]].reset_index(drop=True)
     step = found.groupby(keys, observed=True, dropna=False).cumcount() + 1 if len(found) else np.array([], dtype=int)
     return found.assign(step=step)

@@ -248,7 +248,7 @@ def test_the_command_says_which_analysis_answers(tmp_path) -> None:
     assert found["checks"] == []
     page = (tmp_path / "r.html").read_text()
     assert "<h3>Primary analysis: repeated-measures analysis of variance (by the rule" in page
-    assert "Simple effects of force_n at each frequency_hz" in page
+    assert "Simple effects of force at each frequency" in page
     for name in ("analyses", "anova", "simple", "pairs"):
         assert list((tmp_path / "r_tables").glob(f"{name}_setting*.csv")), name
     plan = tmp_path / "plan.toml"

@@ -236,7 +236,9 @@ def test_real_data_through_the_command_line(tmp_path, dallmann) -> None:
 
 def test_the_terminal_shows_table_and_sentence(found) -> None:
     text = summary_text(found)
-    assert "frequency_hz" in text
+    assert "Frequency (Hz)" in text
+    assert "frequency_hz" not in text
+    assert "force × frequency: F(" in text
     assert "generalised eta squared" in " ".join(text.split())
 
 
@@ -330,8 +332,8 @@ def test_the_report_has_force_models_pairs_and_references(planned) -> None:
         "Applied force",
         "Data quality",
         "Left out by the plan",
-        "Pairs of frequency_hz",
-        "Equivalence over force_n",
+        "Pairs of frequency",
+        "Equivalence over force",
     )
     for text in (*headings, "Linear mixed model", "Schuirmann, D. J. (1987)", "Vallat, R. (2018)"):
         assert text in page

@@ -195,7 +195,7 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     assert re.search(r" 30 │ .*of 6: \d above the", out)
     assert "95 % interval between participants" in out
     assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
-    assert re.search(r"values and bounds\s+leaves\s+out\s+frequency_hz = 30", out)
+    assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
 
 
 def test_the_main_job_end_to_end(tmp_path, capsys):

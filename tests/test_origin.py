@@ -16,6 +16,7 @@ from tactometry.analysis.table import read_trials
 
 RECORDED = Path(__file__).with_name("recorded")
 LINE = "Simulated participants, no people (seed 1)."
+TITLE = "Tutorial: is there a vibration under the finger?"
 METHOD = "The participants were simulated by Tactometry (seed 1); no person took part."
 
 
@@ -26,9 +27,10 @@ def page_of(path):
 def test_the_first_line_of_a_report_and_its_methods_say_that_participants_are_simulated(whole):
     page = page_of(whole)
     body = page.split("<body>")[1]
-    assert body.index("<h1>tutorial (simulated)</h1>") < body.index(LINE) < body.index("<h2>")
+    assert body.index(f"<h1>{TITLE} (simulated)</h1>") < body.index(LINE) < body.index("<h2>")
     assert METHOD in page
-    assert "<title>tutorial (simulated)</title>" in page
+    assert f"<title>{TITLE} (simulated)</title>" in page
+    assert body.count(LINE.removesuffix(".")) == 1
 
 
 def test_so_does_the_terminal_first_of_all(whole, capsys):

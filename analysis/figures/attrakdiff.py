@@ -13,6 +13,8 @@ from tactometry.analysis.style import Drawing, drawn, house_style, look, new_fig
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+MOST_STEPS = 10
+"""A scale of more has a tick at each fifth of it."""
 SPREAD = 0.09
 """Between series at one place, in steps of the axis."""
 CENTRES = (-2.0, 0.0, 2.0)
@@ -36,15 +38,22 @@ def scores_figure(
             means_with_intervals(axes, x, part, label=name, linestyle="none", **FINE, **look(n))
         axes.set_xticks(range(len(order)), list(order))
         _scale(axes, low, high)
-        axes.set_ylabel("Score (positive: good)")
-        figure.legend(loc="outside right center")
+        axes.set_ylabel(_score_label(low))
+        if len(names) > 1:
+            figure.legend(loc="outside right center")
         return drawn(figure)
 
 
 def _scale(axes: "Axes", low: float, high: float) -> None:
     axes.axhline((low + high) / 2, color="#888888", linewidth=0.8)
     axes.set_ylim(low - 0.1, high + 0.1)
-    axes.set_yticks(np.linspace(low, high, 7))
+    whole = high - low <= MOST_STEPS
+    axes.set_yticks(np.arange(low, high + 1) if whole else np.linspace(low, high, MOST_STEPS // 2 + 1))
+
+
+def _score_label(low: float) -> str:
+    """Of a semantic differential the sign tells what is good; of other scales the questionnaire does."""
+    return "Score (positive: good)" if low < 0 else "Score"
 
 
 def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high: float) -> Drawing:
@@ -60,7 +69,8 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
         for n, name in enumerate(names):
             part = profile[profile["condition"] == name].set_index("item").reindex(words["item"])
             axes.plot(part["mean"], y, label=name, linewidth=1.0, **look(n))
-        labels = [f"{d}  {word}" for d, word in zip(words["dimension"], words["negative"], strict=True)]
+        left = words["negative"].where(words["negative"] != "", words["item"])
+        labels = [f"{d}  {word}" for d, word in zip(words["dimension"], left, strict=True)]
         axes.set_yticks(y, labels, fontsize=7)
         axes.set_ylim(len(words) - 0.5, -0.5)
         axes.set_xlim(low, high)
@@ -71,7 +81,8 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
         right = axes.secondary_yaxis("right")
         right.set_yticks(y, list(words["positive"]), fontsize=7)
         right.tick_params(length=0)
-        figure.legend(loc="outside upper center", ncols=min(7, len(names)))
+        if len(names) > 1:
+            figure.legend(loc="outside upper center", ncols=min(7, len(names)))
         return drawn(figure)
 
 
@@ -135,7 +146,7 @@ def crossed_figure(
             axes.set_xticks(range(len(envelopes)), [str(e) for e in envelopes], rotation=40, ha="right", fontsize=7)
             axes.set_xlim(-0.4, len(envelopes) - 0.6)
             _scale(axes, *limits)
-        panels[0].set_ylabel("Score (positive: good)")
+        panels[0].set_ylabel(_score_label(limits[0]))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3)
         return drawn(figure)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LOG_RANGE = 4.0
+SPREAD, MOST_SPREAD = 0.18, 0.7
 RATE_LABEL = {"yes_no": "Rate of “yes”", "forced_choice": "Rate correct", "comparison": "Rate of “more”"}
 
 
@@ -82,13 +83,18 @@ def _no_ticks() -> Any:
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
-    """Series side by side, so that their intervals do not hide each other."""
-    offset = place - (n - 1) / 2
-    if log:
-        return {value: x * 1.045**offset for value, x in where.items()}
-    spots = sorted(where.values())
-    step = min(np.diff(spots), default=1.0)
-    return {value: x + 0.09 * step * offset for value, x in where.items()}
+    """Series side by side, so that their intervals do not hide each other: `n` of them take at most `MOST_SPREAD` of
+    the smallest step of the axis, and each at most `SPREAD`.
+
+    >>> {name: round(x, 6) for name, x in shift(1, 2, {"a": 0.0, "b": 1.0}, log=False).items()}
+    {'a': 0.09, 'b': 1.09}
+    """
+    offset = (place - (n - 1) / 2) * min(SPREAD, MOST_SPREAD / n)
+    spots = np.array(list(where.values()))
+    scaled = np.log(spots) if log else spots
+    step = min(np.diff(np.sort(scaled)), default=1.0)
+    moved = scaled + offset * step
+    return dict(zip(where, (np.exp(moved) if log else moved).tolist(), strict=True))
 
 
 def panels(

@@ -12,6 +12,10 @@ from tactometry.analysis.style import Drawing, drawn, house_style, look, new_fig
 
 BESIDE = 0.4
 """Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
+ROOM = 1.05
+"""Above the highest value of an axis that begins at 0."""
+MOST_INSIDE = 4
+"""More series than these have their legend beside the figure."""
 OPEN = {"mfc": "none", "alpha": 0.8}
 
 if TYPE_CHECKING:
@@ -26,11 +30,12 @@ def threshold_figure(
     individuals: pd.DataFrame,
     dependent: str,
     targets: Sequence[float] = (),
+    from_zero: bool = False,
 ) -> Drawing:
     """Mean over participants with its 95 % interval against the main factor, a line per series: within participants
     where `group` has such (`within_low`, `within_high`), with the one between them as a thin line behind it. Single
     participants are faint dots, and open triangles where `individuals` have a bound (`LOW`, `HIGH`), `targets` dashed
-    lines."""
+    lines. `from_zero` lets the axis of values begin at 0."""
     axis = Axis.of(group, factors)
     with house_style():
         figure = new_figure(6.6, 3.6)
@@ -45,9 +50,19 @@ def threshold_figure(
         for target in targets:
             axes.axhline(target, color="#777777", linestyle="--", linewidth=0.8, zorder=0)
         axes.set_ylabel(label)
-        if axis.series:
-            axes.legend(loc="best", title=None)
+        if from_zero:
+            low, high = axes.get_ylim()
+            axes.set_ylim(min(0.0, low), ROOM * high)
+        _legend(axes, len(parts) if axis.series else 0)
         return drawn(figure)
+
+
+def _legend(axes: "Axes", n: int) -> None:
+    """Of `n` series: in the figure while they are few, beside it else."""
+    if n > MOST_INSIDE:
+        axes.get_figure().legend(loc="outside right center")  # type: ignore[union-attr]
+    elif n:
+        axes.legend(loc="best")
 
 
 def _draw_means(
@@ -101,6 +116,5 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
             axes.plot(x, part["rate"], label=name, **look(n))
         axes.set_ylabel(RATE_LABEL[str(rates["task"].iloc[0])] + ", all levels")
         axes.set_ylim(-0.03, 1.03)
-        if axis.series:
-            axes.legend(loc="best")
+        _legend(axes, len(series(rates, axis.series)) if axis.series else 0)
         return drawn(figure)

@@ -22,11 +22,11 @@ def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     lines = [name for name in axis.series if name != panel_by]
     with house_style():
         figure = new_figure(2.9 * len(panels) + 1.6, 3.2)
-        grid = figure.subplots(1, len(panels), squeeze=False)[0]
+        grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         for axes, (name, panel) in zip(grid, panels, strict=True):
             _draw_panel(axes, panel, axis, lines)
             axes.set_title("" if panel_by is None else f"{panel_by} {name}")
-            axes.set_ylim(min(0.0, axes.get_ylim()[0]), None)
+        grid[0].set_ylim(min(0.0, grid[0].get_ylim()[0]), None)
         grid[0].set_ylabel("Amplitude loss (%)")
         if lines:
             figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
