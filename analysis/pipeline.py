@@ -19,6 +19,7 @@ from tactometry.analysis.origin import Origin, of_one_kind
 from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.plan import Plan, plan_of
 from tactometry.analysis.ratings import Ratings, ratings
+from tactometry.analysis.rule_estimate import Replay, rule_columns
 from tactometry.analysis.same_different import same_different_table
 from tactometry.analysis.study_text import StudyText, study_text
 from tactometry.analysis.table import Trials, read_trials
@@ -137,6 +138,7 @@ def analyse(
     plan: Plan | None = None,
     figures: Path | None = None,
     warnings: Sequence[str] = (),
+    replay: Replay | None = None,
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 
@@ -161,6 +163,9 @@ def analyse(
         A folder for every figure as SVG and, at 300 dots per inch, PNG.
     warnings : sequence of str
         What is known of the data beside the table; it stands before the other warnings.
+    replay : callable, optional
+        What the rule that chose the levels makes of the answers of a block (`rule_estimate.Replay`); without it
+        only the reversals of staircases are known.
 
     Raises
     ------
@@ -176,7 +181,11 @@ def analyse(
 
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    found = analysed(replace(trials, notes=(*warnings, *trials.notes)), plan or plan_of(path))
+    found = analysed(
+        replace(trials, notes=(*warnings, *trials.notes)),
+        plan or plan_of(path),
+        replay if level_scale in (None, "linear") else None,
+    )
     if report is None and figures is None:
         return found
     from tactometry.analysis.report import write_figures, write_report
@@ -186,7 +195,7 @@ def analyse(
     return found if report is None else write_report(found, report, pdf=pdf)
 
 
-def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
+def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None = None) -> Analysis:
     """All estimates, tables and warnings of a trials table; nothing is written."""
     plan = plan or Plan()
     plan.check(everything.factors)
@@ -203,6 +212,7 @@ def analysed(everything: Trials, plan: Plan | None = None) -> Analysis:
     estimates = cells.estimates(found, n_choices, unit)
     table = cells.estimate_table(estimates, trials.factors, unit)
     if len(table):
+        table = table.join(rule_columns(everything, estimates, replay))
         table = table.join(goodness_columns(trials, estimates, n_choices, unit, np.random.default_rng(SEED)))
     forces = force_of_participants(trials) if has_force(trials) else None
     outcomes = tuple(

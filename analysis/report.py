@@ -248,6 +248,7 @@ def _short_thresholds(found: Analysis) -> pd.DataFrame:
     table = found.tables["thresholds"]
     wanted = ["participant", *found.trials.factors, "threshold", "interval_low", "interval_high", "jnd", "jnd_low"]
     wanted += ["jnd_high", "width", "guess_rate", "lapse_rate", "n_trials", "n_catch", "status", "misfit"]
+    wanted += [name for name in ("rule_estimate", "rule_sd", "rule_n") if table[name].notna().any()]
     return table[[name for name in wanted if name in table.columns]]
 
 

@@ -51,6 +51,7 @@ def command(
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.plan import read_plan
     from tactometry.experiments.edited import edited
+    from tactometry.experiments.rule_estimates import replay_of
 
     factors = [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
@@ -63,6 +64,7 @@ def command(
         plan=None if plan is None else read_plan(plan),
         figures=figures,
         warnings=edited(path),
+        replay=replay_of(path),
     )
     say(summary_text(found), found.summary(), as_json=as_json)
 

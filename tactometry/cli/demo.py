@@ -18,13 +18,14 @@ def command(out: Path, seed: int, *, as_json: bool) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.cli.analyse import summary_text
+    from tactometry.experiments.rule_estimates import replay_of
     from tactometry.experiments.simulating import Simulation, simulate
     from tactometry.experiments.study import load
 
     _, content = load(STUDY)
     simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)
     sessions = list(progress(simulate(simulation), N_PARTICIPANTS, "simulating"))
-    found = analyse(out, report=out / "report.html")
+    found = analyse(out, report=out / "report.html", replay=replay_of(out))
     n_trials = sum(session.n_trials for session in sessions)
     where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
     say(
