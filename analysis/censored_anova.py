@@ -133,7 +133,8 @@ def _fitted(design: BoundedDesign) -> StrataFit:
     """The fit, if it is a maximum that known values hold."""
     try:
         fit = fit_strata(design.data)
-        errors = np.sqrt(np.diagonal(fit.covariance))
+        with np.errstate(invalid="ignore"):
+            errors = np.sqrt(np.diagonal(fit.covariance))
     except np.linalg.LinAlgError:
         errors = np.array([np.nan])
     if not (np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE):

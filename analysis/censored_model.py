@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
 from tactometry.analysis.bounded import ends_of
 from tactometry.analysis.counts import Array, Bools
 from tactometry.analysis.design import expect_columns, size_of
 from tactometry.analysis.glmm import clustered
+from tactometry.analysis.held import endless_direction, leaves_no_error
 from tactometry.analysis.laplace import MixedFit, maximise
 from tactometry.analysis.laplace import MixedModel as Clusters
 from tactometry.analysis.likelihood import Expansion
@@ -96,7 +98,9 @@ def censored_model(
     y = data[dependent].to_numpy(dtype=np.float64)
     size = size_of(y)
     centre, scale = float((y / size).mean()), float((y / size).std()) or 1.0
-    model = _Censored.of((ends / size - centre) / scale, matrix.x, groups)
+    units = (ends / size - centre) / scale
+    _refuse_unheld(units, matrix, groups)
+    model = _Censored.of(units, matrix.x, groups)
     found = model.fitted()
     _refuse_endless(found, matrix)
     df = degrees(matrix, groups)
@@ -129,7 +133,7 @@ class _Censored:
     x: Array
 
     @classmethod
-    def of(cls, ends: Array, x: Array, groups: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> "_Censored":
+    def of(cls, ends: Array, x: Array, groups: NDArray[np.int64]) -> "_Censored":
         narrow = ends[:, 1] - ends[:, 0] < NARROW
         ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
         laid, used = clustered(groups, np.column_stack([ends, x]), np.ones(len(x)))
@@ -212,14 +216,32 @@ def _log_density(z: Array) -> Array:
     return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
 
 
+def _refuse_unheld(ends: Array, matrix: DesignMatrix, groups: NDArray[np.int64]) -> None:
+    """Before a search that would go on for long."""
+    if np.all(ends[:, 0] == ends[:, 1]):
+        return
+    endless = endless_direction(ends, matrix.x)
+    if endless is not None:
+        raise _endless(matrix.names[int(np.argmax(np.abs(endless)))])
+    if leaves_no_error(ends, matrix.x, groups):
+        raise InvalidParameter(
+            "censored_model: found known values that the terms and participants explain without error, expected more "
+            "known values, or fewer terms"
+        )
+
+
+def _endless(name: str) -> InvalidParameter:
+    return InvalidParameter(
+        f"{name}: found that the likelihood has no finite maximum, expected known values that hold each coefficient; "
+        "leave the condition out in which all values are censored"
+    )
+
+
 def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
     errors = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)])
     worst = int(np.argmax(errors))
     if not (np.isfinite(found.log_marginal) and errors[worst] <= WIDEST_SE):
-        raise InvalidParameter(
-            f"{matrix.names[worst]}: found that the likelihood has no finite maximum, expected known values that hold "
-            "each coefficient; leave the condition out in which all values are censored"
-        )
+        raise _endless(matrix.names[worst])
     if found.gradient * errors[worst] > LARGEST_STEP:
         raise InvalidParameter(
             f"censored_model: found that the likelihood still rises (by {found.gradient:.2g} along a parameter), "

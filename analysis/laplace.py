@@ -263,8 +263,7 @@ def maximise(model: MixedModel, start: Array, marginal: Marginal = log_marginal)
         parameters, hessian = start, _hessian(objective, start)
         for _ in range(MAX_RESTARTS):
             first = symmetric_inverse(hessian)[0]
-            is_definite = np.linalg.eigvalsh(first).min() > 0
-            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if is_definite else None}
+            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if _is_definite(first) else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
             parameters, hessian = _polished(objective, parameters)
             value, gradient = objective(parameters)
@@ -273,6 +272,15 @@ def maximise(model: MixedModel, start: Array, marginal: Marginal = log_marginal)
         inner = inner_mode(model, parameters, objective.effects)
     covariance, flatness = symmetric_inverse(hessian)
     return MixedFit(parameters, covariance, -value, flatness, float(np.abs(gradient).max()), inner)
+
+
+def _is_definite(matrix: Array) -> bool:
+    """In the digits that the search's own check has."""
+    try:
+        np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.isfinite(matrix).all())
 
 
 def _polished(objective: _Objective, parameters: Array) -> tuple[Array, Array]:

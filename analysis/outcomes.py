@@ -161,9 +161,15 @@ def _with_censored(found: Outcome, given: Given, factors: Sequence[str]) -> Outc
         censored = _censored(given, part.table, part.within)
     except InvalidParameter as refusal:
         return replace(found, notes=(*found.notes, f"no analysis of bounds: {refusal}"))
-    means = group.group_table(found.estimates, factors, found.dependent, model=censored.means())
+    means = group.group_table(found.estimates, factors, found.dependent, model=_means(censored, part.table, factors))
     notes = (*found.notes, *_counted(censored), *_lost(part))
     return replace(found, censored=censored, notes=notes, group=means, cross=group.cross_table(means, factors))
+
+
+def _means(found: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """With the one level of each factor of which the others are left out: the means are of no other."""
+    means = found.means()
+    return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
 
 
 def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:

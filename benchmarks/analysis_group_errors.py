@@ -7,7 +7,9 @@ intervals and of intervals within participants. 10 000 studies (a tenth with bou
 
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,6 +17,7 @@ from scipy.stats import t as student
 
 from tactometry.analysis.censored_anova import censored_anova
 from tactometry.analysis.contrasts import Effect, contrasts, permutation_p
+from tactometry.analysis.design import UndefinedStatistic
 from tactometry.analysis.post_hoc import all_together
 from tactometry.analysis.within_intervals import DIFFERENCE, within_variances
 
@@ -24,6 +27,7 @@ ERRORS = ("spherical", "AR(1), 0.7", "noisy")
 EFFECT = 1.1
 """Of the last condition, in standard deviations of the errors: about 80 % power of a spherical study."""
 CUTS = (0.15, 0.3)
+GIVEN: dict[str, Any] = {"dependent": "y", "low": "low", "high": "high", "within": "x", "subject": "who"}
 
 
 def covariance(errors: str, n_cells: int) -> np.ndarray:
@@ -72,7 +76,8 @@ def of_variance(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]
 
 
 def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
-    """Values below a cut are bounds; `mean` and `noisy mean`: coverage of the intervals of conditions."""
+    """Values below a cut are bounds; `answered` studies have two known values in each condition and a maximum; `mean`
+    and `noisy mean`: coverage of the intervals of conditions."""
     keys = pd.MultiIndex.from_product([range(N), range(4)], names=["who", "x"]).to_frame(index=False)
     for errors in ERRORS:
         for share in CUTS:
@@ -81,12 +86,14 @@ def of_bounds(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:
             found = []
             for each in values.reshape(n, -1):
                 table = keys.assign(y=np.where(each < at, np.nan, each), low=np.nan, high=at)
-                found.append(censored_anova(table, dependent="y", low="low", high="high", within="x", subject="who"))
+                with suppress(UndefinedStatistic):
+                    found.append(censored_anova(table, **GIVEN))
             means = [each.means() for each in found]
             held = np.mean([(each["mean_low"] < 0) & (each["mean_high"] > 0) for each in means], axis=0)
             alarms = np.mean([each.table["p_CM_corr"][0] < 0.05 for each in found])
             of_means = {"noisy mean": held[0], "mean": held[1:].mean()}
-            yield {"errors": errors, "bounds": share, "false alarms": alarms} | of_means
+            told = {"errors": errors, "bounds": share, "answered": len(found) / n, "false alarms": alarms}
+            yield told | of_means
 
 
 def of_intervals(n: int, rng: np.random.Generator) -> Iterator[dict[str, object]]:

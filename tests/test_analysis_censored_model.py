@@ -1,6 +1,7 @@
 """Mixed models of censored values: restricted likelihood if none is, integrals in extended precision, recovery."""
 
 from dataclasses import replace
+from itertools import product
 
 import mpmath
 import numpy as np
@@ -17,6 +18,7 @@ from tactometry.analysis.censored_model import (
     _value,
     censored_model,
 )
+from tactometry.analysis.held import endless_direction
 from tactometry.analysis.laplace import MixedModel as Clusters
 from tactometry.analysis.laplace import inner_mode
 from tactometry.analysis.mixed_model import ModelStatus, design_matrix, mixed_model
@@ -224,6 +226,43 @@ def test_refuses_what_has_no_finite_answer_and_what_is_no_number() -> None:
         fit(table.assign(low=["", "few", *[None] * (len(table) - 2)]).assign(low=lambda t: t["low"].replace("", None)))
     with pytest.raises(InvalidParameter, match="found no column 'lows'; did you mean 'low'"):
         fit(table, low="lows")
+
+
+@pytest.mark.parametrize(
+    ("ends", "direction"),
+    [
+        ([(1, 1), (2, 2), (3, np.inf), (2, 2)], None),
+        ([(1, 1), (2, 2), (3, np.inf), (2, np.inf)], [0, 1]),
+        ([(1, 1), (2, 2), (3, np.inf), (-np.inf, 9)], None),
+        ([(1, 1), (2, 2), (-np.inf, 3), (-np.inf, 4)], [0, -1]),
+        ([(1, 1), (2, 2), (3, 4), (3, np.inf)], None),
+        ([(1, 1), (2, 2), (-np.inf, np.inf), (-np.inf, np.inf)], None),
+    ],
+)
+def test_bounds_that_hold_no_coefficient_are_seen_before_the_search(ends, direction) -> None:
+    found = endless_direction(np.array(ends, dtype=float), np.array([[1.0, 0], [1, 0], [1, 1], [1, 1]]))
+    assert (None if found is None else np.sign(found).tolist()) == direction
+
+
+def test_known_values_that_leave_no_error_are_refused_before_the_search() -> None:
+    """The likelihood rises without end as the variance of errors vanishes."""
+    table = study(np.random.default_rng())
+    known = (table["who"] == "P0") & (table["force_n"] < 2)
+    with pytest.raises(InvalidParameter, match="known values that the terms and participants explain without error"):
+        fit(table.assign(y=table["y"].where(known), low=18.0, high=25.0))
+
+
+def test_a_table_of_few_values_is_answered_or_refused() -> None:
+    """Searches went on for half a minute, or ended in scipy's complaint of the Hessian's inverse."""
+    rng = np.random.default_rng()
+    for n, sd, share in product((2, 4), (1e-9, 1.0), (0.1, 0.5)):
+        table = study(rng, n, sd)
+        above = table["y"] > table["y"].quantile(1 - share)
+        try:
+            found = fit(table.assign(y=table["y"].where(~above), low=table["y"][above].min()))
+            assert np.isfinite(found.coefficients["estimate"]).all()
+        except InvalidParameter:
+            pass
 
 
 def test_slots_without_a_value_say_nothing() -> None:

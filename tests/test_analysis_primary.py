@@ -69,6 +69,18 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     assert found.equivalence["force_n"]["n"].tolist() == [8]
 
 
+def test_a_condition_that_the_model_leaves_out_has_no_mean_of_another() -> None:
+    """With one frequency left the model has means by force only; they are those of that frequency."""
+    table = estimates(np.random.default_rng())
+    table = table[table["frequency_hz"] < 240]
+    lost = table["frequency_hz"] == 120
+    found = told(table.assign(threshold=table["threshold"].where(~lost)))
+    means = found.group.set_index("frequency_hz")["mean"].astype(float)
+    assert found.primary == "censored_anova"
+    assert means.loc[60].notna().all()
+    assert means.loc[120].isna().all()
+
+
 @pytest.mark.parametrize("named", ["anova", "censored_anova", "permutation", "mixed_model"])
 def test_the_plan_names_the_analysis_that_answers(named) -> None:
     table = estimates(np.random.default_rng(), n_below=1)
