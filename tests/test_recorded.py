@@ -9,7 +9,7 @@ from command_line import call
 
 RECORDED = Path(__file__).with_name("recorded")
 DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
-SIMULATED = sorted(set(DATA_SETS) - {"bench", "bench-repeated", "console", "format-2-console"})
+SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not in name]
 
 
 def files(root):
@@ -30,7 +30,7 @@ def test_its_protocol_asks_what_it_asked(capsys, name):
 @pytest.mark.parametrize("name", DATA_SETS)
 def test_it_is_analysed(capsys, name):
     status, said, out = call(capsys, "analyse", RECORDED / name)
-    if name == "localisation" and status:
+    if name.endswith("localisation") and status:
         assert "found no valid answer of a yes/no" in said
     else:
         assert (status, said) == (0, "")
