@@ -61,7 +61,7 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
     assert (first["valid"], first["invalid_reason"], first["force_in_band"]) == ("0", "output_gap", "1")
     assert int(first["n_gaps"]) >= 1
     assert [row["attempt"] for row in others] == [str(n) for n in range(2, 2 + len(others))]
-    assert all((row["valid"] == "1") == (row["n_gaps"] == "0") for row in others)
+    assert all(row["n_gaps"] == "0" for row in others if row["valid"] == "1")  # a busy computer may lose a sensor too
     assert others[-1]["valid"] == "1"
     assert validate(tmp_path / "data").defects == ()
 
