@@ -6,6 +6,8 @@ from tactometry.analysis.group import MODEL
 
 BETWEEN = "95 % interval between participants"
 
+ONE = "values of one participant"
+
 
 def _has(means: pd.DataFrame, name: str) -> bool:
     return name in means.columns and bool(means[name].notna().any())
@@ -29,8 +31,8 @@ def means_sentence(means: pd.DataFrame) -> str:
     if _has(means, "mean_low"):
         model = "; where a value is a bound, of the censored model" if is_modelled(means) else ""
         return f"Mean over participants with {BETWEEN}{model}."
-    if "n" in means.columns and means["n"].max() == 1:
-        return "Values of one participant; there is no interval between participants."
+    if means_of(means) == ONE:
+        return f"{ONE.capitalize()}; there is no interval between participants."
     return "Mean over participants; there is no interval between participants."
 
 
@@ -47,9 +49,17 @@ def figure_text(means: pd.DataFrame, dots: str = "") -> str:
     >>> figure_text(pd.DataFrame({"mean": [1.0], "n": [1]}), "dots are participants")
     'values of one participant'
     """
-    if means["n"].max() < 2 and not _has(means, "mean_low"):
-        return "values of one participant"
-    return f"means over participants{bars_text(means)}{'; ' if dots else ''}{dots}"
+    if means_of(means) == ONE:
+        return ONE
+    return f"{means_of(means)}{bars_text(means)}{'; ' if dots else ''}{dots}"
+
+
+def means_of(means: pd.DataFrame) -> str:
+    """
+    >>> means_of(pd.DataFrame({"n": [1, 2]})), means_of(pd.DataFrame({"n": [1]}))
+    ('means over participants', 'values of one participant')
+    """
+    return ONE if means["n"].max() == 1 else "means over participants"
 
 
 def bars_text(means: pd.DataFrame) -> str:

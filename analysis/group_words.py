@@ -30,23 +30,24 @@ CENSORED_PAIRS = "contrasts of this model with an error of each pair's own"
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> list[str]:
     """What ran, and nothing else; `named` is the primary analysis that the plan names."""
-    tables = [each.group for each in outcomes]
-    parts = _means(has_interval=any(table["mean_low"].notna().any() for table in tables) or bool(forms))
+    every = [*outcomes, *(each for form in forms for each in form.outcomes.values())]
+    tables = [*(each.group for each in outcomes), *(form.summary for form in forms)]
+    parts = _means(has_interval=any(table["mean_low"].notna().any() for table in tables))
     if any(table["within_low"].notna().any() for table in tables):
         parts.append(
             "Intervals within participants are Cousineau's with Morey's correction (Morey 2008), from values less the "
             "participant's own mean."
         )
-    parts += _primary(outcomes, named)
-    ran = {name for each in outcomes for name in each.analyses()}
+    parts += _primary(every, named)
+    ran = {name for each in every for name in each.analyses()}
     tested = bool(ran & {Primary.ANOVA, Primary.CENSORED}) or any(form.tests_effects for form in forms)
     parts += [EFFECTS] if tested else []
-    parts += [CENSORED] if any(each.censored is not None for each in outcomes) else []
+    parts += [CENSORED] if any(each.censored is not None for each in every) else []
     if Primary.PERMUTATION in ran:
         parts.append("Permutation tests change the signs of participants' contrasts.")
-    parts += _pairs(outcomes, forms)
-    parts += [SIMPLE] if any(each.simple or each.simple_pairs for each in outcomes) else []
-    return parts + _models([each.model for each in outcomes if each.model is not None])
+    parts += _pairs(every, any(form.against is not None for form in forms))
+    parts += [SIMPLE] if any(each.simple or each.simple_pairs for each in every) else []
+    return parts + _models([each.model for each in every if each.model is not None])
 
 
 def _means(*, has_interval: bool) -> list[str]:
@@ -64,10 +65,11 @@ def _primary(outcomes: Sequence[Outcome], named: str | None) -> list[str]:
     return [f"The primary analysis, {rule}, is the {'; the '.join(titles)}.{tail}"]
 
 
-def _pairs(outcomes: Sequence[Outcome], forms: Sequence[Ratings]) -> list[str]:
+def _pairs(outcomes: Sequence[Outcome], is_against: bool) -> list[str]:
+    """How conditions were compared; `is_against`: patterns with the reference too."""
     censored = [each for each in outcomes if each.primary is Primary.CENSORED]
     others = [each for each in outcomes if each.primary is not Primary.CENSORED]
-    kinds = [PAIRS] * (any(each.pairs for each in others) or any(form.compares for form in forms))
+    kinds = [PAIRS] * (is_against or any(each.pairs for each in others))
     kinds += [GROUPS] * any(each.group_pairs for each in others)
     kinds += [CENSORED_PAIRS] * any(each.pairs or each.group_pairs for each in censored)
     if not kinds:

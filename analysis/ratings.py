@@ -76,11 +76,6 @@ class Ratings:
         return self.crossed is not None or any(each.primary is not None for each in self.outcomes.values())
 
     @property
-    def compares(self) -> bool:
-        """Whether pairs of conditions were compared."""
-        return self.against is not None or any(each.pairs for each in self.outcomes.values())
-
-    @property
     def notes(self) -> list[str]:
         """What a reader must know of the outcomes; what holds for all dimensions once."""
         found: dict[str, list[str]] = {}

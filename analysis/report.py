@@ -178,15 +178,19 @@ def data_line(found: Analysis) -> str:
 
 
 def unbroken(text: str) -> str:
-    """A cell that breaks between a value, its interval and its number, and nowhere else.
+    """A cell that breaks between a value, its interval or spread and its number, and not within them.
 
     >>> unbroken("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
     '0.29 [~0.78,_1.35] (n_=_3)'
     >>> unbroken("1.47 ± 0.03 N, 100 % in band").replace(chr(160), "_")
-    '1.47_±_0.03_N, 100_%_in_band'
+    '1.47 ±_0.03_N, 100_%_in_band'
     """
-    joined = re.sub(r" (?![\[(])", "\u00a0", text).replace("N,\u00a0", "N, ")
-    return re.sub(r"-(?=\d)", "\u2011", joined)
+    held = re.sub(r"\[[^]]{,40}\]|\(n = [^)]{,40}\)|± \S+ N|\d+ % in band", lambda part: _joined(part[0]), text)
+    return re.sub(r"-(?=\d)", "\u2011", held)
+
+
+def _joined(text: str) -> str:
+    return text.replace(" ", "\u00a0")
 
 
 def _notes(found: Analysis) -> list[str]:

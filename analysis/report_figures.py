@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import pandas as pd
 
-from tactometry.analysis.captions import figure_text
+from tactometry.analysis.captions import figure_text, means_of
 from tactometry.analysis.cells import Estimate
 from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
@@ -177,7 +177,7 @@ def _form_figures(form: Ratings) -> list[Figure]:
     found = [figure("scores", scores, f"Scores: {figure_text(form.summary)}.", "summary")]
     if form.portfolio is not None:
         bars = " with 95 % confidence rectangles" if form.portfolio["PQ_low"].notna().any() else ""
-        text = f"Portfolio: means over participants{bars}."
+        text = f"Portfolio: {means_of(form.summary)}{bars}."
         found.append(figure("portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio"))
     if form.crossed is not None:
         drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
@@ -187,8 +187,8 @@ def _form_figures(form: Ratings) -> list[Figure]:
         found.append(figure("frequency_by_envelope", drawing, text, "summary"))
     for part, chosen in _profiles(form, names):
         drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
-        text = f"{_items(form)}: means over participants{' of ' * (len(names) > 1)}"
-        text += f"{', '.join(chosen) * (len(names) > 1)}."
+        of = f" of {', '.join(chosen)}" if len(names) > 1 else ""
+        text = f"{_items(form)}: {means_of(form.summary)}{of}."
         found.append(figure(part, drawing, text, "word_pairs"))
     return found + ([] if form.grouped is None else _grouped_figures(form, form.grouped, stem))
 
@@ -204,7 +204,7 @@ def _grouped_figures(form: Ratings, grouped: pd.DataFrame, stem: str) -> list[Fi
     for of, part in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(part["condition"]))
         drawing = attrakdiff.profile_figure(part, names, form.form.score_low, form.form.score_high)
-        text = f"Word pairs by {of}: means over participants and patterns; {REFERENCE} beside them."
+        text = f"Word pairs by {of}: {means_of(form.summary)}, over patterns; {REFERENCE} beside them."
         table = f"{stem}_word_pairs_grouped"
         found.append(Figure(f"{stem}_word_pairs_by_{of}", drawing, text, table, Place.FORM, form.name, ("of", str(of))))
     return found

@@ -176,8 +176,10 @@ def _tables(study: Table, unit: str) -> Iterator[str]:
     """A sentence for each table that says how a trial went."""
     for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", _task), ("procedure", _procedure)):
         if table := _table(study, name):
-            lead = tell(str(table["kind"])) if "kind" in table else name.capitalize()
-            yield f"{lead}{_details(table, unit)}."
+            if "kind" in table:
+                yield f"{tell(str(table['kind']))}{_details(table, unit)}."
+            elif told := _told(table, unit):
+                yield f"{name.capitalize()}: {told}."
     if practice := _table(study, "practice"):
         yield f"Practice with feedback came first{_details(practice, unit)}."
     for inquiry in _table(study, "inquiries").values():
@@ -208,8 +210,13 @@ def _details(table: Table, unit: str) -> str:
     >>> _details({"kind": "press", "force_n": 1.5, "hold_s": "300 ms"}, "")
     ' (force 1.5 N, force held before each stimulus 300 ms)'
     """
-    told = [_detail(key, value, unit) for key, value in table.items() if key != "kind"]
-    return f" ({', '.join(filter(None, told))})" if any(told) else ""
+    told = _told(table, unit)
+    return f" ({told})" if told else ""
+
+
+def _told(table: Table, unit: str) -> str:
+    """Every key of a table but its kind."""
+    return ", ".join(_detail(key, value, unit) for key, value in table.items() if key != "kind")
 
 
 def _detail(key: str, value: Any, unit: str) -> str:

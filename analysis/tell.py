@@ -59,8 +59,9 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
 
 def _spread(table: "pd.DataFrame", name: str) -> str:
     """What a table of means tells beside them."""
-    has_spread = bool(table["mean_low"].notna().any())
-    return "mean" + has_spread * (", 95 % interval" if name == "loss" else " ± SD between participants")
+    over = "participants" if table["n"].max() > 1 else "readings"
+    told = f", 95 % interval over {over}" if name == "loss" else " ± SD between participants"
+    return "mean" + (told if table["mean_low"].notna().any() else "")
 
 
 def text_table(cross: "pd.DataFrame", title: str, factors: Sequence[str]) -> "Table":
@@ -69,7 +70,7 @@ def text_table(cross: "pd.DataFrame", title: str, factors: Sequence[str]) -> "Ta
 
     table = Table(title=title, title_justify="left", min_width=min(len(title), 78))
     for name in cross.columns:
-        table.add_column(header_of(str(name), factors), justify="right")
+        table.add_column(header_of(str(name), factors), justify="right", overflow="fold")
     for row in cross.itertuples(index=False, name=None):
         table.add_row(*map(cell_text, row))
     return table

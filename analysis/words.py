@@ -150,7 +150,10 @@ def _quality_warnings(quality: pd.DataFrame) -> list[str]:
     return found
 
 
-CURVES = {"normal": "cumulative normal", "gumbel": "Gumbel (of the level's logarithm; Weibull of the amplitude)"}
+CURVES = {
+    "normal": "cumulative normal function of the level",
+    "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
+}
 
 
 CHOICES = {
@@ -251,7 +254,7 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
     tasks = set(table["task"])
     curves = " or ".join(f"a {CURVES[name]}" for name in dict.fromkeys(table["shape"]))
     parts = [
-        f"In each participant and condition {curves} function of the level with asymptotes for guesses and "
+        f"In each participant and condition {curves} with asymptotes for guesses and "
         "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
     ]
     if tasks & {"yes_no", "forced_choice"}:

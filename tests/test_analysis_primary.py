@@ -228,7 +228,16 @@ def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
 def test_the_methods_of_a_questionnaire_name_what_ran(rated) -> None:
     assert "Chi and Muller" in rated.methods
     assert "paired t-tests" in rated.methods
-    for absent in ("bound", "Welch", "permutation", "threshold", "Greenhouse-Geisser correction", "hierarchical"):
+    assert "The primary analysis, chosen by a rule" in rated.methods
+    assert "Cousineau" in rated.methods
+    for absent in (
+        "counts as a value below",
+        "Welch",
+        "permutation",
+        "threshold",
+        "Greenhouse-Geisser correction",
+        "hierarchical",
+    ):
         assert absent not in rated.methods
 
 

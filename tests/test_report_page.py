@@ -14,7 +14,7 @@ from tactometry.analysis.figures.axes import shift
 from tactometry.analysis.figures.group import threshold_figure
 from tactometry.analysis.findings import Outcome
 from tactometry.analysis.pipeline import Analysis, analysed
-from tactometry.analysis.report import render
+from tactometry.analysis.report import render, unbroken
 from tactometry.analysis.report_figures import figures_of
 from tactometry.analysis.study_text import procedure_text, study_text
 from tactometry.analysis.style import COLOURS, look
@@ -202,3 +202,27 @@ def test_what_means_say_of_themselves() -> None:
     assert means_sentence(alike) == "Mean over participants; there is no interval between participants."
     modelled = told.assign(method=["censored model"])
     assert means_sentence(modelled).endswith("; where a value is a bound, of the censored model.")
+
+
+def test_methods_of_a_questionnaire_tell_what_its_figures_and_sentences_show() -> None:
+    methods = analysis_of(RECORDED / "hybrid-button").methods
+    assert "Intervals within participants are Cousineau's" in methods
+    assert "The primary analysis" not in methods  # two participants have none
+
+
+def test_methods_of_one_participant_claim_no_interval(one) -> None:
+    for told in ("t-intervals", "Cousineau", "The primary analysis", "hierarchical"):
+        assert told not in one.methods
+
+
+@pytest.mark.parametrize(
+    ("cell", "parts"),
+    [
+        ("0.29 [-0.78, 1.35] (n = 3)", 3),
+        ("0.0988 ± 0.0074 N, 100 % in band", 3),
+        ("the residuals bend with the level (n = 3)", 7),
+        ("9.6 % [8.5, 10.7]", 3),
+    ],
+)
+def test_a_cell_breaks_where_its_parts_meet(cell, parts) -> None:
+    assert len(unbroken(cell).split(" ")) == parts
