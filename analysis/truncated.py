@@ -60,9 +60,11 @@ def _even(n_dimensions: int) -> Array:
 
 def _one(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
     """Standard normal values between ends, at even parts of their chance, and the logarithm of it; in the lower tail,
-    which keeps its digits."""
+    which keeps its digits. Parts count from the low end also where the tail is flipped: else values jump as an end
+    passes 0, and a search that moves it has no rest."""
     flipped = low > 0
     low, high = np.where(flipped, -high, low), np.where(flipped, -low, high)
+    even = np.where(flipped, 1 - even, even)
     bottom, top = log_ndtr(low), log_ndtr(high)
     with np.errstate(invalid="ignore"):
         log_chance = top + log1mexp(np.maximum(top - bottom, SMALLEST))
