@@ -1,6 +1,6 @@
 """What the rule that chose the levels made of the answers itself: the mean of reversals, the mean of a posterior."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import fmean, stdev
@@ -47,17 +47,25 @@ def _runs(
     rows: pd.DataFrame, factors: Sequence[str], replay: Replay | None
 ) -> dict[tuple[object, ...], list[RuleEstimate]]:
     """The estimates of the runs of each participant, condition and task."""
-    rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "")
-    found: dict[tuple[object, ...], list[RuleEstimate]] = {}
+    unsaid = {name: rows[name].fillna(0) for name in RUN if name in rows.columns}
+    rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "", **unsaid)
     of_block = ["participant", *(name for name in RUN if name in rows.columns)]
-    for _, block in rows.groupby(of_block, sort=True, observed=True, dropna=False):
-        replayed = None if replay is None else replay(block)
-        for key, run in block.groupby(["participant", *factors, "task", "track"], sort=True, observed=True):
-            *cell, track = key
-            one = from_rows(run) if replayed is None else replayed.get(str(track))
-            if one is not None:
-                found.setdefault(tuple(cell), []).append(one)
+    own = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
+    found: dict[tuple[object, ...], list[RuleEstimate]] = {}
+    for (*block, track), run in _groups(rows, [*of_block, "track"]):
+        told = None if replay is None else own[tuple(block)].get(str(track))
+        for key, part in _groups(run, ["participant", *factors, "task"]):
+            found.setdefault(key, []).append(from_rows(part) if told is None else told)
     return found
+
+
+def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
+    """The rows of each combination of values, in the order of these; without a search where there is one only."""
+    first = rows.iloc[0] if len(rows) else None
+    if first is not None and all((rows[name] == first[name]).all() for name in keys):
+        yield tuple(first[name] for name in keys), rows
+    else:
+        yield from rows.groupby(list(keys), sort=True, observed=True, dropna=False)
 
 
 def _together(runs: Sequence[RuleEstimate]) -> tuple[float | None, float | None, int | None, str]:

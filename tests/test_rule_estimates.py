@@ -117,7 +117,7 @@ def test_reversals_are_read_from_the_levels_of_a_plain_table(tmp_path):
     kept = TURNS[3:]
     assert (found["rule_estimate"], found["rule_sd"], found["rule_n"]) == (fmean(kept), stdev(kept), len(kept))
     assert found["rule_note"] == "mean of reversals seen in the levels"
-    assert "rule_estimate" in (tmp_path / "r.html").read_text()
+    assert "<th>rule estimate</th>" in (tmp_path / "r.html").read_text()
 
 
 @pytest.mark.parametrize(
