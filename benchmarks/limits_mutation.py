@@ -33,7 +33,11 @@ def mutants() -> dict[str, str]:
         "patches need no displacement": ('"duration_s", "displacement_peak_m"', '"duration_s"'),
         "a signal as long as it likes": ("return LONGEST_SIGNAL_S if", "return 1e9 if"),
         "a force as large as it likes": ("target_n * (1 + tolerance)", "target_n"),
-        "the looser of two forces": ('    "force_peak_n",\n)', ")"),
+        "the looser of two forces": ('    "force_peak_n",\n    "charge_session_c",\n)', '    "charge_session_c",\n)'),
+        "the looser of two charges of a session": (
+            '    "force_peak_n",\n    "charge_session_c",\n)',
+            '    "force_peak_n",\n)',
+        ),
         "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
         "any value of a limit": ('positive("Limits", ', "dict("),
         "a duty above 1": ("self.duty is not None and self.duty > 1", "False"),
@@ -54,7 +58,7 @@ def mutants() -> dict[str, str]:
 
 
 def _replaced(old: str, new: str) -> str:
-    assert SOURCE.count(old) >= 1, old
+    assert old in SOURCE, old
     return SOURCE.replace(old, new)
 
 
