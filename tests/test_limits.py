@@ -333,3 +333,8 @@ def test_duties_of_different_windows_hold_both():
     short, long = Limits(1.0, duty=1.0, duty_window_s=1.0), Limits(1.0, duty=0.1, duty_window_s=60.0)
     for both in (short.tighter(long), long.tighter(short)):
         assert (both.duty, both.duty_window_s) == (pytest.approx(1 / 60), 60.0)
+
+
+def test_of_two_charges_of_a_session_the_smaller_holds():
+    one, other = Limits(voltage_peak_v=1.0, charge_session_c=2.0), Limits(voltage_peak_v=1.0, charge_session_c=1.0)
+    assert one.tighter(other).charge_session_c == other.tighter(one).charge_session_c == 1.0
