@@ -116,7 +116,7 @@ def _tested(
         np.array([*zip_longest(*(getattr(each.cell, name) for each in found), fillvalue=0)], dtype=np.float64).T
         for name in ("levels", "n_yes", "n_trials")
     )
-    counts = normalised(*checked(x, k, n, positive=curve.on_log_levels), robust_range=model.is_detection)
+    counts = normalised(*checked(x, k, n, positive=curve.on_log_levels))
     takes_catch = model.guess_rate is None
     alarms, catch = (
         np.array([getattr(each.cell, name) if takes_catch else 0 for each in found], dtype=np.float64)

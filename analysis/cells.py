@@ -155,9 +155,8 @@ def shape_of(unit: str) -> str:
 def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
     """Fit every cell, those of one task in one batch; in the order of the cells.
 
-    Yes/no: posterior mean, free guess rate under prior and catch trials, lapse rate under its prior. Forced
-    choice: the same with the guess rate 1/m. Comparison: maximum likelihood without guesses and lapses,
-    profile interval.
+    By the posterior, its mode and marginal intervals, with the rates of `fit_options` and the catch trials of yes/no;
+    comparisons by maximum likelihood with profile intervals.
     """
     fits: dict[Cell, ThresholdFit] = {}
     for task in FITTED_TASKS:
@@ -169,19 +168,26 @@ def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: f
 
 def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
     counts = [_stack([getattr(cell, name) for cell in chosen]) for name in ("levels", "n_yes", "n_trials")]
-    if task == "comparison":
-        return fit_many(*counts, shape=SHAPE, guess_rate=0.0, lapse_rate=0.0, method="profile", interval=interval)
     is_detection = task == "yes_no"
     return fit_many(
         *counts,
-        shape=shape_of(unit),
-        robust_range=True,
-        scale_free_width=True,
-        guess_rate=None if is_detection else 1 / n_choices,
+        **fit_options(task, n_choices, unit),
+        method="profile" if task == "comparison" else "posterior",
         interval=interval,
         n_false_alarms=[cell.n_false_alarms if is_detection else 0 for cell in chosen],
         n_catch=[cell.n_catch if is_detection else 0 for cell in chosen],
     )
+
+
+def fit_options(task: str, n_choices: int, unit: str) -> dict[str, Any]:
+    """The shape of the function and what is known of its rates and width.
+
+    A forced choice has a known chance of guessing right; of a comparison neither guesses nor lapses are fitted.
+    """
+    if task == "comparison":
+        return {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
+    guess_rate = 1 / n_choices if task == "forced_choice" else None
+    return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
 
 
 def _stack(rows: Sequence[Sequence[float]]) -> "np.ndarray[tuple[int, int], np.dtype[np.float64]]":
@@ -222,6 +228,12 @@ def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, obj
         "n_catch": cell.n_catch,
         "n_false_alarms": cell.n_false_alarms,
         "deviance": fit.deviance,
+        "threshold_mode": fit.threshold_mode,
+        "threshold_median": fit.threshold_median,
+        "threshold_mean": fit.threshold_mean,
+        "probability_below": fit.probability_below,
+        "probability_within": fit.probability_within,
+        "probability_above": fit.probability_above,
         "method": fit.method,
         "shape": fit.shape,
         "interval": fit.interval,

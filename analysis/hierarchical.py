@@ -31,6 +31,7 @@ from tactometry.analysis.hierarchical_table import (
 )
 from tactometry.analysis.laplace import MixedFit, MixedModel, maximise
 from tactometry.analysis.likelihood import GUESS, LAPSE
+from tactometry.analysis.prior import BETA_B
 from tactometry.analysis.threshold_model import CORRELATED_FROM, Study, mixed_model, rate_of, start
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
@@ -55,8 +56,10 @@ def fit_hierarchical(
     lapse_rate: float | None = None,
     width_by: Sequence[str] = (),
     interval: float = 0.95,
-    n_false_alarms: int = 0,
-    n_catch: int = 0,
+    rate_beta: float = BETA_B,
+    scale_free_width: bool = True,
+    n_false_alarms: ArrayLike = 0,
+    n_catch: ArrayLike = 0,
 ) -> HierarchicalFit:
     """Fit the thresholds of all participants and conditions at once.
 
@@ -71,8 +74,13 @@ def fit_hierarchical(
     guess_rate, lapse_rate : float or None
         Known, or (None) estimated, the same for all, under the prior of `threshold.fit`; a free guess rate with the
         catch trials of all participants together.
+    n_false_alarms, n_catch : int or (n_rows,)
+        "Yes" answers to catch trials, and catch trials: those of all participants together, or (better) of each row's
+        cell, the same in all rows of a cell: then they bear on the verdict of each cell too.
     width_by : sequence of str
         The factors on which the mean log width depends; by default one mean for all.
+    rate_beta, scale_free_width
+        As for `threshold.fit`; the latter for the fits of single cells, which the verdicts rest on.
     interval : float
         Coverage of the intervals.
 
@@ -113,8 +121,12 @@ def fit_hierarchical(
     if not used.any():
         return _no_data(tuple(conditions), interval)
     answers = (x[used], k[used], n[used])
-    layout = Layout.of(names[used], factors, width_by, answers, on_log_levels=curve.on_log_levels)
-    study = layout.study(curve, (guess_rate, lapse_rate), (n_false_alarms, n_catch))
+    alarms, catch = (np.broadcast_to(np.asarray(v, dtype=np.float64), n.shape)[used] for v in (n_false_alarms, n_catch))
+    by_cell = (alarms, catch) if np.ndim(n_catch) else None
+    layout = Layout.of(names[used], factors, width_by, answers, on_log_levels=curve.on_log_levels, catch=by_cell)
+    whole = layout.catch.sum(axis=(1, 2)) if by_cell else np.array([alarms.max(), catch.max()])
+    study = layout.study(curve, (guess_rate, lapse_rate), (int(whole[0]), int(whole[1])))
+    study = replace(study, rate_beta=rate_beta, scale_free_width=scale_free_width)
     alone = fitted_alone(study, "gumbel" if shape == "weibull" else shape)
     return _fitted(layout, replace(study, width_varies=not alone.separated), alone, interval)
 

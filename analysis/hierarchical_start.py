@@ -73,23 +73,25 @@ def is_told(one: ThresholdFit) -> bool:
 
 
 def fitted_alone(study: Study, shape: str) -> Alone:
-    """By the posterior's mode."""
+    """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
     n, c = study.n_participants, study.n_conditions
     counts = [np.moveaxis(part, 1, 0) for part in (study.u, study.n_yes, study.n_trials)]
-    each = _fits(study, shape, [part.reshape(n * c, -1) for part in counts], 0)
+    alarms, catch = np.swapaxes(study.own_catch, 1, 2)
+    each = _fits(study, shape, [part.reshape(n * c, -1) for part in counts], alarms.ravel(), catch.ravel())
     return Alone(
         tuple(each[i * n : (i + 1) * n] for i in range(c)),
-        _fits(study, shape, [part.reshape(c, -1) for part in counts], 1),
+        _fits(study, shape, [part.reshape(c, -1) for part in counts], alarms.sum(axis=1), catch.sum(axis=1)),
     )
 
 
-def _fits(study: Study, shape: str, counts: list[Array], with_catch: int) -> tuple[ThresholdFit, ...]:
+def _fits(study: Study, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:
     return fit_many(
         *counts,
         shape=shape,
         guess_rate=study.guess_rate,
         lapse_rate=study.lapse_rate,
-        method="map",
-        n_false_alarms=with_catch * study.n_false_alarms,
-        n_catch=with_catch * study.n_catch,
+        scale_free_width=study.scale_free_width,
+        rate_beta=study.rate_beta,
+        n_false_alarms=alarms,
+        n_catch=catch,
     )

@@ -14,7 +14,6 @@ from tactometry.analysis.hierarchical_start import Alone
 from tactometry.analysis.laplace import MixedFit, MixedModel, precision_of
 from tactometry.analysis.likelihood import LOG_WIDTH, THRESHOLD
 from tactometry.analysis.status import Status
-from tactometry.analysis.threshold import ThresholdFit
 from tactometry.analysis.threshold_model import Study
 from tactometry.psychometric import Shape
 
@@ -29,7 +28,7 @@ CONDITION_COLUMNS = (
     "status",
 )
 CENSORED = (Status.BELOW, Status.ABOVE)
-WITHOUT_MEAN = (*CENSORED, Status.FLAT, Status.NON_MONOTONE, Status.TOO_FEW_LEVELS, Status.NO_DATA)
+WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class Layout:
     u: Array
     n_yes: Array
     n_trials: Array
+    catch: Array
     centre: float
     spread: float
     on_log_levels: bool
@@ -55,7 +55,9 @@ class Layout:
         answers: tuple[Array, Array, Array],
         *,
         on_log_levels: bool,
+        catch: tuple[Array, Array] | None = None,
     ) -> "Layout":
+        """From rows of a level each; `catch` are the false alarms and catch trials of each row's cell."""
         keys = pd.DataFrame(dict(factors))
         conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
         place = conditions.reset_index().merge(keys.reset_index(), on=list(factors)).sort_values("index_y")["index_x"]
@@ -66,12 +68,16 @@ class Layout:
         group = (
             conditions.groupby(list(width_by), sort=True).ngroup().to_numpy() if width_by else np.zeros(len(conditions))
         )
-        layout = (len(who), len(conditions), -1)
+        layout, codes, kinds = (len(who), len(conditions), -1), tuple(map(str, who)), group.astype(np.int64)
+        own_catch = np.zeros((2, len(who) * len(conditions)))
+        if catch is not None:
+            own_catch[:, cell] = catch
         u, k, n = (part.reshape(layout) for part in (u, k, n))
-        return cls(tuple(map(str, who)), conditions, group.astype(np.int64), u, k, n, centre, spread, on_log_levels)
+        each = own_catch.reshape(2, *layout[:2])
+        return cls(codes, conditions, kinds, u, k, n, each, centre, spread, on_log_levels)
 
     def study(self, shape: Shape, asymptotes: tuple[float | None, float | None], catch: tuple[int, int]) -> Study:
-        return Study(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch)
+        return Study(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch, self.catch)
 
     def level(self, u: Array) -> Array:
         """In the unit of the levels."""
@@ -167,38 +173,30 @@ def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, re
 
 
 def participant_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
-    """Of the cells, by participant; a threshold outside of the cell's levels has a bound, that of its own answers where
-    they alone say so: there the model's density is no normal one."""
-    used = study.n_trials.reshape(-1, study.n_trials.shape[2]) > 0
-    u, rows = study.u.reshape(used.shape), place.by_participant()
-    low, high = np.where(used, u, np.inf).min(axis=1), np.where(used, u, -np.inf).max(axis=1)
+    """Of the cells, by participant, with the verdict that the cell's own answers have: where they hold no threshold
+    there is none, but their own bound; others are drawn to the group."""
+    rows = place.by_participant()
     single = [cell[p] for p in range(study.n_participants) for cell in alone.cells]
-    lost = np.isnan(rows.threshold)
-    start = [_start(one, bool(none)) for one, none in zip(single, lost, strict=True)]
-    status = [_placed(*each) for each in zip(start, rows.threshold, low, high, strict=True)]
+    status = [
+        Status.OK if one.status == Status.SEPARATED and not none else one.status
+        for one, none in zip(single, np.isnan(rows.threshold), strict=True)
+    ]
     own = np.array([(one.interval_low, one.interval_high) for one in single], dtype=np.float64)
-    censored = [each in CENSORED and one.status == each for each, one in zip(status, single, strict=True)]
-    table = _table(layout, rows, status, np.where(np.array(censored)[:, None], own, rows.ends(reach)), reach)
+    censored = np.array([each in CENSORED for each in status])
+    table = _table(layout, rows, status, np.where(censored[:, None], own, rows.ends(reach)), reach)
     keys = layout.conditions.loc[np.tile(np.arange(study.n_conditions), study.n_participants)].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(layout.participants, study.n_conditions))
     return pd.concat([keys, table.assign(n_trials=study.n_trials.sum(axis=2).ravel().astype(int))], axis=1)
 
 
-def _start(alone: ThresholdFit, lost: bool) -> Status:
-    """Of a cell: its own where its condition has no threshold, else that of the model."""
-    if lost or alone.n_trials == 0:
-        return alone.status
-    return Status.OK
-
-
 def _placed(status: Status, threshold: float, low: float, high: float) -> Status:
-    if status in WITHOUT_MEAN:
+    if np.isnan(threshold):
         return status
-    return Status.BELOW if threshold < low else Status.ABOVE if threshold > high else Status.OK
+    return Status.BELOW if threshold < low else Status.ABOVE if threshold > high else status
 
 
 def _table(layout: Layout, place: Place, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
-    told = np.array([each not in WITHOUT_MEAN for each in status])
+    told = np.array([each not in WITHOUT_NUMBER for each in status]) & ~np.isnan(place.threshold)
     has = [told | np.array([each == side for each in status]) for side in (Status.ABOVE, Status.BELOW)]
     with np.errstate(over="ignore"):
         widths = layout.spread * np.exp(

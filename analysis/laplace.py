@@ -160,7 +160,10 @@ def _inner_step(here: Inner, damping: Array) -> tuple[Array, Array]:
     d = here.loads.shape[2]
     gradient = np.einsum("csaq,csa->cq", here.loads, here.at.gradient[..., :d]) - here.effects
     damped = here.precision + damping[:, None, None] * np.eye(gradient.shape[1])
-    step = np.linalg.solve(damped, gradient[..., None])[..., 0]
+    try:
+        step = np.linalg.solve(damped, gradient[..., None])[..., 0]
+    except np.linalg.LinAlgError:  # without an inverse: no step is better, all are damped more
+        return np.zeros_like(gradient), np.full(len(gradient), -1.0)
     return step, (step * gradient).sum(axis=1)
 
 

@@ -64,6 +64,10 @@ class Mode:
     def threshold_sd(self) -> Array:
         return np.sqrt(self.covariance[:, THRESHOLD, THRESHOLD])
 
+    @property
+    def log_width_sd(self) -> Array:
+        return np.sqrt(self.covariance[:, LOG_WIDTH, LOG_WIDTH])
+
 
 def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Array:
     """Log-likelihood plus log prior; shape (n_sets,)."""

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from tactometry.analysis.counts import Array, Bools, Counts, Which
+from tactometry.analysis.counts import Array, Counts, Which
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from tactometry.analysis.marginals import Marginals, beyond_levels, described, log_cell
 from tactometry.analysis.mode import Mode
 from tactometry.analysis.overdispersion import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
-from tactometry.analysis.prior import Prior, log_prior_axes
+from tactometry.analysis.prior import Prior, log_mass, log_prior_axes
 from tactometry.analysis.responses import linear, weighted
 from tactometry.psychometric import Shape, log_mixture
 
@@ -42,25 +41,6 @@ MAX_SEARCHES = 12
 
 
 @dataclass(frozen=True)
-class Marginals:
-    """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and central intervals.
-
-    `threshold` and `width` have the shape (n_sets, 2); all on the scale of `Counts.u`. `overdispersion`
-    (n_sets,) is the posterior mean of eta, 0 for the binomial.
-    """
-
-    mean: Array
-    threshold: Array
-    width: Array
-    overdispersion: Array
-
-    def put(self, places: NDArray[np.int64], other: "Marginals", which: Bools) -> None:
-        """Write those of another into some places of this one."""
-        for name in ("mean", "threshold", "width", "overdispersion"):
-            getattr(self, name)[places] = getattr(other, name)[which]
-
-
-@dataclass(frozen=True)
 class _Box:
     low: Array
     high: Array
@@ -72,7 +52,7 @@ class _Box:
 def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
     """Means and central intervals of every data set, one data set's grid at a time in memory."""
     if not len(counts):
-        return Marginals(np.empty((0, N_PARAMETERS)), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+        return Marginals.empty(0)
     boxes = _found_box(shape, counts, prior, mode)
     each = [
         _marginal_densities(
@@ -80,15 +60,10 @@ def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: 
         )
         for here in (slice(i, i + 1) for i in range(len(counts)))
     ]
-    mean, threshold, log_width, eta = (np.array(part) for part in zip(*each, strict=True))
-    shares = np.array([(1 - interval) / 2, (1 + interval) / 2])
-    low, high = boxes.low, boxes.high
-    return Marginals(
-        mean,
-        quantiles(threshold, low[:, THRESHOLD], high[:, THRESHOLD], shares),
-        np.exp(quantiles(log_width, low[:, LOG_WIDTH], high[:, LOG_WIDTH], shares)),
-        eta,
-    )
+    mean, threshold, log_width, eta, log_total, beyond = (np.array(part) for part in zip(*each, strict=True))
+    ends = [(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD])]
+    ends += [(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH])]
+    return described(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
 
 
 def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Array, Array]:
@@ -272,13 +247,14 @@ def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
 
 def _marginal_densities(
     shape: Shape, counts: Counts, prior: Prior, box: _Box, etas: tuple[Array, Array]
-) -> tuple[Array, Array, Array, float]:
-    """Means, the densities of threshold and log width on their nodes, and the mean of eta, of one data
-    set."""
+) -> tuple[Array, Array, Array, float, float, Array]:
+    """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
+    of the integral over all, and the shares beyond the levels."""
     axes, weights = _nodes(prior, box.low[0], box.high[0])
     densities = np.stack([_log_density_grid(shape, counts, prior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]
-    densities -= densities.max()
+    highest = densities.max()
+    densities -= highest
     masses = np.exp(densities, out=densities)
     masses *= weights[LAPSE][:, None] * weights[GUESS]
     along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
@@ -287,18 +263,7 @@ def _marginal_densities(
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
     mean = np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)])
-    return mean, along[THRESHOLD], along[LOG_WIDTH], float((along_eta * etas[0]).sum() / along_eta.sum())
-
-
-def quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
-    """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`,
-    by the integral of their cubic splines."""
-    n_nodes = density.shape[1]
-    fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
-    integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
-    cumulated = np.maximum.accumulate(integral, axis=1)
-    places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
-    return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
-
-
-__all__ = ["Marginals", "marginals", "quantiles", "rate_rule"]
+    log_total = float(highest + np.log(curve.sum()) + log_cell(prior, box.low[0], box.high[0], curve.shape))
+    beyond = (beyond_levels(shape, counts, axes) * curve).sum(axis=(1, 2)) / curve.sum()
+    mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())
+    return mean, along[THRESHOLD], along[LOG_WIDTH], mean_eta, log_total, beyond

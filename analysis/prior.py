@@ -20,6 +20,10 @@ LARGEST_RATE = 0.5
 WIDEST = 3.0
 FURTHEST = 1.0
 """The threshold's prior ends at u = -1 and u = 1."""
+WIDTH_NODES = 400
+NARROWEST = 0.05
+"""A scale-free width is not narrower than this part of the range: two levels that a track left close together say
+nothing of it."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class Prior:
 
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
     width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
-    there. With `scale_free_width` the width's flat part is flat in its logarithm instead.
+    there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The prior of free rates is
+    Beta(1, `rate_beta`).
     """
 
     gap: Array
@@ -40,6 +45,7 @@ class Prior:
     scale_free_width: bool = False
     threshold: Array | None = None
     overdispersion: Array | None = None
+    rate_beta: float = BETA_B
 
     def __getitem__(self, which: Which) -> "Prior":
         return replace(
@@ -50,6 +56,16 @@ class Prior:
             threshold=None if self.threshold is None else self.threshold[which],
             overdispersion=None if self.overdispersion is None else self.overdispersion[which],
         )
+
+    @property
+    def narrowest(self) -> Array:
+        """The least width (n_sets,)."""
+        return np.maximum(self.gap, NARROWEST) if self.scale_free_width else self.gap
+
+    @property
+    def log_rate_mass(self) -> float:
+        """The logarithm of the integral of a rate's density."""
+        return float(np.log((1 - (1 - LARGEST_RATE) ** self.rate_beta) / self.rate_beta))
 
     @property
     def free(self) -> list[int]:
@@ -63,7 +79,7 @@ class Prior:
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
         low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
-        low[:, LOG_WIDTH] = np.log(self.gap) - (0.0 if self.on_curve else 12.0)
+        low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)
         high[:, LOG_WIDTH] = np.log(WIDEST if self.on_curve else 1e4)
         for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
             if rate is not None:
@@ -79,13 +95,17 @@ def log_prior(prior: Prior, theta: Array) -> Array:
 
 
 def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> Expansion:
-    """The log prior, with gradient and Hessian unless they are not wanted."""
+    """The log prior, with gradient and Hessian unless they are not wanted.
+
+    The density is that along the axis on which the width's prior is flat, the width or its logarithm, so that a mode is
+    the likelihood's where the priors are flat.
+    """
     parts = _rate_parts(prior, theta)
     if prior.on_curve:
-        gap = prior.gap.reshape(-1, *([1] * (theta.ndim - 2)))
+        gap = prior.narrowest.reshape(-1, *([1] * (theta.ndim - 2)))
         parts |= {
             THRESHOLD: log_threshold(theta[..., THRESHOLD]),
-            LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap, scale_free=prior.scale_free_width),
+            LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap),
         }
     value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
     if not derivatives:
@@ -100,16 +120,16 @@ def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Arr
     parts = {}
     nothing = np.zeros(1)
     if prior.lapse_rate is None:
-        parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing)
+        parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing, prior.rate_beta)
     if prior.guess_rate is None:
         fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
-        parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa)
+        parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa, prior.rate_beta)
     return parts
 
 
-def log_rate(x: Array, n_yes: Array, n_no: Array) -> tuple[Array, Array, Array]:
-    """Beta(1 + n_yes, 10 + n_no), and its derivatives; a count of 0 makes no pole."""
-    b = BETA_B - 1 + n_no
+def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
+    """Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
+    b = beta - 1 + n_no
     safe = np.maximum(x, 1e-300)
     value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
     inside = np.maximum(x, 1e-100)
@@ -148,16 +168,26 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
     return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
 
 
+def log_mass(prior: Prior) -> Array:
+    """The logarithm of the integral of the density over threshold, width and free rates, without the answers to catch
+    trials; shape (n_sets,)."""
+    low = np.log(prior.narrowest)[:, None]
+    v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
+    density = np.exp(log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)[0] + v)
+    along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
+    return np.asarray(along + sum(rate is None for rate in (prior.lapse_rate, prior.guess_rate)) * prior.log_rate_mass)
+
+
 def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
     """The log densities of the free parameters of one data set along four axes of nodes; zeros for a fixed
     one."""
     along = [np.zeros(len(axis)) for axis in axes]
     if prior.on_curve:
         along[THRESHOLD] = log_threshold(axes[THRESHOLD])[0]
-        along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.gap, scale_free=prior.scale_free_width)[0]
+        along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.narrowest, scale_free=prior.scale_free_width)[0]
     if prior.lapse_rate is None:
-        along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1))[0]
+        along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1), prior.rate_beta)[0]
     if prior.guess_rate is None:
         n_no = prior.n_catch - prior.n_false_alarms
-        along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no)[0]
+        along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no, prior.rate_beta)[0]
     return along

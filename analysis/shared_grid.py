@@ -13,9 +13,10 @@ import numpy as np
 
 from tactometry.analysis.counts import Array, Bools, Counts
 from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from tactometry.analysis.marginals import Marginals, beyond_levels, described, log_cell
 from tactometry.analysis.mode import Mode
-from tactometry.analysis.posterior import NEGLIGIBLE, Marginals, marginals, quantiles, rate_rule
-from tactometry.analysis.prior import Prior, log_prior_axes
+from tactometry.analysis.posterior import NEGLIGIBLE, marginals, rate_rule
+from tactometry.analysis.prior import Prior, log_mass, log_prior_axes
 from tactometry.analysis.responses import linear
 from tactometry.analysis.summits import same_rows
 from tactometry.psychometric import Shape
@@ -42,10 +43,11 @@ CHUNK = 4_000_000
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes and log weights along the four parameters."""
+    """Nodes and log weights along the four parameters, and the logarithm of the volume of a cell."""
 
     nodes: list[Array]
     log_weights: list[Array]
+    log_cell: float
 
     @property
     def sizes(self) -> tuple[int, ...]:
@@ -57,8 +59,7 @@ class Grid:
 
 def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
     """As `posterior.marginals`: data sets on the same levels share a grid, the others have their own."""
-    n = len(counts)
-    found = Marginals(np.empty((n, N_PARAMETERS)), np.empty((n, 2)), np.empty((n, 2)), np.zeros(n))
+    found = Marginals.empty(len(counts))
     lone = np.ones(len(counts), dtype=bool)
     if prior.overdispersion is None and len(prior.free) <= MOST_FREE:
         keys = np.hstack([counts.u, counts.n_trials > 0, np.stack([prior.n_false_alarms, prior.n_catch], axis=1)])
@@ -76,17 +77,17 @@ def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, in
 
 def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
-    grid, along = marginal_masses(shape, counts, prior, mode)
-    return _described(grid, along, interval), _resolved(prior, grid, along)
+    grid = found_grid(shape, counts, prior, mode)
+    along, log_total, beyond = marginal_masses(shape, counts, prior, grid)
+    return _described(grid, along, log_total - log_mass(prior), beyond, interval), _resolved(prior, grid, along)
 
 
-def marginal_masses(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Grid, list[Array]]:
-    """The grid of data sets on the same levels, and along each parameter the masses (n_sets, n_nodes) of each."""
+def found_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
+    """The grid of data sets on the same levels."""
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):
         low, high = _shrunk(shape, counts, prior, mode, _search_grid(prior, low, high))
-    grid = _final_grid(prior, low, high, _sizes(mode, high - low))
-    return grid, _marginal_masses(shape, counts, prior, grid)
+    return _final_grid(prior, low, high, _sizes(mode, high - low))
 
 
 def _sizes(mode: Mode, reach: Array) -> list[int]:
@@ -106,7 +107,7 @@ def _search_grid(prior: Prior, low: Array, high: Array) -> Grid:
         else low[place, None]
         for place, n in enumerate(SEARCH_NODES)
     ]
-    return Grid(nodes, [np.zeros(len(axis)) for axis in nodes])
+    return Grid(nodes, [np.zeros(len(axis)) for axis in nodes], 0.0)
 
 
 def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid:
@@ -116,7 +117,7 @@ def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid
         unit, weight = rate_rule(RATE_NODES) if place in prior.free else (np.zeros(1), np.ones(1))
         nodes.append(low[place] + (high[place] - low[place]) * unit)
         log_weights.append(np.log(weight))
-    return Grid(nodes, log_weights)
+    return Grid(nodes, log_weights, log_cell(prior, low, high, sizes))
 
 
 def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Array, Array]:
@@ -165,30 +166,35 @@ def _chunks(n_sets: int, n_nodes: int) -> list[slice]:
     return [slice(start, start + size) for start in range(0, n_sets, size)]
 
 
-def _marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> list[Array]:
-    """Along each parameter the masses (n_sets, n_nodes) of every data set."""
+def marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[list[Array], Array, Array]:
+    """Along each parameter the masses (n_sets, n_nodes) of every data set, the logarithms of their integrals (n_sets,),
+    and the shares (n_sets, 2) beyond the levels."""
     table, outside = _tables(shape, counts, prior, grid)
     answers, (n_m, n_v, n_lapse, n_guess) = _answers(counts), grid.sizes
+    beyond = beyond_levels(shape, counts, grid.nodes).reshape(2, -1).T
     parts = []
     for part in _chunks(len(counts), len(outside)):
         density = answers[part] @ table + outside
-        density -= density.max(axis=1, keepdims=True)
+        highest = density.max(axis=1, keepdims=True)
+        density -= highest
         mass = np.exp(density.astype(np.float32)).reshape(len(density), n_m * n_v, n_lapse * n_guess)
         ones = np.ones(n_lapse * n_guess, dtype=np.float32)
-        curve, rates = (mass @ ones).reshape(-1, n_m, n_v), mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
-        parts.append((curve.sum(axis=2), curve.sum(axis=1), rates.sum(axis=2), rates.sum(axis=1)))
-    return [np.concatenate(along).astype(np.float64) for along in zip(*parts, strict=True)]
+        flat, rates = mass @ ones, mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
+        curve, total = flat.reshape(-1, n_m, n_v), flat.sum(axis=1, dtype=np.float64)
+        along = (curve.sum(axis=2), curve.sum(axis=1), rates.sum(axis=2), rates.sum(axis=1))
+        parts.append((*along, highest[:, 0] + np.log(total) + grid.log_cell, flat @ beyond / total[:, None]))
+    whole = [np.concatenate(each).astype(np.float64) for each in zip(*parts, strict=True)]
+    return whole[:N_PARAMETERS], whole[-2], whole[-1]
 
 
-def _described(grid: Grid, along: list[Array], interval: float) -> Marginals:
-    shares = np.array([(1 - interval) / 2, (1 + interval) / 2])
+def _described(grid: Grid, along: list[Array], log_evidence: Array, beyond: Array, interval: float) -> Marginals:
     values = [grid.nodes[THRESHOLD], np.exp(grid.nodes[LOG_WIDTH]), grid.nodes[LAPSE], grid.nodes[GUESS]]
     mean = np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in zip(along, values, strict=True)], axis=1)
     ends = []
     for place in (THRESHOLD, LOG_WIDTH):
         low, high = (np.full(len(mean), grid.nodes[place][end]) for end in (0, -1))
-        ends.append(quantiles(along[place], low, high, shares))
-    return Marginals(mean, ends[0], np.exp(ends[1]), np.zeros(len(mean)))
+        ends.append((along[place], low, high))
+    return described(mean, ends, np.zeros(len(mean)), log_evidence, beyond, interval)
 
 
 def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:

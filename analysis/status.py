@@ -1,4 +1,4 @@
-"""What the data can tell about a threshold, decided from the counts and the mode, the same for every
+"""What the data can tell about a threshold, decided from the counts and the posterior, the same for every
 method."""
 
 from enum import StrEnum
@@ -10,23 +10,13 @@ from scipy.special import betaincinv
 from scipy.stats import chi2
 
 from tactometry.analysis.counts import Array, Counts
-from tactometry.analysis.likelihood import (
-    THRESHOLD,
-    constant_log_likelihood,
-    log_likelihood,
-    saturated_log_likelihood,
-)
-from tactometry.analysis.mode import Mode
-from tactometry.analysis.prior import BETA_B, Prior
+from tactometry.analysis.likelihood import saturated_log_likelihood
+from tactometry.analysis.prior import Prior
 from tactometry.analysis.responses import weighted
 from tactometry.analysis.step import Step
-from tactometry.psychometric import Shape
 
-RISE_CRITERION = 1.0
-"""Likelihood ratio (2 x difference of logarithms) of a rise against a constant rate: a standard error of
-slope."""
-RISE_FROM_AN_ASYMPTOTE = 6.635
-"""The same where the answers together are no more than guesses, or at the ceiling: chi-square with 1 df at 1 %."""
+HELD = 0.8
+"""The posterior probability from which an explanation of the answers is taken: four to one."""
 TREND_CRITERION = -2.576
 """z of a falling trend, one-sided at 0.5 %."""
 DROP_SIGNIFICANCE = 0.01
@@ -50,59 +40,47 @@ NOTES = {
     Status.BELOW: "the threshold is below the levels tested: the interval's upper end is its bound",
     Status.ABOVE: "the threshold is above the levels tested: the interval's lower end is its bound",
     Status.SEPARATED: "the answers change in one step between levels: the width has an upper bound only",
-    Status.FLAT: "the answers do not rise with the level: no threshold can be told",
+    Status.FLAT: "a constant rate explains the answers about as well as a rise: no threshold can be told",
     Status.NON_MONOTONE: "the answers fall somewhere with rising level, more than chance explains",
     Status.TOO_FEW_LEVELS: "fewer than three levels: threshold and width rest on the prior",
     Status.NO_DATA: "no trial was given",
 }
 
 
-def statuses(shape: Shape, counts: Counts, prior: Prior, mode: Mode, step: Step) -> list[Status]:
-    """The status of each data set, the first that applies of: no data, one level, falling, not rising, one
-    step, threshold outside the levels, two levels."""
+def statuses(counts: Counts, prior: Prior, shares: Array, step: Step) -> list[Status]:
+    """The status of each data set, the first that applies of: no data, one level, falling, all yes, the threshold
+    outside of the levels' reach or not to be told, one step, two levels; `shares` are those of `verdict_shares`."""
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
-    falls = _falls(counts)
-    constant = [_constant_status(k[i], n[i], _guess(prior, mode, i)) for i in range(len(counts))]
-    is_between = np.array([status == Status.FLAT for status in constant], dtype=bool)
-    rise = 2 * (log_likelihood(shape, counts, mode.theta) - constant_log_likelihood(k, n))
-    rises = rise >= np.where(is_between, RISE_CRITERION, RISE_FROM_AN_ASYMPTOTE)
-    low, high = _range(counts)
-    found = []
+    falls, status = _falls(counts), []
     for i in range(len(counts)):
-        m = mode.theta[i, THRESHOLD]
         tests = (
             (n[i] == 0, Status.NO_DATA),
             (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
             (falls[i], Status.NON_MONOTONE),
             (k[i] == n[i], Status.BELOW),
-            (not rises[i], constant[i]),
-            (m < low[i], Status.BELOW),
-            (m > high[i], Status.ABOVE),
+            (shares[i, 0] < HELD, _outside(shares[i], k[i], n[i], _guess(prior, i))),
             (step.is_between[i], Status.SEPARATED),
             (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
         )
-        found.append(next((status for applies, status in tests if applies), Status.OK))
-    return found
+        status.append(next((each for applies, each in tests if applies), Status.OK))
+    return status
 
 
-def _range(counts: Counts) -> tuple[Array, Array]:
-    used = counts.n_trials > 0
-    return np.where(used, counts.u, np.inf).min(axis=1), np.where(used, counts.u, -np.inf).max(axis=1)
+def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
+    """Of answers that do not hold a threshold; a constant rate that is neither a ceiling's nor guesses' tells none."""
+    low, high = proportion_interval(k, n, 0.95)
+    if shares[1] >= HELD and high >= CEILING_RATE:
+        return Status.BELOW
+    return Status.ABOVE if shares[2] >= HELD and low <= guess else Status.FLAT
 
 
-def _guess(prior: Prior, mode: Mode, i: int) -> float:
-    """The guess rate, or for a free one what the catch trials say (the prior's mean without them)."""
+def _guess(prior: Prior, i: int) -> float:
+    """The guess rate, or for a free one the highest that the catch trials allow (the prior's mean without them)."""
     if prior.guess_rate is not None:
         return prior.guess_rate
-    return float((1 + prior.n_false_alarms[i]) / (1 + BETA_B + prior.n_catch[i]))
-
-
-def _constant_status(k: float, n: float, guess: float) -> Status:
-    """What a constant rate means: no more than chance, a ceiling, or neither."""
-    low, high = proportion_interval(k, n, 0.95)
-    if low <= guess:
-        return Status.ABOVE
-    return Status.BELOW if high >= CEILING_RATE else Status.FLAT
+    if prior.n_catch[i] == 0:
+        return 1 / (1 + prior.rate_beta)
+    return proportion_interval(prior.n_false_alarms[i], prior.n_catch[i], 0.95)[1]
 
 
 def proportion_interval(k: float, n: float, interval: float) -> tuple[float, float]:

@@ -33,9 +33,11 @@ def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> Step:
     """The step with the asymptotes of the likeliest curve, and any rate at one level at most.
 
     Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between
-    two levels lies at their middle.
+    two levels lies at their middle. One before or after all levels would be a constant rate, and no step.
     """
     at_level, between = _step_likelihoods(counts, likeliest)
+    cut = np.arange(between.shape[1])
+    between = np.where((cut > 0) & (cut < counts.n_levels[:, None]), between, -np.inf)
     best = np.maximum(at_level.max(axis=1), between.max(axis=1))
     is_best = best >= log_likelihood(shape, counts, likeliest.theta) - 1e-6
     is_between = between.max(axis=1) >= best - TOLERATED

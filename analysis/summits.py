@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.counts import Array, Bools, Counts
 from tactometry.analysis.likelihood import N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
-from tactometry.analysis.prior import BETA_B, LARGEST_RATE, Prior, log_prior, log_rate
+from tactometry.analysis.prior import LARGEST_RATE, Prior, log_prior, log_rate
 from tactometry.analysis.responses import weighted
 from tactometry.psychometric import Shape
 
@@ -183,19 +183,19 @@ def _asymptotes(
     alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
     n_up = n[:, -1:] - n[:, above]
     misses = n_up - (k[:, -1:] - k[:, above])
-    guess = _rate(k[:, below] + alarms, n[:, below] + catch, prior.guess_rate)
-    lapse = _rate(misses, n_up, prior.lapse_rate)
+    guess = _rate(k[:, below] + alarms, n[:, below] + catch, prior.guess_rate, prior.rate_beta)
+    lapse = _rate(misses, n_up, prior.lapse_rate, prior.rate_beta)
     density = _log_chance(k[:, below], n[:, below], guess) + _log_chance(misses, n_up, lapse)
     if prior.guess_rate is None:
-        density = density + log_rate(guess, alarms, catch - alarms)[0]
+        density = density + log_rate(guess, alarms, catch - alarms, prior.rate_beta)[0]
     if prior.lapse_rate is None:
-        density = density + log_rate(lapse, none, none)[0]
+        density = density + log_rate(lapse, none, none, prior.rate_beta)[0]
     return density, lapse, guess
 
 
-def _rate(k: Array, n: Array, fixed: float | None) -> Array:
+def _rate(k: Array, n: Array, fixed: float | None, beta: float) -> Array:
     """The mode of a rate under its prior, or the one that is known."""
-    return np.full(k.shape, fixed) if fixed is not None else np.clip(k / (n + BETA_B - 1), 1e-6, LARGEST_RATE)
+    return np.full(k.shape, fixed) if fixed is not None else np.clip(k / (n + beta - 1), 1e-6, LARGEST_RATE)
 
 
 def _log_chance(k: Array, n: Array, rate: Array) -> Array:

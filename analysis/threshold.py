@@ -4,78 +4,22 @@ status."""
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ndtri
 
-from tactometry.analysis import intervals
-from tactometry.analysis.counts import Array, Bools, Counts, checked, normalised
-from tactometry.analysis.likelihood import (
-    LOG_WIDTH,
-    THRESHOLD,
-    log_likelihood,
-    saturated_log_likelihood,
-)
-from tactometry.analysis.mode import Mode, find_mode
-from tactometry.analysis.overdispersion import find_overdispersed_mode
-from tactometry.analysis.prior import Prior
-from tactometry.analysis.shared_grid import batched_marginals
-from tactometry.analysis.status import NOTES, Status, proportion_interval, statuses
-from tactometry.analysis.step import best_step
+from tactometry.analysis.counts import Array, checked, normalised
+from tactometry.analysis.fitting import Fitting
+from tactometry.analysis.prior import BETA_B, Prior
+from tactometry.analysis.status import Status
+from tactometry.analysis.threshold_fit import ThresholdFit
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.psychometric import PsychometricFunction, Shape, shape_named
+from tactometry.psychometric import shape_named
+from tactometry.require import one_of, positive
 
 METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
-ON_LIKELIHOOD = ("ml", "profile")
 OVERDISPERSED = ("ml", "map", "posterior")
-
-WIDEST_SD = 2.0
-"""In ranges of the levels: a likelihood this blunt has no threshold."""
-
-
-@dataclass(frozen=True)
-class ThresholdFit:
-    """What the answers say about one threshold.
-
-    `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
-    in natural logarithms of the level). None: the data do not tell. Where only a bound is known
-    (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
-    the bound. `deviance` is that of the mode the method rests on (the likelihood's for ``ml`` and
-    ``profile``, the posterior's otherwise). `note` is empty for the status ``ok``.
-    """
-
-    threshold: float | None
-    width: float | None
-    lapse_rate: float | None
-    guess_rate: float | None
-    overdispersion: float | None
-    interval_low: float | None
-    interval_high: float | None
-    width_low: float | None
-    width_high: float | None
-    status: Status
-    deviance: float | None
-    n_trials: int
-    n_levels: int
-    shape: str
-    method: str
-    interval: float
-    note: str
-
-    @property
-    def function(self) -> PsychometricFunction | None:
-        """The fitted curve, or None where there is none."""
-        if None in (self.threshold, self.width, self.lapse_rate, self.guess_rate):
-            return None
-        return PsychometricFunction(
-            self.shape,
-            self.threshold,  # type: ignore[arg-type]
-            self.width,  # type: ignore[arg-type]
-            self.guess_rate,  # type: ignore[arg-type]
-            self.lapse_rate,  # type: ignore[arg-type]
-        )
+ESTIMATES = ("mode", "median", "mean")
 
 
 def fit(
@@ -92,7 +36,9 @@ def fit(
     n_catch: int = 0,
     robust_range: bool = False,
     scale_free_width: bool = False,
+    rate_beta: float = BETA_B,
     overdispersion: bool = False,
+    estimate: str = "mode",
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> ThresholdFit:
@@ -111,19 +57,27 @@ def fit(
         Distance of the upper asymptote from 1; None to estimate it under its prior, for every method.
     method : str
         ``ml`` maximum likelihood with Wald interval; ``profile`` the same with the profile likelihood's
-        interval; ``map`` posterior mode with Laplace interval; ``posterior`` posterior mean with marginal
-        central interval; ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
+        interval; ``map`` posterior mode with Laplace interval; ``posterior`` the posterior's `estimate` with its
+        marginal central interval; ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
+        The intervals of ``ml``, ``map`` and ``profile`` cover less than they say where levels follow the answers.
     interval : float
         Coverage of the interval, between 0 and 1.
     n_false_alarms, n_catch : int
         "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
     scale_free_width : bool
-        Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) between psignifit's ends, instead of
-        flat in the width: with few trials a flat prior lets wide functions pull the posterior mean of the threshold.
+        Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) from the smallest spacing, or a
+        twentieth of the range, on, instead of flat in the width: with few trials that lets wide functions pull the
+        posterior mean of the threshold.
+    rate_beta : float
+        The prior of free rates is Beta(1, `rate_beta`).
     robust_range : bool
         Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
         instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
         about the function.
+    estimate : str
+        What ``posterior`` gives for the threshold: ``mode`` (where the prior of the width is flat, in the width or its
+        logarithm; the median where the mode lies outside of its interval or on an edge of the priors, and the middle
+        of a step), ``median`` or ``mean``. In forced choice the mean and the median lie below the truth.
     overdispersion : bool
         Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10); for ``ml``,
         ``map`` (their intervals at the eta found) and ``posterior``. The status is that of the binomial.
@@ -167,7 +121,9 @@ def fit(
         n_catch=[n_catch],
         robust_range=robust_range,
         scale_free_width=scale_free_width,
+        rate_beta=rate_beta,
         overdispersion=overdispersion,
+        estimate=estimate,
         n_resamples=n_resamples,
         rng=rng,
     )[0]
@@ -187,7 +143,9 @@ def fit_many(
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
     scale_free_width: bool = False,
+    rate_beta: float = BETA_B,
     overdispersion: bool = False,
+    estimate: str = "mode",
     n_resamples: int = 1000,
     rng: np.random.Generator | None = None,
 ) -> tuple[ThresholdFit, ...]:
@@ -201,6 +159,8 @@ def fit_many(
     """
     curve = shape_named(shape)
     _check_options(guess_rate, lapse_rate, method, interval, rng)
+    one_of("estimate", estimate, ESTIMATES)
+    positive("fit", rate_beta=rate_beta)
     if overdispersion and method not in OVERDISPERSED:
         raise InvalidParameter(
             f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
@@ -212,8 +172,11 @@ def fit_many(
     alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
-    prior = Prior(counts.gap, lapse_rate, guess_rate, alarms, catch, scale_free_width=scale_free_width)
-    return _Fitting(shape, curve, counts, prior, method, interval, overdispersion).results(n_resamples, rng)
+    prior = Prior(
+        *(counts.gap, lapse_rate, guess_rate, alarms, catch), scale_free_width=scale_free_width, rate_beta=rate_beta
+    )
+    fitting = Fitting(shape, curve, counts, prior, method, interval, estimate, overdispersion)
+    return fitting.results(n_resamples, rng)
 
 
 def _check_options(
@@ -249,143 +212,6 @@ def _catch(values: ArrayLike, n_sets: int) -> Array:
     if not ((found >= 0) & (found == np.floor(found))).all():
         raise InvalidParameter(f"n_false_alarms, n_catch: found {values!r}, expected whole numbers, 0 or more")
     return found
-
-
-@dataclass(frozen=True)
-class _Estimates:
-    """theta (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width."""
-
-    theta: Array
-    threshold: Array
-    width: Array
-    deviance: Array
-    eta: Array | None
-
-
-@dataclass(frozen=True)
-class _Fitting:
-    shape: str
-    curve: Shape
-    counts: Counts
-    prior: Prior
-    method: str
-    interval: float
-    overdispersed: bool
-
-    def results(self, n_resamples: int, rng: np.random.Generator | None) -> tuple[ThresholdFit, ...]:
-        mode = find_mode(self.curve, self.counts, self.prior)
-        likeliest = find_mode(self.curve, self.counts, replace(self.prior, on_curve=False), mode.theta)
-        step = best_step(self.curve, self.counts, likeliest)
-        status = np.array(statuses(self.curve, self.counts, self.prior, mode, step), dtype=object)
-        own = likeliest if self.method in ON_LIKELIHOOD else mode
-        eta = None
-        if self.overdispersed:
-            free = replace(self.prior, on_curve=self.method not in ON_LIKELIHOOD)
-            own, eta = find_overdispersed_mode(self.curve, self.counts, free)
-        regular = own.interior & (own.threshold_sd < WIDEST_SD)
-        lost = (status == Status.OK) & ~regular
-        status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
-        regular &= np.isin(status, [Status.OK, Status.NON_MONOTONE, Status.TOO_FEW_LEVELS])
-        estimates = self._estimates(own, eta)
-        self._refine(estimates, own, regular, n_resamples, rng)
-        self._integrate(estimates, own if self.method == "posterior" else mode, regular)
-        if self.method in ON_LIKELIHOOD:
-            stepped = status == Status.SEPARATED
-            estimates.theta[stepped, THRESHOLD] = step.place[stepped]
-        return tuple(self._result(i, Status(status[i]), estimates) for i in range(len(self.counts)))
-
-    def _estimates(self, own: Mode, eta: Array | None) -> _Estimates:
-        theta = own.theta.copy()
-        theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])
-        deviance = 2 * (saturated_log_likelihood(self.counts) - log_likelihood(self.curve, self.counts, own.theta))
-        z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
-        threshold = own.theta[:, [THRESHOLD]] + z * own.threshold_sd[:, None]
-        log_width_sd = np.sqrt(own.covariance[:, LOG_WIDTH, LOG_WIDTH])[:, None]
-        with np.errstate(over="ignore"):
-            width = np.exp(own.theta[:, [LOG_WIDTH]] + z * log_width_sd)
-        return _Estimates(theta, threshold, width, np.maximum(deviance, 0.0), eta)
-
-    def _refine(
-        self,
-        estimates: _Estimates,
-        own: Mode,
-        regular: Bools,
-        n_resamples: int,
-        rng: np.random.Generator | None,
-    ) -> None:
-        """Put in the intervals that cost more than a Hessian."""
-        chosen = np.flatnonzero(regular)
-        if self.method not in ("profile", "bootstrap") or not len(chosen):
-            return
-        sets, prior, part = self.counts[chosen], self.prior[chosen], own[chosen]
-        if rng is not None and self.method == "bootstrap":
-            found = intervals.bootstrap(self.curve, sets, prior, part, self.interval, n_resamples, rng)
-        else:
-            free = replace(prior, on_curve=False)
-            found = intervals.profile(self.curve, sets, free, part, self.interval)
-        estimates.threshold[chosen] = found
-
-    def _integrate(self, estimates: _Estimates, mode: Mode, regular: Bools) -> None:
-        """Put in the posterior's intervals: for its own method, and wherever another has none."""
-        wanted = np.ones(len(self.counts), dtype=bool) if self.method == "posterior" else ~regular
-        chosen = np.flatnonzero(wanted & (self.counts.n_levels > 1))
-        sets, prior = self.counts[chosen], self.prior[chosen]
-        if estimates.eta is not None and self.method == "posterior":
-            prior = replace(prior, overdispersion=estimates.eta[chosen])
-        found = batched_marginals(self.curve, sets, prior, mode[chosen], self.interval)
-        estimates.threshold[chosen], estimates.width[chosen] = found.threshold, found.width
-        if self.method == "posterior":
-            estimates.theta[chosen] = found.mean
-            if estimates.eta is not None:
-                estimates.eta[chosen] = found.overdispersion
-
-    def _result(self, i: int, status: Status, estimates: _Estimates) -> ThresholdFit:
-        told = self._told(i, status, estimates)
-        low, high = (self._level(i, end) for end in estimates.threshold[i])
-        narrow, wide = (float(end * self.counts.spread[i]) for end in estimates.width[i])
-        m, width, lapse, guess = estimates.theta[i]
-        has_ends = told or status in (Status.BELOW, Status.ABOVE)
-        return ThresholdFit(
-            threshold=self._level(i, m) if told else None,
-            width=float(width * self.counts.spread[i]) if told and status != Status.SEPARATED else None,
-            lapse_rate=float(lapse) if told else None,
-            guess_rate=float(guess) if told else None,
-            overdispersion=float(estimates.eta[i]) if told and estimates.eta is not None else None,
-            interval_low=low if has_ends and status != Status.BELOW else None,
-            interval_high=high if has_ends and status != Status.ABOVE else None,
-            width_low=narrow if told and status != Status.SEPARATED else None,
-            width_high=wide if told and np.isfinite(wide) else None,
-            status=status,
-            deviance=float(estimates.deviance[i]) if told else None,
-            n_trials=int(self.counts.n_trials[i].sum()),
-            n_levels=int(self.counts.n_levels[i]),
-            shape=self.shape,
-            method=self.method,
-            interval=self.interval,
-            note=self._note(i, status),
-        )
-
-    def _told(self, i: int, status: Status, estimates: _Estimates) -> bool:
-        if status in (Status.OK, Status.SEPARATED):
-            return True
-        inside = abs(float(estimates.theta[i, THRESHOLD])) <= 0.5
-        return inside and (
-            status == Status.NON_MONOTONE or (status == Status.TOO_FEW_LEVELS and bool(self.counts.n_levels[i] > 1))
-        )
-
-    def _level(self, i: int, u: float) -> float | None:
-        level = float(self.counts.centre[i] + self.counts.spread[i] * u)
-        if self.curve.on_log_levels:
-            with np.errstate(over="ignore"):
-                level = float(np.exp(level))
-        return level if np.isfinite(level) else None
-
-    def _note(self, i: int, status: Status) -> str:
-        if status == Status.TOO_FEW_LEVELS and self.counts.n_levels[i] == 1:
-            k, n = self.counts.n_yes[i].sum(), self.counts.n_trials[i].sum()
-            low, high = proportion_interval(k, n, self.interval)
-            return f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
-        return NOTES[status]
 
 
 __all__: Sequence[str] = ["METHODS", "Status", "ThresholdFit", "fit", "fit_many"]

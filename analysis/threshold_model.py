@@ -20,7 +20,7 @@ from tactometry.analysis.likelihood import (
     chance_information,
     expansion,
 )
-from tactometry.analysis.prior import LARGEST_RATE, log_rate, log_threshold, log_width
+from tactometry.analysis.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
 from tactometry.psychometric import Shape
 
 START_SD = (0.1, 0.2, 0.05, 0.1)
@@ -35,7 +35,9 @@ class Study:
     """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
 
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
-    `width_group` (n_conditions,) says which conditions share a mean width; without `width_varies` all participants do.
+    `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
+    `n_catch` of all. `rate_beta` and `scale_free_width` are those of `threshold.fit`. `width_group` (n_conditions,)
+    says which conditions share a mean width; without `width_varies` all participants do.
     """
 
     shape: Shape
@@ -47,6 +49,9 @@ class Study:
     lapse_rate: float | None
     n_false_alarms: int
     n_catch: int
+    own_catch: Array
+    rate_beta: float = BETA_B
+    scale_free_width: bool = True
     width_varies: bool = True
 
     @property
@@ -209,7 +214,8 @@ def _prior(study: Study) -> Callable[[Array], tuple[float, Array]]:
         total, slopes = float(at_m.sum() + at_v.sum()), [by_m / reach, by_v]
         for angle, place in zip(angles, study.shared, strict=True):
             rate, slope, _ = rate_of(angle)
-            value, by_rate, _ = log_rate(rate, *(np.array(float(n)) for n in answers[place]))
+            n_yes, n_no = (np.array(float(n)) for n in answers[place])
+            value, by_rate, _ = log_rate(rate, n_yes, n_no, study.rate_beta)
             total, slopes = total + float(value), [*slopes, np.atleast_1d(by_rate * slope)]
         return total, np.concatenate(slopes)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis import apa
-from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, shape_of
+from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, Cell, fit_options
 from tactometry.analysis.hierarchical import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
 from tactometry.analysis.number_text import interval_text, number_text
 from tactometry.analysis.status import Status
@@ -18,6 +18,7 @@ from tactometry.errors import InvalidParameter
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
 ALL = "condition"
+COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
 QUANTITIES = {"threshold": "threshold", "log_width": "width"}
 HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
 
@@ -79,13 +80,16 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         )
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in found}) > 1]
     rows = [
-        (cell.participant, level, k, n, *(cell.condition[factors.index(name)] for name in varied))
+        (
+            *(cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch),
+            *(cell.condition[factors.index(name)] for name in varied),
+        )
         for cell in found
         for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
     ]
     if not rows:
         return _without(task, "no hierarchical fit: no trial with a level")
-    table = pd.DataFrame(rows, columns=["participant", "level", "n_yes", "n_trials", *varied])
+    table = pd.DataFrame(rows, columns=[*COLUMNS, *varied])
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     fit = fit_hierarchical(
         table["level"],
@@ -93,23 +97,12 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         table["n_trials"],
         table["participant"].tolist(),
         conditions,
-        **_model(found, varied, n_choices, unit),
+        n_false_alarms=table["n_false_alarms"],
+        n_catch=table["n_catch"],
+        width_by=varied if task == "comparison" else (),
+        **fit_options(task, n_choices, unit),
     )
     return _told(task, fit, varied, table)
-
-
-def _model(found: Sequence[Cell], varied: Sequence[str], n_choices: int, unit: str) -> dict[str, Any]:
-    """As each cell is fitted alone (`cells.estimates`)."""
-    task = found[0].task
-    if task == "comparison":
-        return {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "width_by": varied}
-    if task == "forced_choice":
-        return {"shape": shape_of(unit), "guess_rate": 1 / n_choices}
-    catch = {
-        "n_catch": sum(cell.n_catch for cell in found),
-        "n_false_alarms": sum(cell.n_false_alarms for cell in found),
-    }
-    return {"shape": shape_of(unit), "guess_rate": None, **catch}
 
 
 def _without(task: str, note: str) -> Together:

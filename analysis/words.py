@@ -259,9 +259,11 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
     ]
     if tasks & {"yes_no", "forced_choice"}:
         parts.append(
-            "Detection thresholds are posterior means with central 95 % intervals of the marginal posterior under "
-            "psignifit 4's priors (threshold and width from the spacing of the levels and their range within Tukey's "
-            "fences, the width's flat in its logarithm, lapse rate Beta(1, 10))."
+            "Detection thresholds are posterior modes with central 95 % intervals of the marginal posterior under "
+            "psignifit 4's priors (threshold and width from the range of the levels, the width's flat in its "
+            "logarithm, lapse rate Beta(1, 10)). A threshold counts as outside of the levels where answers at an "
+            "asymptote alone, or a curve that rises beyond the levels, explain the answers with a posterior "
+            "probability of 0.8."
         )
     if "yes_no" in tasks:
         parts.append("The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.")

@@ -47,6 +47,11 @@ class Shape:
         """The distance between the 0.05 and the 0.95 points of S."""
         return self._quantile(RIGHT) - self._quantile(LEFT)
 
+    @property
+    def rise(self) -> tuple[float, float]:
+        """How far the 0.05 point of S lies below the threshold and its 0.95 point above it, in widths."""
+        return (self.z50 - self._quantile(LEFT)) / self.z_width, (self._quantile(RIGHT) - self.z50) / self.z_width
+
     @cache  # noqa: B019 - the few shapes live as long as the program
     def _quantile(self, probability: float) -> float:
         return float(self.at(np.array(log(probability)), np.array(np.log1p(-probability))))

@@ -88,6 +88,7 @@ def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
         shape=NAMES.get(case["sigmoid"], case["sigmoid"]),
         guess_rate=0.5 if case["experiment_type"] == "2AFC" else None,
         overdispersion=True,
+        estimate="mean",
     )
     for ends, published in (
         ((found.interval_low, found.interval_high), expected["CI95_threshold"]),

@@ -59,7 +59,7 @@ def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
     page = found.report.read_text()
     for text in (
         "<h2>All participants at once</h2>",
-        "force_n: Wald&#39;s ",
+        "force: Wald&#39;s ",
         "Moscatelli, A., Mezzetti",
         "Participants (10",
     ):
@@ -163,10 +163,10 @@ def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
 
 
 def test_a_search_that_loses_all_digits_ends_with_a_reason() -> None:
-    """Two levels: of 4 of 6 such studies a matrix of the search had no inverse, and the analysis a traceback."""
-    answers = ((0, 2), (4, 5), (1, 5), (3, 0))
+    """Two levels: a matrix of the search has no inverse at its end, which was a traceback."""
+    answers = ((2, 38), (17, 37), (5, 18), (11, 22))
     found = [
-        cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(10, 10), n_catch=0, n_false_alarms=0)
+        cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(40, 40), n_catch=0, n_false_alarms=0)
         for n, k in enumerate(answers)
     ]
     told = together(found, (), 2, "dB")

@@ -28,6 +28,8 @@ BARE = {
     "guess_rate": "a probability",
     "lapse_rate": "a probability",
     "catch_rate": "a share of trials",
+    "rate_beta": "a parameter of a beta distribution",
+    "log_rate_mass": "of a density of a rate",
     "force_in_band": "a share of samples; the pinned name of a column",
     "speed_in_band": "a share of samples; the pinned name of a column",
     "width": "of a psychometric function, in the unit of its level; a pinned name",

@@ -1,0 +1,97 @@
+"""What a status promises: a criterion that spares tracks that aim at one part of the function, the same verdict in
+every analysis, and no number that its own interval does not hold. The census has the shares (test_census.py)."""
+
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tactometry.analysis.cells import Cell, estimates
+from tactometry.analysis.threshold import Status, fit, fit_many
+from tactometry.analysis.together import together
+
+RATES = (None, 0.0, 0.02)
+OUTSIDE = (Status.BELOW, Status.ABOVE, Status.FLAT)
+
+
+def test_a_track_that_aims_at_three_quarters_is_not_called_below() -> None:
+    """32 forced choices of a weighted staircase, 25 of them right; 7 % of the posterior lie below the lowest level."""
+    levels_db, n_trials = [20, 22, 24, 26, 28, 30, 32, 34], [1, 4, 6, 6, 5, 5, 3, 2]
+    found = fit(levels_db, [0, 2, 4, 5, 4, 5, 3, 2], n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
+    assert found.status == Status.OK
+    assert found.interval_low < 20 < found.threshold < found.interval_high
+    assert found.probability_within > 0.8
+
+
+def test_answers_of_one_rate_far_from_chance_and_ceiling_are_flat_but_guesses_are_above() -> None:
+    flat, above, below = (fit(range(7), [k] * 7, 20, shape="normal", guess_rate=0.5) for k in (14, 10, 20))
+    assert [one.status for one in (flat, above, below)] == [Status.FLAT, Status.ABOVE, Status.BELOW]
+    assert above.probability_above > 0.8
+    assert below.probability_below > 0.8
+    assert sum((above.probability_below, above.probability_within, above.probability_above)) <= 1
+
+
+CATCH = {"few false alarms": (1, 20), "many": (8, 20), "none asked": (0, 0)}
+ANSWERS = ((0, 3, 7, 10), (1, 1, 2, 2), (10, 10, 9, 10), (3, 6, 8, 10), (4, 4, 5, 4))
+
+
+@pytest.mark.parametrize("catch", CATCH.values(), ids=list(CATCH))
+def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None:
+    levels = (1.0, 2.0, 3.0, 4.0)
+    cells = [Cell(f"P{i}", (), "yes_no", levels, k, (10,) * 4, *catch[::-1]) for i, k in enumerate(ANSWERS)]
+    alone = [each.fit.status for each in estimates(cells, 2, "dB")]
+    each_by_fit = [
+        fit(
+            levels, k, 10, shape="gumbel", guess_rate=None, scale_free_width=True,
+            n_false_alarms=catch[0], n_catch=catch[1],
+        ).status
+        for k in ANSWERS
+    ]  # fmt: skip
+    found = together(cells, (), 2, "dB").participants["status"].tolist()
+    assert alone == each_by_fit
+    assert found == alone
+
+
+@st.composite
+def _nasty(draw: st.DrawFn) -> tuple[list[float], list[int], list[int]]:
+    """A few levels, some close together or far away, with few or very many answers in any order."""
+    size = draw(st.integers(2, 7))
+    gaps = draw(st.lists(st.sampled_from((0.001, 0.1, 1.0, 60.0)), min_size=size, max_size=size))
+    n_trials = draw(st.lists(st.sampled_from((1, 2, 5, 20, 200)), min_size=size, max_size=size))
+    n_yes = [draw(st.one_of(st.sampled_from((0, n)), st.integers(0, n))) for n in n_trials]
+    return np.cumsum(gaps).tolist(), n_yes, n_trials
+
+
+@pytest.mark.parametrize("method", ["posterior", "map", "ml", "profile"])
+@settings(max_examples=25, deadline=None)
+@given(_nasty(), st.sampled_from((None, 0.0, 0.5, 0.25)), st.sampled_from(RATES), st.booleans())
+def test_no_number_that_its_own_interval_does_not_hold(method, data, guess_rate, lapse_rate, scale_free_width) -> None:
+    known = {"guess_rate": guess_rate, "lapse_rate": lapse_rate, "scale_free_width": scale_free_width}
+    found = fit_many(*data, shape="normal", method=method, **known)[0]
+    numbers = {name: value for name, value in asdict(found).items() if isinstance(value, float)}
+    assert all(math.isfinite(value) for value in numbers.values())
+    if found.threshold is not None:
+        assert found.interval_low < found.threshold < found.interval_high
+        assert found.status not in OUTSIDE
+    if found.width is not None:
+        assert 0 < found.width_low <= found.width <= found.width_high < 1e4 * found.width_low
+
+
+def test_a_likelihood_without_curvature_has_a_status_and_no_interval_of_its_own() -> None:
+    """Maximum likelihood printed a width from 3.6e-93 to 2.7e91, and an interval from -3.3 to 9.4 on levels 1 to 7."""
+    found = fit(range(1, 8), [11, 10, 13, 12, 12, 13, 14], 20, shape="normal", guess_rate=0.5, method="ml")
+    assert found.status == Status.FLAT
+    assert (found.threshold, found.interval_low, found.width_high) == (None, None, None)
+
+
+def test_estimates_stand_beside_each_other() -> None:
+    answers = ([1, 2, 3, 4, 5, 6, 7], [10, 11, 12, 15, 18, 19, 20], 20)
+    each = {name: fit(*answers, shape="normal", guess_rate=0.5, estimate=name) for name in ("mode", "median", "mean")}
+    one = each["mode"]
+    assert one.threshold == one.threshold_mode
+    assert each["median"].threshold == one.threshold_median
+    assert each["mean"].threshold == one.threshold_mean
+    assert one.threshold_mean < one.threshold_median < one.threshold_mode
