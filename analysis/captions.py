@@ -7,6 +7,7 @@ from tactometry.analysis.group import MODEL
 BETWEEN = "95 % interval between participants"
 
 ONE = "values of one participant"
+NONE = "no mean is known"
 
 
 def _has(means: pd.DataFrame, name: str) -> bool:
@@ -19,6 +20,8 @@ def means_text(means: pd.DataFrame) -> str:
     >>> means_text(pd.DataFrame({"mean": [1.0], "mean_low": [0.5]})), means_text(pd.DataFrame({"mean": [1.0]}))
     ('mean, 95 % interval between participants', 'mean, no interval')
     """
+    if not _has(means, "mean"):
+        return NONE
     return f"mean, {BETWEEN if _has(means, 'mean_low') else 'no interval'}"
 
 
@@ -31,6 +34,8 @@ def means_sentence(means: pd.DataFrame) -> str:
     if _has(means, "mean_low"):
         model = "; where a value is a bound, of the censored model" if is_modelled(means) else ""
         return f"Mean over participants with {BETWEEN}{model}."
+    if means_of(means) == NONE:
+        return "No mean is known; the cells say of how many participants there are bounds."
     if means_of(means) == ONE:
         return f"{ONE.capitalize()}; there is no interval between participants."
     return "Mean over participants; there is no interval between participants."
@@ -56,9 +61,12 @@ def figure_text(means: pd.DataFrame, dots: str = "") -> str:
 
 def means_of(means: pd.DataFrame) -> str:
     """
-    >>> means_of(pd.DataFrame({"n": [1, 2]})), means_of(pd.DataFrame({"n": [1]}))
-    ('means over participants', 'values of one participant')
+    >>> told = pd.DataFrame({"mean": [1.0, 2.0], "n": [1, 2]})
+    >>> means_of(told), means_of(told[:1]), means_of(told.assign(mean=None))
+    ('means over participants', 'values of one participant', 'no mean is known')
     """
+    if not _has(means, "mean"):
+        return NONE
     return ONE if means["n"].max() == 1 else "means over participants"
 
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -13,9 +13,9 @@ from tactometry.analysis.apa import p_text
 from tactometry.analysis.captions import means_sentence
 from tactometry.analysis.decibels import as_amplitudes, is_decibel
 from tactometry.analysis.findings import Outcome
+from tactometry.analysis.grid import Grid, grid
 from tactometry.analysis.group import cross_table
-from tactometry.analysis.labels import header_of, in_words, split_unit
-from tactometry.analysis.number_text import cell_text
+from tactometry.analysis.labels import in_words, split_unit
 from tactometry.analysis.pipeline import Analysis
 from tactometry.analysis.printing import print_pdf
 from tactometry.analysis.ratings import Ratings
@@ -24,14 +24,6 @@ from tactometry.analysis.table_files import write_tables
 from tactometry.analysis.together import Together
 from tactometry.errors import DeviceFailed, InvalidParameter, counted
 from tactometry.safe_text import file_text
-
-
-@dataclass(frozen=True)
-class Grid:
-    """A table as text."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
 
 
 def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
@@ -111,9 +103,9 @@ def render(found: Analysis) -> str:
         outcomes=[_section(outcome, found) for outcome in found.outcomes],
         forms=[(form, means_sentence(form.summary), _summary_grid(form), form.sentences()) for form in found.forms],
         grids=_grids(found),
-        choices={name: _grid(found.tables[name], factors) for name in words.CHOICES if name in found.tables},
+        choices={name: grid(found.tables[name], factors) for name in words.CHOICES if name in found.tables},
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
-        shrunken={each.task: _grid(each.participants, factors) for each in found.together},
+        shrunken={each.task: grid(each.participants, factors) for each in found.together},
         references=words.references(found.methods),
     )
 
@@ -126,7 +118,7 @@ def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
         "outcome": outcome,
         "unit": outcome.unit(found.unit),
         "means": means_sentence(outcome.group),
-        "cross": _grid(outcome.cross, found.trials.factors),
+        "cross": grid(outcome.cross, found.trials.factors),
         "amplitudes": amplitudes(outcome, found),
         "effects": _effects_grid(outcome, found.trials.factors),
         "primary": primary,
@@ -135,13 +127,13 @@ def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
 
 
 def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, Grid] | None:
-    """The group table in the unit that decibels refer to, with this unit; None where levels are in none."""
+    """The group table in the unit that decibels refer to, with this unit; None without decibels or a mean."""
     unit = outcome.unit(found.unit)
-    if not is_decibel(unit):
+    if not is_decibel(unit) or outcome.group["mean"].isna().all():
         return None
     cross = cross_table(as_amplitudes(outcome.group), found.trials.factors)
     peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
-    return f"{unit.partition(' re 1 ')[2]}{peak}", _grid(cross, found.trials.factors)
+    return f"{unit.partition(' re 1 ')[2]}{peak}", grid(cross, found.trials.factors)
 
 
 def _grids(found: Analysis) -> dict[str, Grid | None]:
@@ -154,7 +146,7 @@ def _grids(found: Analysis) -> dict[str, Grid | None]:
         if name in tables:
             tables[name] = tables[name].rename(columns=heads)
     names = ("loss", "force", "excluded", "quality", "goodness", "thresholds")
-    return {name: _grid(tables[name], factors) if name in tables else None for name in names}
+    return {name: grid(tables[name], factors) if name in tables else None for name in names}
 
 
 QUALITY = {
@@ -215,7 +207,7 @@ def title_of(found: Analysis) -> str:
 def _cross_grid(each: Together, found: Analysis) -> Grid | None:
     if each.fit is None:
         return None
-    return _grid(cross_table(each.conditions, each.fit.factors), found.trials.factors)
+    return grid(cross_table(each.conditions, each.fit.factors), found.trials.factors)
 
 
 def _summary_grid(form: Ratings) -> Grid:
@@ -245,7 +237,7 @@ def _effects_grid(outcome: Outcome, factors: Sequence[str]) -> Grid | None:
         shown[name] = [p_text(p).removeprefix("p ").removeprefix("= ") for p in shown[name].astype(float)]
     for name in {"Source", "term"} & set(shown.columns):
         shown[name] = [in_words(source, factors) for source in shown[name]]
-    return _grid(shown.rename(columns=EFFECT_COLUMNS), ())
+    return grid(shown.rename(columns=EFFECT_COLUMNS), ())
 
 
 def _short_thresholds(found: Analysis) -> pd.DataFrame:
@@ -254,8 +246,3 @@ def _short_thresholds(found: Analysis) -> pd.DataFrame:
     wanted += ["jnd_high", "width", "guess_rate", "lapse_rate", "n_trials", "n_catch", "status", "misfit"]
     wanted += [name for name in ("rule_estimate", "rule_sd", "rule_n") if table[name].notna().any()]
     return table[[name for name in wanted if name in table.columns]]
-
-
-def _grid(table: pd.DataFrame, factors: Sequence[str]) -> Grid:
-    rows = tuple(tuple(cell_text(value) for value in row) for row in table.itertuples(index=False, name=None))
-    return Grid(tuple(header_of(str(name), factors) for name in table.columns), rows)

@@ -3,12 +3,13 @@
 The file of the study is quoted: what it leaves to a default is not told.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tactometry.analysis.labels import level_of, percent_text, split_unit
+from tactometry.analysis.labels import in_words, level_of, percent_text, split_unit
 from tactometry.quantity import as_si
 from tactometry.toml import located, read_table
 
@@ -61,9 +62,12 @@ WORDS = {
     "ramp_s": "ramps",
     "repeats": "presentations of each level",
     "rest_after": "trials before a rest",
+    "shared": "all but the threshold shared by interleaved tracks",
     "start": "first level",
     "tolerance": "tolerance of the force",
     "timeout_s": "time allowed for a touch",
+    "width_high": "largest width",
+    "width_low": "smallest width",
     "voltage_peak_v": "peak voltage at most",
 }
 """What a key is called where its own words would not do."""
@@ -124,7 +128,8 @@ def procedure_text(study: Table, unit: str) -> str:
     felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
-    return " ".join([*_design(study), *_tables(study, unit), *_variants(study, unit), *_bounds(study, unit)])
+    told = [*_design(study), *_tables(study, unit), *_variants(study), *_bounds(study, unit)]
+    return in_words(" ".join(told), list(_table(study, "factors")))
 
 
 def _table(study: Table, name: str) -> Table:
@@ -174,7 +179,8 @@ def _levels(name: str, stated: Any) -> str:
 
 def _tables(study: Table, unit: str) -> Iterator[str]:
     """A sentence for each table that says how a trial went."""
-    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", _task), ("procedure", _procedure)):
+    rule = _start if _table(study, "task").get("kind") == "adjustment" else _procedure
+    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", _task), ("procedure", rule)):
         if table := _table(study, name):
             if "kind" in table:
                 yield f"{tell(str(table['kind']))}{_details(table, unit)}."
@@ -204,6 +210,10 @@ def _procedure(kind: str) -> str:
     return f"Levels were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
 
 
+def _start(kind: str) -> str:
+    return f"The levels at which adjustments began were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
+
+
 def _details(table: Table, unit: str) -> str:
     """What else the table says, in brackets.
 
@@ -224,7 +234,7 @@ def _detail(key: str, value: Any, unit: str) -> str:
     >>> _detail("tolerance", 0.2, ""), _detail("levels", [12, 16], "dB re 1 um"), _detail("feedback", True, "")
     ('tolerance of the force 20 %', 'levels 12, 16 dB re 1 um', 'feedback')
     """
-    words = WORDS.get(key, split_unit(key)[0])
+    words = WORDS.get(key, re.sub("^n ", "number of ", split_unit(key)[0]))
     if isinstance(value, bool):
         return words if value else f"no {words}"
     if isinstance(value, Mapping):
@@ -236,7 +246,7 @@ def _detail(key: str, value: Any, unit: str) -> str:
     return f"{words} {told} {suffix}".rstrip()
 
 
-def _variants(study: Table, unit: str) -> Iterator[str]:
+def _variants(study: Table) -> Iterator[str]:
     """What a factor's level changes, other than of simulated participants."""
     for factor in _table(study, "variants"):
         levels = _table(_table(study, "variants"), factor)

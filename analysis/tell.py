@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from tactometry.analysis.captions import means_text
+from tactometry.analysis.grid import grid
 from tactometry.analysis.group import cross_table
-from tactometry.analysis.labels import header_of, in_words
-from tactometry.analysis.number_text import cell_text
+from tactometry.analysis.labels import in_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,8 +69,9 @@ def text_table(cross: "pd.DataFrame", title: str, factors: Sequence[str]) -> "Ta
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", min_width=min(len(title), 78))
-    for name in cross.columns:
-        table.add_column(header_of(str(name), factors), justify="right", overflow="fold")
-    for row in cross.itertuples(index=False, name=None):
-        table.add_row(*map(cell_text, row))
+    told = grid(cross, factors)
+    for head in told.header:
+        table.add_column(head, justify="right", overflow="fold")
+    for row in told.rows:
+        table.add_row(*row)
     return table

@@ -226,3 +226,25 @@ def test_methods_of_one_participant_claim_no_interval(one) -> None:
 )
 def test_a_cell_breaks_where_its_parts_meet(cell, parts) -> None:
     assert len(unbroken(cell).split(" ")) == parts
+
+
+def test_bounds_alone_are_no_means() -> None:
+    found = analysis_of(RECORDED / "forced-choice")
+    assert found.outcomes[0].group["mean"].isna().all()
+    page = render(found)
+    assert "No mean is known; the cells say of how many participants there are bounds." in page
+    assert "means are geometric" not in page
+    assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
+
+
+def test_a_value_of_a_factor_stands_as_it_was_stated() -> None:
+    page = render(analysis_of(RECORDED / "quest-plus-tracks"))
+    assert "<td>0.5</td>" in page
+    assert "<td>0.500</td>" not in page
+
+
+def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> None:
+    study = read_table(RECORDED / "adjustment" / "study.toml", "a study")
+    assert "Levels were chosen" not in procedure_text(study, "")
+    assert "adjustments began" in procedure_text(study, "")
+    assert "(over frequency)" in procedure_text(read_table(RECORDED / "preference" / "study.toml", "a study"), "")

@@ -53,13 +53,13 @@ def threshold_figure(
         if from_zero:
             low, high = axes.get_ylim()
             axes.set_ylim(min(0.0, low), ROOM * high)
-        _legend(axes, len(parts) if axis.series else 0)
+        _legend(axes, len(parts) if axis.series else 0, beside=len(targets) > 0)
         return drawn(figure)
 
 
-def _legend(axes: "Axes", n: int) -> None:
-    """Of `n` series: in the figure while they are few, beside it else."""
-    if n > MOST_INSIDE:
+def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
+    """Of `n` series: in the figure while they are few, `beside` it else."""
+    if n > MOST_INSIDE or (n and beside):
         axes.get_figure().legend(loc="outside right center")  # type: ignore[union-attr]
     elif n:
         axes.legend(loc="best")
