@@ -75,7 +75,7 @@ class Outcome:
 
     def title(self, name: Primary) -> str:
         """Of one of its analyses."""
-        kind = "mixed" if self.between else "repeated-measures"
+        kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
         if name is Primary.ANOVA:
             part = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""
             return f"{kind} {TITLES[name]}{part}"

@@ -7,10 +7,13 @@ from tactometry.analysis.mixed_model import MixedModel
 from tactometry.analysis.primary import RULE, Primary
 from tactometry.analysis.ratings import Ratings
 
-EFFECTS = (
+CORRECTED = (
     "Degrees of freedom of F are corrected by Chi and Muller's epsilon (Chi, Gribbin, Lamers, Gregory & Muller 2012), "
-    "at least Greenhouse and Geisser's; partial and generalised eta squared (Bakeman 2005) have 90 % intervals of the "
-    "noncentral F distribution (Steiger 2004)."
+    "at least Greenhouse and Geisser's."
+)
+SIZES = (
+    "Partial and generalised eta squared (Bakeman 2005) have 90 % intervals of the noncentral F distribution (Steiger "
+    "2004)."
 )
 CENSORED = (
     "Where values are bounds or missing, the same normal model (one variance per stratum) was fitted to all that is "
@@ -40,8 +43,10 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
         )
     parts += _primary(every, named)
     ran = {name for each in every for name in each.analyses()}
-    tested = bool(ran & {Primary.ANOVA, Primary.CENSORED}) or any(form.tests_effects for form in forms)
-    parts += [EFFECTS] if tested else []
+    against = any(form.tests_effects for form in forms)
+    tested = [each for each in every if each.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]
+    parts += [CORRECTED] if against or any(each.within for each in tested) else []
+    parts += [SIZES] if against or tested else []
     parts += [CENSORED] if any(each.censored is not None for each in every) else []
     if Primary.PERMUTATION in ran:
         parts.append("Permutation tests change the signs of participants' contrasts.")

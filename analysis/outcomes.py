@@ -106,13 +106,22 @@ def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
     if len(within) > MAX_FACTORS:
         return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} can be taken",)
     n_levels = given.table.groupby(SUBJECT)[given.factors].nunique().max()
-    fixed = [name for name in within or given.factors if n_levels[name] < 2]
+    fixed = [name for name in within if n_levels[name] < 2]
     if fixed:
         return None, (f"no analysis of variance: {fixed[0]} does not vary within participants",)
+    if not within:
+        return _with_values(given), ()
     part = largest_complete(given.table, within=within, **given.arguments)
     if part is None:
         return None, ("no analysis of variance: no three participants share two conditions with a value",)
     return part, ()
+
+
+def _with_values(given: Given) -> SubDesign:
+    """The participants of groups that have one."""
+    known = given.table[given.dependent].notna()
+    left_out = tuple(f"participant {code}" for code in given.table[SUBJECT][~known])
+    return SubDesign(given.table[known], (), left_out)
 
 
 def _with_anova(found: Outcome, given: Given, part: SubDesign, *, permuted: bool) -> Outcome:
@@ -139,6 +148,8 @@ def _anova(given: Given) -> Analysis:
     """The analysis of a complete table by factors within participants."""
 
     def analysis(table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
+        if not within:  # of known values it is the analysis of variance
+            return _censored(given, table, within).table
         if given.between is None or table[given.between].nunique() < 2:
             return repeated_measures(table, within=within, **given.arguments)
         return mixed_anova(table, within=within, between=given.between, **given.arguments)

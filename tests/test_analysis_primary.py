@@ -7,10 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from scipy.stats import f_oneway
 from test_analysis_attrakdiff import study as answers_of
 
 from tactometry.analysis.anova import repeated_measures
 from tactometry.analysis.group import group_table
+from tactometry.analysis.group_words import group_methods
 from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import Plan
@@ -67,6 +69,22 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     ]
     assert set(found.pairs) == set(FACTORS)
     assert found.equivalence["force_n"]["n"].tolist() == [8]
+
+
+@pytest.mark.parametrize("n_below", [0, 1])
+def test_groups_alone_have_an_analysis_of_variance_and_pairs(n_below) -> None:
+    """They had none: "group does not vary within participants"."""
+    table = estimates(np.random.default_rng(), n=9, n_below=n_below)
+    table = table[(table["frequency_hz"] == 240) & (table["force_n"] > 1)]
+    table = table.assign(group=["a", "b", "c"] * 3)
+    found = outcome(table, ["group"], "yes_no", "threshold")
+    assert found.primary == ("censored_anova" if n_below else "anova")
+    assert "between-groups" in found.heading()
+    assert len(found.group_pairs["group"]) == 3
+    assert not any("Chi and Muller" in each for each in group_methods([found], [], None))
+    if not n_below:
+        peer = f_oneway(*(part.astype(float) for _, part in table.groupby("group")["threshold"]))
+        assert found.effects[["F", "p_unc"]].iloc[0].tolist() == pytest.approx([*peer], rel=1e-6)
 
 
 def test_a_condition_that_the_model_leaves_out_has_no_mean_of_another() -> None:
