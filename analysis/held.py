@@ -27,7 +27,7 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
     found = linprog(-one_sided.sum(axis=0), A_ub=-one_sided, b_ub=kept, A_eq=fixed, b_eq=still, bounds=(-1, 1))
     if found.fun is None or found.fun >= -ZERO:
         return None
-    return np.asarray(found.x, dtype=np.float64)
+    return np.asarray(found.x, dtype=np.float64) + 0.0  # a zero without a sign
 
 
 def leaves_no_error(ends: Array, x: Array, groups: NDArray[np.int64]) -> bool:

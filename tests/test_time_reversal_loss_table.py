@@ -19,11 +19,11 @@ def rows(loss=LOSS, noise=NOISE, unit="dB re 1 um", level=20.0):
     """Two readings of each condition and participant."""
     for code, shift in noise.items():
         for n, ((contactor, place, force_n), lost) in enumerate(loss.items()):
-            for reading in (-0.005, 0.005):
+            for half, reading in enumerate((-0.005, 0.005)):
                 left = 1 - lost - shift - reading
                 measured = level + 20 * np.log10(left) if unit.startswith("dB") else level * left
                 yield {
-                    "participant": code, "session": 1, "study": "force-loss", "block": 1, "trial": n + 1,
+                    "participant": code, "session": 1, "study": "force-loss", "block": 1, "trial": 2 * n + half + 1,
                     "contactor": contactor, "place": place, "force_n": force_n, "procedure": "constant_stimuli",
                     "level": level, "level_unit": unit, "task": "measurement", "response": 7000,
                     "force_mean_n": 1.1 * force_n, "valid": 1, "level_measured": measured,
