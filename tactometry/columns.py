@@ -75,7 +75,8 @@ _DERIVED = (
     "interval note mean mean_low mean_high within_low within_high sd n n_below n_above n_missing text rate "
     "rate_low rate_high n_rows n_practice n_invalid n_repeated n_unanswered score raw deviance_p residual_level_z "
     "residual_level_p residual_order_z residual_order_p dispersion dispersion_p misfit rule_estimate "
-    "rule_sd rule_n rule_note"
+    "rule_sd rule_n rule_note threshold_mean threshold_median threshold_mode probability_below probability_above "
+    "probability_within"
 )
 DERIVED = frozenset(_DERIVED.split())
 """Columns that an analysis adds."""
