@@ -11,7 +11,7 @@ from scipy.stats import t as t_distribution
 
 from tactometry.analysis.counts import Array, normalised
 from tactometry.analysis.hierarchical_start import Alone
-from tactometry.analysis.laplace import MixedFit, MixedModel, precision_of
+from tactometry.analysis.laplace import MixedFit, MixedModel, inner_mode, precision_of
 from tactometry.analysis.likelihood import LOG_WIDTH, THRESHOLD
 from tactometry.analysis.status import Status
 from tactometry.analysis.threshold_model import Study
@@ -28,6 +28,8 @@ CONDITION_COLUMNS = (
     "status",
 )
 CENSORED = (Status.BELOW, Status.ABOVE)
+SCALE_STEP = 0.01
+"""Of a difference along a standard deviation, in parts of it."""
 WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 
@@ -142,9 +144,8 @@ def means(study: Study, found: MixedFit, inflation: float) -> tuple[Array, ...]:
 
 
 def cells(model: MixedModel, found: MixedFit) -> tuple[Array, ...]:
-    """Of the cells, shrunken: the variance is that of the effects at the means, plus that which the means bring.
-
-    Kass and Steffey 1989, Journal of the American Statistical Association 84, 717-726, at the variances found.
+    """Of the cells, shrunken: the variance is that of the effects at all parameters of the group, plus that which these
+    bring: means, rates and variances (Kass and Steffey 1989, J. Am. Stat. Assoc. 84, 717-726).
     """
     inner, n_free = found.inner, model.n_fixed + model.n_shared
     d, hessian = 2, inner.at.hessian
@@ -156,9 +157,23 @@ def cells(model: MixedModel, found: MixedFit) -> tuple[Array, ...]:
     pushed[..., model.n_fixed :] += hessian[..., :d, d:]
     pull = np.linalg.solve(precision, np.einsum("csaq,csap->cqp", inner.loads, pushed))
     along = direct + np.einsum("csaq,cqp->csap", inner.loads, pull)
-    variance = inside + np.einsum("csap,pr,csar->csa", along, found.covariance[:n_free, :n_free], along, optimize=True)
+    along = np.concatenate([along, _along_scales(model, found, n_free)], axis=3)
+    variance = inside + np.einsum("csap,pr,csar->csa", along, found.covariance, along, optimize=True)
     eta, se = np.swapaxes(inner.points[..., :d], 0, 1), np.swapaxes(np.sqrt(variance), 0, 1)
     return eta[..., THRESHOLD], se[..., THRESHOLD], eta[..., LOG_WIDTH], se[..., LOG_WIDTH]
+
+
+def _along_scales(model: MixedModel, found: MixedFit, n_free: int) -> Array:
+    """How the points of the cells move with each scale, (n_clusters, n_slots, 2, n_theta), by central differences."""
+    moved = np.zeros((*found.inner.points.shape[:2], 2, len(found.parameters) - n_free))
+    for j in range(moved.shape[-1]):
+        step = SCALE_STEP * max(abs(found.parameters[n_free + j]), SCALE_STEP)
+        change = step * (np.arange(len(found.parameters)) == n_free + j)
+        ahead, behind = (
+            inner_mode(model, found.parameters + side * change, found.inner.effects).points[..., :2] for side in (1, -1)
+        )
+        moved[..., j] = (ahead - behind) / (2 * step)
+    return moved
 
 
 def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
