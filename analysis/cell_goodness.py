@@ -1,7 +1,6 @@
 """Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from typing import Any
 
@@ -10,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from tactometry.analysis.cells import FITTED_TASKS, SHAPE, Estimate, answered, cell_keys, shape_of
+from tactometry.analysis.cells import FITTED_TASKS, Estimate, answered, cell_keys, fit_options
 from tactometry.analysis.counts import POOLED_BELOW, Array, Counts, checked, normalised
 from tactometry.analysis.goodness import STATISTICS, Goodness, Sequences, goodness
 from tactometry.analysis.labels import named_cells
@@ -51,7 +50,7 @@ def goodness_columns(
     for task in FITTED_TASKS:
         chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
         for part in _of_like_size(found, chosen):
-            tested = _tested(rows, [found[n] for n in part], part, _model(task, n_choices, unit), rng)
+            tested = _tested(rows, [found[n] for n in part], part, fit_options(task, n_choices, unit), rng)
             values[part], p[part] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
@@ -90,48 +89,34 @@ def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[NDAr
     return [np.array(chosen)[(size == one) & (places <= MOST_PLACES)] for one in np.unique(size)]
 
 
-@dataclass(frozen=True)
-class _Model:
-    """How the cells of a task are fitted."""
-
-    shape: str
-    guess_rate: float | None
-    lapse_rate: float | None = None
-    is_detection: bool = True
-
-
-def _model(task: str, n_choices: int, unit: str) -> _Model:
-    """As `cells.estimates` fits them."""
-    if task == "comparison":
-        return _Model(SHAPE, 0.0, 0.0, is_detection=False)
-    return _Model(shape_of(unit), None if task == "yes_no" else 1 / n_choices)
-
-
 def _tested(
-    rows: pd.DataFrame, found: Sequence[Estimate], cells: NDArray[np.int64], model: _Model, rng: np.random.Generator
+    rows: pd.DataFrame,
+    found: Sequence[Estimate],
+    cells: NDArray[np.int64],
+    options: Mapping[str, Any],
+    rng: np.random.Generator,
 ) -> Goodness:
     """The goodness of fit of estimates, which are those of the numbers `cells`."""
-    curve = shape_named(model.shape)
-    x, k, n = (
-        np.array([*zip_longest(*(getattr(each.cell, name) for each in found), fillvalue=0)], dtype=np.float64).T
-        for name in ("levels", "n_yes", "n_trials")
-    )
+    curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
+    x, k, n = (_stack(found, name) for name in ("levels", "n_yes", "n_trials"))
     counts = normalised(*checked(x, k, n, positive=curve.on_log_levels))
-    takes_catch = model.guess_rate is None
+    takes_catch = found[0].cell.task == "yes_no"
     alarms, catch = (
         np.array([getattr(each.cell, name) if takes_catch else 0 for each in found], dtype=np.float64)
         for name in ("n_false_alarms", "n_catch")
     )
-    prior = Prior(
-        *(counts.gap, model.lapse_rate, model.guess_rate, alarms, catch),
-        on_curve=model.is_detection,
-        scale_free_width=model.is_detection,
-    )
+    del known["shape"]
+    prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     theta = climb(curve, counts, prior, _parameters(found, counts)).theta
     own = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, own["cell"])
     follows = np.bincount(number, own["follows"], len(cells)) > 0
     return goodness(curve, counts, prior, theta, _sequences(own, number, x, counts), follows, rng)
+
+
+def _stack(found: Sequence[Estimate], name: str) -> Array:
+    """Levels or counts of the cells, filled up with places without trials."""
+    return np.array([*zip_longest(*(getattr(each.cell, name) for each in found), fillvalue=0)], dtype=np.float64).T
 
 
 def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:

@@ -18,6 +18,8 @@ from tactometry.errors import InvalidParameter
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
 ALL = "condition"
+WITHOUT_LAPSES = {"guess_rate": 0.0, "lapse_rate": 0.0}
+"""Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
 COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
 QUANTITIES = {"threshold": "threshold", "log_width": "width"}
 HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
@@ -100,7 +102,7 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
         width_by=varied if task == "comparison" else (),
-        **fit_options(task, n_choices, unit),
+        **fit_options(task, n_choices, unit) | (WITHOUT_LAPSES if task == "comparison" else {}),
     )
     return _told(task, fit, varied, table)
 

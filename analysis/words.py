@@ -272,7 +272,7 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
     if "comparison" in tasks:
         parts.append(
             "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons "
-            "are maximum-likelihood estimates without guesses and lapses (a probit regression), with the profile "
-            "likelihood's 95 % interval for the former and Wald's, of the logarithm, for the latter."
+            "are posterior modes with central 95 % intervals of the marginal posterior under psignifit 4's priors of "
+            "threshold and width; lapses may raise the lower asymptote and lower the upper one (rates Beta(1, 40))."
         )
     return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]
