@@ -10,6 +10,7 @@ from tactometry.experiments.study import parse
 from tactometry.experiments.validation import derived_csv, has_rows, trials_file
 from tactometry.experiments.wiring import Experiment, wire
 from tactometry.files import read_file
+from tactometry.head import Head
 from tactometry.journal import read
 from tactometry.open_session import OpenSession
 from tactometry.provenance import sha256
@@ -83,6 +84,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
         if has_rows(trials):
             raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
         return Replayed(journal.name, 0, complete=False)
+    _check_named(journal, head)
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
@@ -101,14 +103,20 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
     head, trials = read(journal).head, trials_file(root, journal)
     if head is None:
         return None
+    session = _check_named(journal, head)
+    before = read_file(trials, "a trials file") if trials.exists() else None
+    opened = OpenSession(root, experiment.design(study_toml), session, head.rig, resume=True)
+    opened.close()
+    changed = read_file(trials, "a trials file") != before
+    return Rebuilt(trials.name, opened.n_trials, changed)
+
+
+def _check_named(journal: Path, head: Head) -> Session:
+    """The session of a head, which its journal must be named after: a copy under another name is no other session."""
     session = Session(head.participant, head.session, head.study)
     if session.stem != journal.stem:
         raise InvalidFile(
             f"{journal}, line 1: found session {head.session} of {head.participant} ({head.study}), expected that of "
             "the file's name; remove the copy"
         )
-    before = read_file(trials, "a trials file") if trials.exists() else None
-    opened = OpenSession(root, experiment.design(study_toml), session, head.rig, resume=True)
-    opened.close()
-    changed = read_file(trials, "a trials file") != before
-    return Rebuilt(trials.name, opened.n_trials, changed)
+    return session

@@ -133,9 +133,14 @@ def test_a_copy_under_another_name_does_not_go_on(lived, capsys):
     copied_as(lived, "P99")
     with pytest.raises(InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected that of"):
         live(lived, Who("P99", number=1), resume=True)
-    status, said, _ = call(capsys, "rebuild", lived)
+
+
+@pytest.mark.parametrize("command", ["rebuild", "replay"])
+def test_a_copy_under_another_name_is_no_session_of_its_own(lived, capsys, command):
+    copied_as(lived, "P99")
+    status, said, _ = call(capsys, command, lived)
     assert status == 2
-    assert "remove the copy" in said
+    assert "found session 1 of P01 (tutorial), expected that of the file's name; remove the copy" in said
 
 
 @pytest.mark.parametrize(("column", "value"), [("session", "2"), ("study", "tutorials")])
