@@ -21,6 +21,7 @@ from tactometry.analysis.text_table import text_cells
 from tactometry.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.dataset import keys_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.files import listed
 from tactometry.formats import ADDED
 from tactometry.rows import RESPONSES, TASKS, Rule, rows_text
 
@@ -149,6 +150,8 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
     found = next((files for form in forms if (files := _shown(path.glob(form)))), [])
     if not found:
+        for folder in (path, path / "data"):
+            listed(folder)  # a glob keeps silent about one that may not be read
         raise InvalidFile(
             f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
             "(--columns) and a folder of another program's tables"

@@ -270,9 +270,7 @@ def _devices(
     if devices.force is not None:
         yield from _guarded("force", partial(_force, devices.force))
     yield from _guarded("output", partial(_gate, bench))
-    yield from _guarded("output", partial(_output, devices.output, limits, hands_off=hands_off))
-    if experiment is not None:
-        yield from _guarded("output", partial(_strongest, devices.output, experiment, bench))
+    yield from _guarded("output", partial(_tried, devices.output, bench, limits, experiment, hands_off=hands_off))
 
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
@@ -340,6 +338,17 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
         yield Finding("output", "caution", words)
 
 
+def _tried(
+    output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
+    if output.limits is not None and output.load is not None:
+        output.limits.check_stated(output.load)
+    yield from _guarded("output", partial(_output, output, limits, hands_off=hands_off))
+    if experiment is not None:
+        yield from _guarded("output", partial(_strongest, output, experiment, bench))
+
+
 def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:
     if limits is None and not output.driver.connected:
         yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
@@ -378,10 +387,10 @@ def tone_of(output: Guarded) -> Signal:
 
 
 def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
-    """The strongest stimulus of each condition against the output: its limits, channels and rate; none is played."""
+    """The strongest levels of each stimulus (several conditions may share it) against the output; none is played."""
     bank = bank_of(experiment, bench.time_reversal)
-    for cell in experiment.cells.values():
-        name, level = cell.condition.stimulus, cell.rule.highest
+    asked = [(cell.condition.stimulus, cell.rule.highest) for cell in experiment.cells.values()]
+    for name, level in dict.fromkeys(asked):
         try:
             output.check(with_ramps(bank[name].at(level), bench.output.ramp_s))
         except TactometryError as error:

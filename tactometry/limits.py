@@ -192,15 +192,13 @@ class Limits:
         (100.0, 1.0, 0.001)
         """
         smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
-        stated = [
-            (each.duty * each.duty_window_s, each.duty_window_s) for each in (self, other) if each.duty is not None
-        ]
+        stated = [(each.duty, each.duty_window_s) for each in (self, other) if each.duty is not None]
         if not stated:
             return replace(self, **smallest)
-        window_s = max(window_s for _, window_s in stated)
-        return replace(
-            self, **smallest, duty=min(playing_s for playing_s, _ in stated) / window_s, duty_window_s=window_s
-        )
+        longest_s = max(window_s for _, window_s in stated)
+        # by a ratio of windows, so that a duty over one window stays the number that was stated
+        duty = min(duty * (window_s / longest_s) for duty, window_s in stated)
+        return replace(self, **smallest, duty=duty, duty_window_s=longest_s)
 
 
 @dataclass(frozen=True)

@@ -159,6 +159,25 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
         assert (each.fine, each.device) == (False, True)
 
 
+@pytest.mark.parametrize("hands_off", [False, True])
+def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_off):
+    """They stood in a row for each condition, and nowhere where no study was given."""
+    bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
+    for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
+        told = [each for each in _devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
+        assert [each.found.partition(",")[0] for each in told] == ["limits: found no duration_s"]
+        assert "no session_s, expected them for a load of kind 'electrode'" in told[0].found
+        assert exit_status(told) == 3
+
+
+def test_conditions_that_differ_in_the_touch_alone_share_their_strongest_stimulus(tmp_path):
+    study = wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 200.0\n')
+    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    assert [each.what for each in found] == [f"strongest {name}" for name in study.bank]
+    assert len(found) == 7 < len(study.cells) == 21
+
+
 def load(folder, text):
     (folder / "bench.toml").write_text(text, encoding="utf-8")
     return load_bench(folder / "bench.toml")

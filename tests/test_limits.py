@@ -320,6 +320,12 @@ def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
         now_s += duration_s
 
 
+def test_a_duty_over_one_window_stays_the_number_that_was_stated():
+    """0.031 came back as 0.030999999999999996, and was told as a change between sittings."""
+    assert Limits(1.0, duty=0.031).tighter(Limits(1.0)).duty == 0.031
+    assert Limits(1.0, duty=0.031).tighter(Limits(1.0, duty=0.5)).duty == 0.031
+
+
 @given(some_limits, some_limits)
 def test_the_tighter_limits_are_stated_where_one_is(one, other):
     both = one.tighter(other)

@@ -227,3 +227,16 @@ def test_what_cannot_be_read_in_a_data_set_is_one_sentence(folder, capsys, monke
             if path.is_dir() and not path.is_symlink():
                 path.chmod(0o700)
         shutil.rmtree(root)
+
+
+def test_a_folder_of_tables_that_may_not_be_read_is_not_said_to_be_empty(folder, capsys, loaded):
+    root = shutil.copytree(Path(__file__).with_name("recorded") / "console", folder / "d")
+    root.chmod(0o755)
+    (root / "data").chmod(0)
+    with unprivileged():
+        status, said, _ = in_sentences(capsys, "analyse", root)
+    (root / "data").chmod(0o700)
+    assert (status, said) == (
+        2,
+        f"tactometry: {root / 'data'}: cannot be read (Permission denied), expected a folder to read",
+    )
