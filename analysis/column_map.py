@@ -145,7 +145,8 @@ def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
         _expect(raw, theirs, f"the column map names for {ours!r}", file)
         if ours != theirs and ours in raw.columns:
             raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
-    return raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
+    found = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
+    return found.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in found})
 
 
 def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:

@@ -132,7 +132,7 @@ def analyse(
     *,
     report: Path | None = None,
     pdf: bool = False,
-    within: Sequence[str] = (),
+    within: Sequence[str] | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
     plan: Plan | None = None,
@@ -150,8 +150,8 @@ def analyse(
         An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
     pdf : bool
         Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
-    within : sequence of str
-        Factors; by default the columns between ``trial`` and ``procedure``.
+    within : sequence of str, optional
+        Factors, or none where it is empty; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
     level_scale : str, optional

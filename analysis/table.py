@@ -70,7 +70,7 @@ class Trials:
 def read_trials(
     path: Path,
     *,
-    within: Sequence[str] = (),
+    within: Sequence[str] | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
 ) -> Trials:
@@ -78,8 +78,8 @@ def read_trials(
 
     With a `column_map` a folder may also hold another program's tables, one a participant or session.
 
-    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`. Levels
-    are put on the `level_scale` (`scaled`), else on that of the map.
+    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`
+    (empty: none). Levels are put on the `level_scale` (`scaled`), else on that of the map.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def read_trials(
     named = _factors(headers[0], within, path)
     for name in named:
         rows[name] = _factor_values(rows, name)
-    factors = named if within else tuple(name for name in named if _is_filled(rows[name]))
+    factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
     scale = level_scale or given.level_scale
     notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows, named), *([] if scale else wide_levels(rows))]
     return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
@@ -115,12 +115,8 @@ def read_trials(
 
 def _routines(n: int) -> list[str]:
     """What is said of rows that hold no trial."""
-    rows = "1 row was" if n == 1 else f"{n} rows were"
-    return (
-        [f"{rows} left out that hold neither level nor answer nor item, as other programs write for routines"]
-        if n
-        else []
-    )
+    rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
+    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
 
 
 def _alike(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
@@ -330,18 +326,18 @@ def _fits(rule: Rule, text: str) -> bool:
     return "_" not in text and rule.holds(text.removesuffix(".0"))
 
 
-def _factors(header: Sequence[str], within: Sequence[str], path: Path) -> tuple[str, ...]:
-    for name in within:
+def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) -> tuple[str, ...]:
+    for name in within or ():
         if name not in header:
             raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, header)}")
         if name in RESERVED - MAY_BE_FACTORS:
             raise InvalidParameter(f"--within: found {name!r}, a name that is no factor's, expected factors of {path}")
-    if within:
+    if within is not None:
         return tuple(dict.fromkeys(within))
     if "procedure" not in header or "trial" not in header:
         raise InvalidFile(
             f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
-            "between 'trial' and 'procedure'; name the factors with --within"
+            "between 'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)"
         )
     factors = tuple(header[header.index("trial") + 1 : header.index("procedure")])
     for name in factors:

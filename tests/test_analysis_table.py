@@ -107,7 +107,7 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         (
             [HEADER.replace(",procedure", ",rule"), ROW],
             "{}: found no column 'procedure', expected the factors between "
-            "'trial' and 'procedure'; name the factors with --within",
+            "'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)",
         ),
         ([HEADER, ROW, ROW + ",1"], "{}, row 3: found 15 cells, expected 14 as in the header"),
         ([HEADER, ROW, "P01,1,s"], "{}, row 3: found 3 cells, expected 14 as in the header"),

@@ -148,6 +148,40 @@ def test_json_that_is_no_table_is_refused(tmp_path, text, message):
         read_trials(file, within=["task"])
 
 
+# --- tables without a factor, and columns that mean two things
+
+
+def test_a_table_without_a_factor_is_one_condition(tmp_path, capsys):
+    answers = [(level, int(n < level * 3)) for level in range(1, 5) for n in range(12)]
+    rows = [f"{code},{level},yes_no,{felt}" for code in ("a", "b", "c") for level, felt in answers]
+    file = tmp_path / "plain.csv"
+    file.write_text("\n".join(["participant,level,task,response", *rows]) + "\n")
+    status, said, _ = call(capsys, "analyse", file)
+    assert status == 2
+    assert said.endswith("name the factors with --within A,B (--within '' where there are none)")
+    status, _, told = call(capsys, "analyse", file, "--within", "", "--json")
+    found = json.loads(told)
+    assert status == 0
+    assert found["factors"] == []
+    assert [row["status"] for row in found["thresholds"]] == ["ok"] * 3
+
+
+def test_one_column_may_be_two_of_ours(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,level,key.corr\nP1,1,1\nP1,2,0\n")
+    both = ColumnMap({"response": "key.corr", "correct": "key.corr"}, {"task": "yes_no"})
+    rows = read_trials(file, within=[], column_map=both).rows
+    assert rows["response"].tolist() == ["1", "0"]
+    assert rows["correct"].tolist() == [1.0, 0.0]
+
+
+def test_one_row_that_is_no_trial_is_told_in_the_singular(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,level,task,response\nP1,,yes_no,\nP1,2,yes_no,0\n")
+    said = read_trials(file, within=[], column_map=ColumnMap({"level": "level"})).notes[0]
+    assert said.startswith("1 row was left out that holds neither level")
+
+
 # --- what words mean
 
 

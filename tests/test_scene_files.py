@@ -124,6 +124,22 @@ def test_an_unknown_output_names_the_known_ones():
         scene.resolve()
 
 
+@pytest.mark.parametrize(
+    ("outputs", "effect", "place"),
+    [("t_s", "skin_leekage", "effects[0].kind"), ("nonsense_n", "skin_leakage", "outputs")],
+)
+def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, outputs, effect, place):
+    file = tmp_path / "own.toml"
+    file.write_text(
+        f'outputs = ["{outputs}"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60.0\n'
+        f'[[effects]]\nkind = "{effect}"\n',
+        encoding="utf-8",
+    )
+    for explain in ([], ["--explain"]):
+        assert call("scene", file, *explain) == 2
+        assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
+
+
 def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("outputs = [", encoding="utf-8")

@@ -14,7 +14,7 @@ from tactometry.stimuli.scenes.stage import Setting
 from tactometry.stimuli.scenes.surfaces import SURFACES
 from tactometry.strict import build, convert
 from tactometry.target import resolve
-from tactometry.toml import read_table
+from tactometry.toml import located, read_table
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,12 @@ def load_scene(path: Path) -> SceneFile:
     Raises
     ------
     InvalidFile
-        If it cannot be read, or is not TOML.
-    InvalidParameter
-        If a key is unknown, missing or of another type, or the scene cannot be; the sentence opens with the key path.
+        If it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene cannot be; the
+        sentence opens with the file and the key path.
     """
-    return scene_of(read_table(path, "a scene file"))
+    table = read_table(path, "a scene file")
+    with located(path):
+        return scene_of(table)
 
 
 def scene_of(table: Mapping[str, object]) -> SceneFile:

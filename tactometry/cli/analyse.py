@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--report", type=click.Path(path_type=Path), metavar="FILE.html", help="Write a report and its tables.")
 @click.option("--pdf", is_flag=True, help="Print the report to a PDF too.")
-@click.option("--within", default="", metavar="A,B", help="Factors; else the columns between trial and procedure.")
+@click.option("--within", metavar="A,B", help="Factors ('': none); else the columns between trial and procedure.")
 @click.option(
     "--columns", type=click.Path(path_type=Path), metavar="MAP.toml", help="How a foreign table's columns are called."
 )
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 def command(
     path: Path,
     report: Path | None,
-    within: str,
+    within: str | None,
     columns: Path | None,
     level_scale: str | None,
     plan: Path | None,
@@ -53,7 +53,7 @@ def command(
     from tactometry.experiments.edited import edited
     from tactometry.experiments.rule_estimates import replay_of
 
-    factors = [name.strip() for name in within.split(",") if name.strip()]
+    factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
         path,
         report=report,

@@ -32,15 +32,19 @@ def command(
     from tactometry.experiments.scenes import path_of
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
+    from tactometry.toml import located
 
     check_figure(figure)
     found = load_scene(path_of(file))
     if explain:
-        text = explained(found.scene, found.given)
+        with located(file):
+            text = explained(found.scene, found.given)
         say(text, {"plan": text.splitlines()}, as_json=as_json)
     if figure is not None or not explain:
-        plan = found.scene.resolve()
-        result = _result(plan, values_for(plan, found.given), cache)
+        with located(file):
+            plan = found.scene.resolve()
+            given = values_for(plan, found.given)
+        result = _result(plan, given, cache)
     if figure is not None:
         _draw(result, found, figure)
     if movie is not None:
