@@ -344,3 +344,34 @@ def test_events_are_given_once(screen, hands):
         seen += [event.name for event in screen.events() if isinstance(event, KeyDown)]
         screen.refresh(Page())
     assert seen == ["q"]
+
+
+def pixels(screen, page):
+    return np.asarray(screen.picture(page))
+
+
+def test_what_a_page_shares_with_the_one_before_is_not_written_anew(screen, monkeypatch):
+    """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
+    from psychopy.visual.shape import BaseShapeStim
+
+    written, looks = [], ("pos", "size", "fillColor", "lineColor", "lineWidth")
+    usual = BaseShapeStim.__setattr__
+
+    def noted(shape, name, value):
+        if name in looks:
+            written.append(name)
+        usual(shape, name, value)
+
+    page = screens.form_page("nasa-tlx", "en", screen.aspect)
+    before = pixels(screen, page)
+    monkeypatch.setattr(BaseShapeStim, "__setattr__", noted)
+    assert np.array_equal(pixels(screen, page), before)
+    assert written == []
+
+
+def test_a_page_looks_the_same_whatever_was_drawn_before(screen):
+    shown = screens.every_page(screen.aspect)
+    names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "en_scale_marked", "entry", "form_attrakdiff_en"]
+    first = {name: pixels(screen, shown[name]) for name in names}
+    assert all(np.array_equal(pixels(screen, shown[name]), first[name]) for name in reversed(names))
+    assert len({picture.tobytes() for picture in first.values()}) == len(names)

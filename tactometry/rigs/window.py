@@ -7,6 +7,7 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 import ctypes
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable
 from contextlib import ExitStack
 from importlib.metadata import version
@@ -19,7 +20,7 @@ import numpy as np
 from tactometry.errors import DeviceFailed
 from tactometry.rigs.frames import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from tactometry.rigs.keys import FreshPresses
-from tactometry.rigs.page import PAPER, Box, Click, Closed, Disc, Event, Item, KeyDown, Page, Text
+from tactometry.rigs.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
 from tactometry.rigs.safely import ended_by_signal
 
 FONT = "Noto Sans"
@@ -30,6 +31,10 @@ N_WAITING_PRESSES = 50_000
 without Python's lock (found at PsychoPy's own 5 000)."""
 VIEWING_DISTANCE_CM = 60.0
 UNSTATED_WIDTH_CM = 50.0
+Look = tuple[type[Box | Disc], str | None, str | None]
+"""Kind, fill and line of a shape."""
+Stands = tuple[tuple[float, float], tuple[float, float]]
+"""Where a shape is, and how large."""
 Facts = dict[str, str | int | float | bool | None]
 
 
@@ -108,8 +113,7 @@ class Window:
 
     def _prepare_drawing(self) -> None:
         _add_font(self._psychopy)
-        self._rect = self._psychopy.visual.Rect(self._window, width=1, height=1, autoLog=False)
-        self._circle = self._psychopy.visual.Circle(self._window, radius=1, edges=96, autoLog=False)
+        self._shapes: dict[tuple[Look, int], tuple[Any, Stands]] = {}
         self._texts: dict[tuple[object, ...], Any] = {}
         self._fresh = FreshPresses()
         self._pressed: list[Event] = []
@@ -221,29 +225,32 @@ class Window:
         return image
 
     def _draw(self, page: Page) -> None:
+        seen: Counter[Look] = Counter()
         for item in page.items:
-            self._stimulus(item).draw()
+            if isinstance(item, Text):
+                self._text(item).draw()
+            else:
+                look = (type(item), item.fill, item.line)
+                self._shape(item, (look, seen[look])).draw()
+                seen[look] += 1
 
-    def _stimulus(self, item: Item) -> Any:
-        match item:
-            case Text():
-                return self._text(item)
-            case Box(x, y, width, height, fill, line):
-                return self._placed(self._rect, (x, y), (width, height), fill, line)
-            case Disc(x, y, radius, fill, line):
-                return self._placed(self._circle, (x, y), (radius, radius), fill, line)
-
-    def _placed(
-        self,
-        shape: Any,
-        place: tuple[float, float],
-        size: tuple[float, float],
-        fill: str | None,
-        line: str | None,
-    ) -> Any:
-        shape.pos, shape.size, shape.fillColor, shape.lineColor = place, size, fill, line
-        shape.lineWidth = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if line else 0
+    def _shape(self, item: Box | Disc, key: tuple[Look, int]) -> Any:
+        """The shape that last stood for an item of this look, and so many before it; what has not changed is not
+        written, as each attribute of a shape costs more than its drawing."""
+        size = (item.width, item.height) if isinstance(item, Box) else (item.radius, item.radius)
+        stands = ((item.x, item.y), size)
+        shape, stood = self._shapes.get(key) or (self._new_shape(item), None)
+        if stands != stood:
+            shape.pos, shape.size = stands
+            self._shapes[key] = shape, stands
         return shape
+
+    def _new_shape(self, item: Box | Disc) -> Any:
+        width = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if item.line else 0
+        look = {"fillColor": item.fill, "lineColor": item.line, "lineWidth": width, "autoLog": False}
+        if isinstance(item, Box):
+            return self._psychopy.visual.Rect(self._window, width=1, height=1, **look)
+        return self._psychopy.visual.Circle(self._window, radius=1, edges=96, **look)
 
     def _text(self, item: Text) -> Any:
         key = (item.words, item.height, item.colour, item.wrap_width, item.align)
