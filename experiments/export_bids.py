@@ -12,6 +12,7 @@ from tactometry import __version__
 from tactometry.analysis.attrakdiff import scores
 from tactometry.columns import Column
 from tactometry.dataset import cell
+from tactometry.description import KEYWORD
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.export_source import Row, Source, pretty, separated
 from tactometry.questionnaire import Questionnaire
@@ -67,6 +68,7 @@ def _heading(source: Source, authors: Sequence[str]) -> dict[str, bytes]:
         "License": LICENSE,
         "Authors": list(authors) if authors else list(NOT_STATED),
         "HEDVersion": HED_VERSION,
+        **({"Keywords": [KEYWORD]} if source.origin.is_simulated else {}),
         "SourceDatasets": [{"Version": source.text("study") or MISSING}],
         "GeneratedBy": [{"Name": "Tactometry", "Version": __version__}],
     }
@@ -94,9 +96,11 @@ def _sessions(source: Source, code: str) -> bytes:
 
 def _readme(source: Source) -> str:
     names = ", ".join(source.factors) or "none"
+    whose = f"{source.origin.line}\n\n" if source.origin.is_simulated else ""
+    did = "simulated" if source.origin.is_simulated else "recorded"
     return (
-        f"# {source.title}\n\n{source.description}\n\n"
-        "Psychophysics on touch, recorded or simulated with Tactometry and exported from its data set. Each row of an\n"
+        f"# {source.title}\n\n{whose}{source.description}\n\n"
+        f"Psychophysics on touch, {did} with Tactometry and exported from its data set. Each row of an\n"
         "events.tsv is one trial: the level of the stimulus, the answer, the applied force, and whether the trial was\n"
         "valid. A beh.tsv holds the rows without an onset, and those of a questionnaire: one for each item, and one\n"
         f"without an item for a touch that led to no answers. Factors: {names}. Cells with n/a were not measured.\n"

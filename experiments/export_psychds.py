@@ -5,6 +5,7 @@ A recorded data set is Psych-DS already; here also a single table becomes one, a
 
 from collections.abc import Mapping
 
+from tactometry.description import KEYWORD
 from tactometry.experiments.export_source import Source, pretty, separated
 from tactometry.safe_text import cell_text
 
@@ -34,6 +35,7 @@ def _description(source: Source) -> Mapping[str, object]:
         "name": source.title,
         "description": source.description,
         "schemaVersion": SCHEMA_VERSION,
+        **({"keywords": [KEYWORD]} if source.origin.is_simulated else {}),
         "variableMeasured": [
             {"@type": "PropertyValue", "name": cell_text(column.name), "description": column.description}
             | ({"unitText": column.unit} if column.unit else {})

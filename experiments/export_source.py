@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from tactometry.analysis.origin import Origin, of_one_kind
 from tactometry.analysis.stated import forms_of
 from tactometry.analysis.table import Trials, read_trials, trial_files, used_rows
 from tactometry.analysis.text_table import text_cells
 from tactometry.columns import ALWAYS, FIRST, OPTIONAL, Column
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import InvalidFile, InvalidParameter, counted
 from tactometry.files import make_folder, write_atomically
 from tactometry.quantity import unit_suffix, units
 from tactometry.questionnaire import Questionnaire
@@ -28,7 +29,8 @@ Row = Mapping[str, str]
 class Source:
     """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
 
-    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered.
+    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered;
+    `origin` says whether people answered.
     """
 
     rows: tuple[Row, ...]
@@ -38,6 +40,7 @@ class Source:
     description: str
     used: pd.DataFrame = field(default_factory=pd.DataFrame)
     forms: Mapping[str, Questionnaire] = field(default_factory=dict)
+    origin: Origin = field(default_factory=Origin)
 
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
         """Participant, session and rows of each session."""
@@ -79,9 +82,17 @@ def read_source(path: Path) -> Source:
     Raises
     ------
     InvalidFile
-        If there is nothing to read, a table is damaged, or the name of a study is none.
+        If there is nothing to read, a table is damaged, the name of a study is none, or people and simulated
+        participants share the tables.
     """
     trials = read_trials(path)
+    kept, origin = of_one_kind(trials)
+    n_simulated = len(trials.rows) - len(kept.rows)
+    if n_simulated:
+        raise InvalidFile(
+            f"{path}: found {counted(n_simulated, 'row')} of simulated participants beside those of people, expected "
+            "either alone: move one kind to a folder of its own"
+        )
     tables = [text_cells(file) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):
         _check_study(table, file)
@@ -97,6 +108,7 @@ def read_source(path: Path) -> Source:
         description=str(told.get("description") or f"Trials of {title}."),
         used=used_rows(trials),
         forms=_forms(trials),
+        origin=origin,
     )
 
 

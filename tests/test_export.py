@@ -82,6 +82,29 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
     exact_case("export of a data set in any form", against="each trial once, the same bytes before")
 
 
+def test_an_export_of_simulated_participants_says_so(data_set, answers, tmp_path) -> None:
+    """That of BIDS said "recorded or simulated"."""
+    for form in ("bids", "psych-ds"):
+        described = []
+        for name, source in (("simulated", data_set), ("people", answers)):
+            export(source, form, tmp_path / form / name)
+            content = json.loads((tmp_path / form / name / "dataset_description.json").read_text())
+            words = (tmp_path / form / name / "README.md").read_text().lower()
+            described.append((content.get("Keywords", content.get("keywords")), "simulated" in words))
+        assert described == [(["simulated data"], True), (None, False)]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_people_and_simulated_participants_are_not_exported_together(data_set, tmp_path, form) -> None:
+    mixed = shutil.copytree(data_set, tmp_path / "mixed")
+    shutil.rmtree(mixed / "journals")
+    table, _ = sorted((mixed / "data").glob("*.csv"))
+    table.write_text(table.read_text().replace(",simulated,", ",console,"))
+    with pytest.raises(InvalidFile, match=r"mixed: found \d+ rows of simulated participants beside those of people"):
+        export(mixed, form, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_no_export_holds_a_path_of_this_machine(data_set, tmp_path, form) -> None:
     for path in export(data_set, form, tmp_path / "out"):
