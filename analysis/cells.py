@@ -16,7 +16,7 @@ from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
 
 FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
-LEVELLED_TASKS = (*FITTED_TASKS, "adjustment", "magnitude")
+LEVELLED_TASKS = (*FITTED_TASKS, "adjustment", "magnitude", "same_different")
 SHAPE = "normal"
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))

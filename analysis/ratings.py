@@ -15,7 +15,8 @@ from tactometry.analysis.outcomes import outcome
 from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
 from tactometry.analysis.primary import Primary
 from tactometry.analysis.stated import forms_of
-from tactometry.analysis.table import Trials, used_rows
+from tactometry.analysis.table import Trials, asked_rows
+from tactometry.errors import counted
 from tactometry.questionnaire import Questionnaire
 
 PATTERN, REFERENCE = "pattern", "P0"
@@ -123,13 +124,39 @@ def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[
 
 
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
-    """What is said of each questionnaire that was answered; `primary` as for `outcome`."""
-    rows = used_rows(trials)
+    """What is said of each questionnaire that anyone answered; `primary` as for `outcome`."""
+    return tuple(
+        _ratings(_rated(rows, trials.factors), trials.factors, form, primary)
+        for form, rows in _asked(trials)
+        if (rows["response"] != "").any()
+    )
+
+
+def unanswered(trials: Trials) -> list[str]:
+    """A warning for each questionnaire that was put and that nobody answered."""
+    return [
+        f"{form.title}: of {counted(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
+        for form, rows in _asked(trials)
+        if (rows["response"] == "").all()
+    ]
+
+
+def _asked(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
+    """The questionnaires that were put, each with its rows."""
+    rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
-        return ()
+        return []
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(forms)]
-    return tuple(_ratings(part, trials.factors, forms[str(name)], primary) for name, part in rows.groupby("procedure"))
+    return [(forms[str(name)], part) for name, part in rows.groupby("procedure")]
+
+
+def _rated(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """The answers, and the questions of each participant and condition in which nothing was answered: their scores are
+    missing, and are counted."""
+    answered = rows["response"] != ""
+    cells = [rows[name] for name in ("participant", *factors)]
+    return rows[answered | ~answered.groupby(cells, dropna=False).transform("any").astype(bool)]
 
 
 def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None) -> Ratings:

@@ -11,6 +11,7 @@ import pandas as pd
 from tactometry.analysis import words
 from tactometry.analysis.apa import p_text
 from tactometry.analysis.captions import means_sentence
+from tactometry.analysis.choice_text import choice_table
 from tactometry.analysis.decibels import as_amplitudes, is_decibel
 from tactometry.analysis.findings import Outcome
 from tactometry.analysis.grid import Grid, grid
@@ -103,7 +104,7 @@ def render(found: Analysis) -> str:
         outcomes=[_section(outcome, found) for outcome in found.outcomes],
         forms=[(form, means_sentence(form.summary), _summary_grid(form), form.sentences()) for form in found.forms],
         grids=_grids(found),
-        choices={name: grid(found.tables[name], factors) for name in words.CHOICES if name in found.tables},
+        choices={name: grid(choice_table(found, name), factors) for name in words.CHOICES if name in found.tables},
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: grid(each.participants, factors) for each in found.together},
         references=words.references(found.methods),

@@ -11,7 +11,7 @@ from tactometry.analysis.cells import Estimate
 from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
 from tactometry.analysis.figures.axes import RATE_LABEL
 from tactometry.analysis.findings import FORCE, Outcome
-from tactometry.analysis.group import HIGH, LOW, bounds_of
+from tactometry.analysis.group import HIGH, LOW, MAX_LEVELS, bounds_of
 from tactometry.analysis.magnitude import DEPENDENT as EXPONENT
 from tactometry.analysis.magnitude import GROWTH
 from tactometry.analysis.magnitude import TASK as MAGNITUDE
@@ -224,11 +224,15 @@ def _rate_figures(found: Analysis, task: str) -> list[Figure]:
     rates, means = (table[table["task"] == task] for table in (found.tables["rates"], found.tables["mean_rates"]))
     kind = RATE_LABEL[task]
     of = ("task", task)
+    counts = found.tables["counts"]
+    own = counts[counts["task"] == task]
+    is_one = own["participant"].nunique() == 1
     drawing = group.rate_figure(rates, factors, unit=found.unit)
-    text = f"{kind} against level, all participants together."
+    classes = f"; levels in {MAX_LEVELS} classes, each at its mean" if own["level"].nunique() > MAX_LEVELS else ""
+    text = f"{kind} against level, {'one participant' if is_one else 'all participants together'}{classes}."
     drawn = [Figure(f"rates_{task}", drawing, text, "rates", Place.RATES, of=of)]
     if factors and not _is_tracked(found, task):
-        text = f"{kind} over all levels, mean over participants."
+        text = f"{kind} over all levels, {'one participant' if is_one else 'mean over participants'}."
         drawing = group.mean_rate_figure(means, factors)
         drawn.append(Figure(f"mean_rates_{task}", drawing, text, "mean_rates", Place.RATES, of=of))
     return drawn

@@ -65,8 +65,8 @@ def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> t
 
 
 def same_different_table(trials: Trials) -> pd.DataFrame:
-    """A row per participant, condition and level: counts, and d' by both rules where there are same pairs (catch
-    trials); empty without such trials."""
+    """A row per participant, condition and level: counts, and d' by both rules, or a note why there is none; empty
+    without such trials."""
     rows = used_rows(trials)
     rows = rows[rows["task"] == TASK]
     if rows.empty:
@@ -88,5 +88,16 @@ def _cell(part: pd.DataFrame) -> list[dict[str, Any]]:
         counts = (int(answers.sum()), len(answers), int(same.sum()), len(same))
         row = {"level": level} | dict(zip(("n_hits", "n_different", "n_false_alarms", "n_same"), counts, strict=True))
         rules = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
-        found.append(row | {name: rule(*counts) if len(same) else np.nan for name, rule in rules.items()})
+        note = _undefined(*counts)
+        found.append(row | {name: np.nan if note else rule(*counts) for name, rule in rules.items()} | {"note": note})
     return found
+
+
+def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
+    """Why there is no d'. Of answers that are all alike the log-linear rule makes one from the numbers of trials alone:
+    1.2 of no hit in 4 and no false alarm in 15."""
+    if not n_same:
+        return "no same pairs"
+    if n_hits + n_false_alarms in (0, n_different + n_same):
+        return "all answers alike"
+    return ""

@@ -372,10 +372,16 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
 
 def used_rows(trials: Trials) -> pd.DataFrame:
     """The rows that enter a fit: valid, answered, and no practice."""
+    rows = asked_rows(trials)
+    return rows[rows["response"] != ""]
+
+
+def asked_rows(trials: Trials) -> pd.DataFrame:
+    """The rows that are valid and no practice, answered or not."""
     rows = trials.rows
-    used = rows["response"] != ""
+    asked = pd.Series(True, index=rows.index)
     if "valid" in rows.columns:
-        used &= rows["valid"] != 0
+        asked &= rows["valid"] != 0
     if "practice" in rows.columns:
-        used &= rows["practice"] != 1
-    return rows[used]
+        asked &= rows["practice"] != 1
+    return rows[asked]

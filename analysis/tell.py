@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from tactometry.analysis.captions import means_text
+from tactometry.analysis.choice_text import choice_table
 from tactometry.analysis.grid import grid
 from tactometry.analysis.group import cross_table
 from tactometry.analysis.labels import in_words
@@ -20,6 +21,10 @@ NAMES = {
     "jnd": "just noticeable difference",
     "setting": "setting by adjustment",
     "exponent": "exponent of magnitude estimates",
+}
+CHOICE_NAMES = {
+    "preference": "preference (Bradley-Terry worths, 95 % interval)",
+    "same_different": "same or different (d′ by either rule)",
 }
 
 
@@ -48,9 +53,9 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
         heading, lines = next(iter(form.sentences().items()))
         compared = [heading, *lines] if form.tests_effects else []
         yield form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared]
-    for name in ("preference", "same_different"):
+    for name, title in CHOICE_NAMES.items():
         if name in found.tables:
-            yield found.tables[name], name.replace("_", " "), ()
+            yield choice_table(found, name), title, ()
     for name, title in (("loss", "loss of amplitude"), ("force", "applied force")):
         if name in found.tables:
             table = found.tables[name]

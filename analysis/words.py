@@ -12,7 +12,7 @@ from tactometry.analysis.findings import Outcome
 from tactometry.analysis.group_words import group_methods
 from tactometry.analysis.labels import named_cells, percent_text
 from tactometry.analysis.plan import Plan
-from tactometry.analysis.ratings import Ratings
+from tactometry.analysis.ratings import Ratings, unanswered
 from tactometry.analysis.stated import forms_of
 from tactometry.analysis.status import Status
 from tactometry.analysis.table import Trials
@@ -52,7 +52,7 @@ def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choic
         of_fits = [*missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
         of_fits += _few_trials(table, trials.factors)
         of_fits += _answer_warnings(trials, table, n_choices)
-    return (*of_fits, *_other_tasks(trials), *_quality_warnings(quality))
+    return (*of_fits, *_other_tasks(trials), *unanswered(trials), *_quality_warnings(quality))
 
 
 def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
