@@ -1,5 +1,6 @@
 """What changed from sitting to sitting of a session: devices, screen, limits, versions, authors."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -12,6 +13,7 @@ from tactometry.errors import InvalidFile
 from tactometry.event import Fact
 from tactometry.files import read_file
 from tactometry.head import Head, head_of
+from tactometry.limits import ROUNDING
 
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
 """Names of counts, clocks and what is measured anew each time: they differ in every sitting and say nothing of it."""
@@ -58,8 +60,8 @@ def differences(before: Head, after: Head) -> list[str]:
 
 def _alike(name: str, old: Mapping[str, Fact], new: Mapping[str, Fact]) -> bool:
     before, after = old.get(name), new.get(name)
-    if name == "frame_period_s" and isinstance(before, float) and isinstance(after, float):
-        return abs(after - before) <= SAME_PERIOD * before
+    if isinstance(before, float) and isinstance(after, float):
+        return math.isclose(before, after, rel_tol=SAME_PERIOD if name == "frame_period_s" else ROUNDING)
     return before == after
 
 

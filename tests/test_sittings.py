@@ -109,6 +109,7 @@ def test_a_complete_session_gets_no_other_head(tmp_path):
         ("force_measured", "2026-11-01 ZG", "2026-11-01 AB", True),
         ("position_sensor", None, "udp", True),
         ("limit_voltage_peak_v", 100.0, 101.0, True),
+        ("limit_duty", 0.030999999999999996, 0.031, False),
     ],
 )
 def test_counts_and_clocks_differ_always_and_are_not_told(whole, name, before, after, is_told):
