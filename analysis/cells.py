@@ -54,7 +54,8 @@ class Estimate:
 
 
 def level_unit(trials: Trials) -> str:
-    """The one unit of the levels; empty if the table names none.
+    """The one unit of the levels that are analysed, or of all where none are; empty if the table names none, or several
+    of levels that are not analysed.
 
     Raises
     ------
@@ -71,7 +72,8 @@ def level_unit(trials: Trials) -> str:
             f"{other['source']}, row {other['row']}, column 'level_unit': found {units[1]!r}, expected {units[0]!r} "
             "as before; analyse levels of different units apart"
         )
-    return str(units[0]) if len(units) else ""
+    others = set(trials.rows[UNIT]) - {""}
+    return str(units[0]) if len(units) else others.pop() if len(others) == 1 else ""
 
 
 def cells(trials: Trials) -> list[Cell]:

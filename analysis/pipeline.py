@@ -284,6 +284,7 @@ def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None
             is_hierarchical=any(each.fit for each in fits),
             choices=tuple(choices),
             outcomes=outcomes,
+            procedures=set(trials.rows["procedure"]) if "procedure" in trials.rows.columns else (),
         ),
     )
 

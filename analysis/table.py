@@ -225,6 +225,8 @@ def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str)
     raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, found)}")
 
 
+OWN = ("row", "source")
+"""Columns that reading adds: where a row stands in which file."""
 NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined"))
 """What other programs write where nothing was measured."""
 NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
@@ -327,9 +329,10 @@ def _fits(rule: Rule, text: str) -> bool:
 
 
 def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) -> tuple[str, ...]:
+    theirs = [name for name in header if name not in OWN]
     for name in within or ():
-        if name not in header:
-            raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, header)}")
+        if name not in theirs:
+            raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, theirs)}")
         if name in RESERVED - MAY_BE_FACTORS:
             raise InvalidParameter(f"--within: found {name!r}, a name that is no factor's, expected factors of {path}")
     if within is not None:

@@ -217,10 +217,12 @@ def methods(
     is_hierarchical: bool = False,
     choices: Sequence[str] = (),
     outcomes: Sequence[Outcome] = (),
+    procedures: Collection[str] = (),
 ) -> str:
     """A paragraph for the methods section: what ran, with versions."""
     plan = plan or Plan()
-    parts = [*_fit_methods(table, n_choices), *([HIERARCHICAL] if is_hierarchical else [])]
+    parts = [*_fit_methods(table, n_choices), *_rule_methods(table, procedures)]
+    parts += [HIERARCHICAL] if is_hierarchical else []
     parts += [CHOICES[name] for name in choices]
     parts += _plan_methods(plan, {name for each in outcomes for name in each.equivalence})
     parts += group_methods(outcomes, forms, plan.primary)
@@ -246,6 +248,21 @@ def _plan_methods(plan: Plan, tested: Collection[str]) -> list[str]:
         for name, bound in plan.equivalence.items()
         if name in tested
     ]
+
+
+REVERSALS, POSTERIOR_MEAN = "mean of the reversals without the first two or three, in even number", "posterior mean"
+RULE_ESTIMATES = {
+    "staircase": REVERSALS, "weighted_staircase": REVERSALS, "method_of_limits": "mean of the transitions",
+    "quest": POSTERIOR_MEAN, "quest_plus": POSTERIOR_MEAN, "psi": POSTERIOR_MEAN,
+}  # fmt: skip
+
+
+def _rule_methods(table: pd.DataFrame, procedures: Collection[str]) -> list[str]:
+    if "rule_estimate" not in table.columns or table["rule_estimate"].isna().all():
+        return []
+    kinds = dict.fromkeys(RULE_ESTIMATES[name] for name in RULE_ESTIMATES if name in procedures)
+    told = f" ({' or '.join(kinds)})" if kinds else ""
+    return [f"The estimate of the rule that chose the levels{told} stands beside the fit and enters no analysis."]
 
 
 def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:

@@ -178,6 +178,10 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
         read_trials(tmp_path)
     with pytest.raises(InvalidParameter, match=r"--within: found 'forc_n', .*; did you mean 'force_n'"):
         read_trials(written(tmp_path, HEADER, ROW), within=["forc_n"])
+    with pytest.raises(InvalidParameter) as refused:
+        read_trials(written(tmp_path, HEADER, ROW), within=["source"])
+    assert not str(refused.value).endswith("did you mean 'source'?")
+    assert "--within: found 'source', expected columns of" in str(refused.value)
 
 
 def test_files_of_different_studies_are_refused(tmp_path: Path) -> None:

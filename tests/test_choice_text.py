@@ -55,6 +55,11 @@ def test_a_participant_without_any_answer_is_counted_as_missing(tmp_path) -> Non
     assert "(n = 2, 1 missing)" in form.cross().iloc[0, 1]
 
 
+def test_levels_that_were_rated_have_their_unit_in_the_procedure() -> None:
+    found = analysis_of(RECORDED / "time-reversal-patterns")
+    assert "dB re 1 um" in found.study.procedure.partition("Levels were chosen")[2]
+
+
 # --- choices
 
 
@@ -85,6 +90,16 @@ def test_items_of_a_preference_have_the_unit_of_their_factor() -> None:
     places = [page.index(f">{item}<") for item in ("60 Hz", "120 Hz", "240 Hz")]
     assert places == sorted(places)
     assert set(found.tables["preference"]["item"]) == {"60", "120", "240", "first of the pair"}
+
+
+# --- the rule's own estimate
+
+
+def test_methods_say_what_the_estimate_of_the_rule_is(whole) -> None:
+    told = analysis_of(RECORDED / "electrovibration-threshold").methods
+    assert "levels (mean of the reversals without the first two or three, in even number) stands beside the fit" in told
+    assert "posterior mean)" not in told
+    assert "rule that chose the levels" not in analysis_of(whole).methods
 
 
 # --- rates
