@@ -17,6 +17,17 @@ class Grid:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
+    @property
+    def is_text(self) -> tuple[bool, ...]:
+        """For each column whether it holds words: the first does, and each with a cell without a digit.
+
+        >>> Grid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
+        (True, False, True)
+        """
+        cells = zip(*self.rows, strict=True) if self.rows else ((),) * len(self.header)
+        worded = [any(cell and not any(map(str.isdigit, cell)) for cell in column) for column in cells]
+        return (True, *worded[1:])
+
 
 def grid(table: pd.DataFrame, factors: Sequence[str]) -> Grid:
     """Values of factors as they were stated, other numbers with three significant digits.

@@ -72,6 +72,12 @@ def test_levels_of_same_different_trials_have_their_unit() -> None:
     assert "d′" in said
 
 
+def test_words_stand_at_the_left_of_their_column() -> None:
+    page = render(analysis_of(RECORDED / "same-different"))
+    assert '<td class="text">all answers alike</td>' in page
+    assert ".text { text-align: left; }" in page
+
+
 def test_answers_that_are_all_alike_have_no_sensitivity(tmp_path) -> None:
     """The log-linear rule alone gave d' = 1.2 to no hit in 4 and no false alarm in 15."""
     rows = [f"P1,{level},same_different,{felt},{catch}" for level, felt, catch, n in
