@@ -79,10 +79,13 @@ class Fitting:
             if eta is not None:
                 point = self._of_posterior(own, self._marginals(own, eta), step, eta)
         else:
-            lost = (status == Status.OK) & ~is_regular(own)
-            status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
             rests = is_regular(own) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
-            point = self._of_curvature(own, eta, rests, n_resamples, rng).where(~rests, point)
+            curved = self._of_curvature(own, eta, rests, n_resamples, rng)
+            # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
+            rests &= np.isfinite(curved.threshold).all(axis=1)
+            lost = (status == Status.OK) & ~rests
+            status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
+            point = curved.where(~rests, point)
         if self.method in ON_LIKELIHOOD:
             stepped = (status == Status.SEPARATED) & _within(step.place, point.threshold)
             point.theta[stepped, THRESHOLD] = step.place[stepped]
@@ -106,7 +109,9 @@ class Fitting:
             return Point(found.mean, found.threshold, found.width, None if eta is None else found.overdispersion)
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
         is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], found.threshold)
-        is_held &= (_within(theta[:, LOG_WIDTH], found.width) | step.is_between) & (self.estimate == "mode")
+        is_wide = _within(theta[:, LOG_WIDTH], found.width)
+        is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
+        theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
         return Point(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
 
     def _of_curvature(

@@ -27,7 +27,9 @@ from tactometry.protocols import (
 from tactometry.psychometric import PsychometricFunction
 
 Array = NDArray[np.float64]
-SHAPE, WIDTH_DB, LAPSE_RATE, FALSE_ALARM_RATE = "gumbel", 8.0, 0.02, 0.03
+SHAPE, LAPSE_RATE, FALSE_ALARM_RATE = "gumbel", 0.02, 0.03
+WIDTHS_DB = (4.0, 16.0)
+"""Participants differ: their widths are drawn between these, evenly on a logarithm."""
 LOW_DB, HIGH_DB = 0.0, 40.0
 CONSTANT_DB = tuple(np.arange(8.0, 33.0, 4.0).tolist())
 N_TRIALS = (20, 30, 40, 80, 160)
@@ -120,16 +122,22 @@ class Tracks:
     answers: Array
 
 
-def places_db(place: str, procedure: str, uniform: Array) -> Array:
-    """Thresholds (n_sets,), of uniform numbers."""
+def widths_db(uniform: Array) -> Array:
+    """Widths (n_sets,), of uniform numbers."""
+    narrow, wide = np.log(WIDTHS_DB)
+    return np.asarray(np.exp(narrow + (wide - narrow) * uniform))
+
+
+def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Array:
+    """Thresholds (n_sets,) of participants of some widths, of uniform numbers."""
     low, high = (CONSTANT_DB[0], CONSTANT_DB[-1]) if procedure == "constant stimuli" else (LOW_DB, HIGH_DB)
     if place == INSIDE:
         return np.asarray(low + (high - low) * (0.25 + 0.5 * uniform))
     if place.startswith("at"):
         return np.full(len(uniform), low if "lower" in place else high)
     widths, side = place.split()
-    beyond = float(widths) * WIDTH_DB
-    return np.full(len(uniform), low - beyond if side == "below" else high + beyond)
+    beyond = float(widths) * width_db
+    return low - beyond if side == "below" else high + beyond
 
 
 def tracks(
@@ -143,15 +151,16 @@ def tracks(
     lapse_rate: float = LAPSE_RATE,
 ) -> Tracks:
     """Simulated participants, each with a track."""
-    uniform = rng.random((n_sets, n_trials + 1))
-    thresholds_db = places_db(place, procedure, uniform[:, 0])
+    uniform = rng.random((n_sets, n_trials + 2))
+    width_db = widths_db(uniform[:, 1])
+    thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
     levels_db, answers = np.empty((n_sets, n_trials)), np.empty((n_sets, n_trials))
     first = PROCEDURES[procedure](task)
-    for i, threshold_db in enumerate(thresholds_db):
-        curve = PsychometricFunction(SHAPE, float(threshold_db), WIDTH_DB, task.guess_rate, lapse_rate)
+    for i, place_db in enumerate(zip(thresholds_db.tolist(), width_db.tolist(), strict=True)):
+        curve = PsychometricFunction(SHAPE, *place_db, task.guess_rate, lapse_rate)
         rule = first.shuffled(rng) if isinstance(first, ConstantStimuli) else first
         for trial in range(n_trials):
-            yes = bool(uniform[i, trial + 1] < curve.probability(rule.level))
+            yes = bool(uniform[i, trial + 2] < curve.probability(rule.level))
             levels_db[i, trial], answers[i, trial] = rule.level, yes
             rule = rule.after(yes)
     return Tracks(thresholds_db, levels_db, answers)

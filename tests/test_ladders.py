@@ -21,7 +21,7 @@ from tactometry.experiments.ladders.report import answers, label, table
 from tactometry.target import resolve
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "cost.md"
-N_RUNGS = {} if SOAK else {"procedures": 2, "group-threshold": 3}
+N_RUNGS = {} if SOAK else {"group-threshold": 3}
 """In the reduced form, of each contender."""
 
 

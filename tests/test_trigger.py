@@ -112,7 +112,7 @@ def test_a_slide_begins_only_where_both_are_held(monkeypatch):
 def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkeypatch):
     """All stamps of a hold come at once, then one of each millisecond: the gate is open by its stamps, and waits."""
     monkeypatch.setattr("tactometry.rigs.trace.time", clock := Clock())
-    held, times_s = Held(press(hold_s=0.1), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
+    held, times_s = Held(press(hold_s=0.0995), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
     clock.now_s = times_s[150]
     held.grip.hear(times_s[:150], np.ones(150))
     opened = []

@@ -31,19 +31,19 @@ def problem() -> Problem:
         rungs=(
             Rung("Laplace (map)", partial(_fitted, "map")),
             Rung(f"shared grid, {N_SETS} sets", _shared),
-            Rung("own grid", partial(_fitted, "posterior")),
+            Rung("own grid", partial(_fitted, "posterior", estimate="mean")),
         ),
     )
 
 
-def _fitted(method: str) -> Real:
-    return _told(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE))
+def _fitted(method: str, **options: Any) -> Real:
+    return _told(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE, **options))
 
 
 def _shared() -> Real:
     """Of many sets on the same levels."""
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
-    return _told(fit_many(LEVELS, moved, N_TRIALS, **SHAPE)[0])
+    return _told(fit_many(LEVELS, moved, N_TRIALS, estimate="mean", **SHAPE)[0])
 
 
 def _told(found: ThresholdFit) -> Real:
