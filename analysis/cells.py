@@ -1,7 +1,7 @@
 """Each participant in each condition: counts per level, then a threshold, or an equality point and a
 difference."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,9 +22,17 @@ DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
 """The just noticeable difference over the standard deviation of the normal function: 0.6745."""
 DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
-COMPARISON_BETA = 40.0
-"""The prior of the rate of each asymptote of a comparison is Beta(1, 40), with a mean of 2.4 %. Of 10, 20 and 40 this
-one covers just noticeable differences best without lapses and with 5 %; an unverified default."""
+COMPARISON: Mapping[str, Any] = {
+    "guess_rate": None,
+    "equal_asymptotes": True,
+    "rate_beta": 80.0,
+    "scale_free_width": True,
+    "narrowest_spacings": 0.5,
+}
+"""Who lapses in a comparison says either with the same chance: both asymptotes are half of the rate of lapses, whose
+mean is 2.5 % under Beta(1, 80). The width, a scale, has a prior flat in its logarithm, from one spacing of the levels
+on: psignifit's, which falls below two, holds small differences up. Of the priors tried these cover best between 0 and
+5 % lapses (`benchmarks/census_comparisons.py`); unverified defaults."""
 UNIT = "level_unit"
 
 
@@ -185,11 +193,10 @@ def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval
 def fit_options(task: str, n_choices: int, unit: str) -> dict[str, Any]:
     """The shape of the function and what is known of its rates and width.
 
-    A forced choice has a known chance of guessing right. Lapses of a comparison go either way, half of them to each
-    asymptote: both are free under a tighter prior; its width, which is the result, keeps psignifit's.
+    A forced choice has a known chance of guessing right; of a comparison `COMPARISON` is known.
     """
     if task == "comparison":
-        return {"shape": SHAPE, "guess_rate": None, "rate_beta": COMPARISON_BETA, "scale_free_width": False}
+        return {"shape": SHAPE, **COMPARISON}
     guess_rate = 1 / n_choices if task == "forced_choice" else None
     return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.counts import Array, Counts, Which
 from tactometry.analysis.likelihood import (
+    GUESS,
+    LAPSE,
     LOG_WIDTH,
     N_PARAMETERS,
     THRESHOLD,
@@ -112,13 +114,13 @@ def climb(
     """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
     theta = start.copy()
     low, high = prior.bounds()
-    theta = np.clip(theta, low, high)
+    theta = prior.tied(np.clip(theta, low, high))
     part = _Open(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
     here, at = _expand(shape, part.counts, prior, theta), theta.copy()
     for _ in range(MAX_STEPS):
         held = _held(at, here.gradient, part.low, part.high)
         step, decrement = _step(here, held, part.damping)
-        trial = np.clip(at + step, part.low, part.high)
+        trial = prior.tied(np.clip(at + step, part.low, part.high))
         there = _expand(shape, part.counts, part.prior, trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
         at = np.where(better[:, None], trial, at)
@@ -156,9 +158,20 @@ class _Open:
 def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         whole = _answers(shape, counts, prior, theta) + prior_expansion(prior, theta)
+    if prior.equal_asymptotes:
+        whole = _along_both(whole)
     fixed = [place for place in range(N_PARAMETERS) if place not in prior.free]
     whole.gradient[:, fixed] = 0.0
     return whole
+
+
+def _along_both(whole: Expansion) -> Expansion:
+    """The derivatives along the lapse rate where the guess rate moves with it."""
+    gradient, hessian = whole.gradient.copy(), whole.hessian.copy()
+    gradient[:, LAPSE] += gradient[:, GUESS]
+    hessian[:, LAPSE] += hessian[:, GUESS]
+    hessian[:, :, LAPSE] += hessian[:, :, GUESS]
+    return Expansion(whole.value, gradient, hessian)
 
 
 def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:

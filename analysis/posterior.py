@@ -177,7 +177,7 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
     lengths."""
     used = counts.n_trials[0] > 0
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
-    m, v, lapse, guess = axes
+    m, v, lapse, guess = *axes[:GUESS], prior.guess_nodes(axes[LAPSE], axes[GUESS])
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
     if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
         log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
@@ -262,7 +262,7 @@ def _marginal_densities(
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
-    mean = np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)])
+    mean = prior.tied(np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)]))
     log_total = float(highest + np.log(curve.sum()) + log_cell(prior, box.low[0], box.high[0], curve.shape))
     beyond = (beyond_levels(shape, counts, axes) * curve).sum(axis=(1, 2)) / curve.sum()
     mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())

@@ -2,9 +2,9 @@
 
 Threshold: flat on the tested range, falling as a cosine to 0 half a range outside. Width: flat between twice
 the smallest spacing and the range, falling as a cosine to 0 at the smallest spacing and at three times the
-range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]. Catch trials enter as what they are:
-n_false_alarms of n_catch answers whose chance is the guess rate. All are densities of (threshold, width,
-lapse, guess).
+range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]; equal asymptotes are one rate. Catch trials enter as
+what they are: n_false_alarms of n_catch answers whose chance is the guess rate. All are densities of (threshold,
+width, lapse, guess).
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,8 @@ class Prior:
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
     width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
     there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The prior of free rates is
-    Beta(1, `rate_beta`).
+    Beta(1, `rate_beta`); with `equal_asymptotes` both are one, at the place of the lapse rate. The least width is
+    `narrowest_spacings` of the smallest spacing.
     """
 
     gap: Array
@@ -46,6 +47,8 @@ class Prior:
     threshold: Array | None = None
     overdispersion: Array | None = None
     rate_beta: float = BETA_B
+    equal_asymptotes: bool = False
+    narrowest_spacings: float = 1.0
 
     def __getitem__(self, which: Which) -> "Prior":
         return replace(
@@ -60,7 +63,8 @@ class Prior:
     @property
     def narrowest(self) -> Array:
         """The least width (n_sets,)."""
-        return np.maximum(self.gap, NARROWEST) if self.scale_free_width else self.gap
+        least = self.narrowest_spacings * self.gap
+        return np.maximum(least, NARROWEST) if self.scale_free_width else least
 
     @property
     def log_rate_mass(self) -> float:
@@ -70,11 +74,21 @@ class Prior:
     @property
     def free(self) -> list[int]:
         """The places of the free parameters in a parameter vector."""
-        rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
+        rates = ((LAPSE, self.lapse_rate), (GUESS, 0.0 if self.equal_asymptotes else self.guess_rate))
         return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
 
+    def tied(self, theta: Array) -> Array:
+        """Parameters (..., 4) with the guess rate that follows from the lapse rate."""
+        if not self.equal_asymptotes:
+            return theta
+        return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
+
+    def guess_nodes(self, lapse: Array, guess: Array) -> Array:
+        """Guess rates that broadcast against lapse rates (n_lapse, 1): nodes of their own, or those of the lapses."""
+        return lapse[:, None] if self.equal_asymptotes else guess
+
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest parameters, each (n_sets, 4)."""
+        """Lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
         n = self.gap.shape[0]
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
@@ -82,8 +96,8 @@ class Prior:
         low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)
         high[:, LOG_WIDTH] = np.log(WIDEST if self.on_curve else 1e4)
         for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
-            if rate is not None:
-                low[:, place] = high[:, place] = rate
+            if place not in self.free:
+                low[:, place] = high[:, place] = rate or 0.0
         if self.threshold is not None:
             low[:, THRESHOLD] = high[:, THRESHOLD] = self.threshold
         return low, high
@@ -121,7 +135,7 @@ def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Arr
     nothing = np.zeros(1)
     if prior.lapse_rate is None:
         parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing, prior.rate_beta)
-    if prior.guess_rate is None:
+    if GUESS in prior.free:
         fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
         parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa, prior.rate_beta)
     return parts
@@ -175,7 +189,7 @@ def log_mass(prior: Prior) -> Array:
     v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
     density = np.exp(log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)[0] + v)
     along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
-    return np.asarray(along + sum(rate is None for rate in (prior.lapse_rate, prior.guess_rate)) * prior.log_rate_mass)
+    return np.asarray(along + sum(place in (LAPSE, GUESS) for place in prior.free) * prior.log_rate_mass)
 
 
 def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
@@ -187,7 +201,7 @@ def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
         along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.narrowest, scale_free=prior.scale_free_width)[0]
     if prior.lapse_rate is None:
         along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1), prior.rate_beta)[0]
-    if prior.guess_rate is None:
+    if GUESS in prior.free:
         n_no = prior.n_catch - prior.n_false_alarms
         along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no, prior.rate_beta)[0]
     return along

@@ -7,7 +7,7 @@ its own. Against four times as many nodes, means and standard deviations differ 
 deviation, the ends of the intervals by 0.1 % of their width (tests), as long as `RESOLVED_STEPS` holds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -79,7 +79,8 @@ def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: fl
     """And which of the data sets the grid resolves."""
     grid = found_grid(shape, counts, prior, mode)
     along, log_total, beyond = marginal_masses(shape, counts, prior, grid)
-    return _described(grid, along, log_total - log_mass(prior), beyond, interval), _resolved(prior, grid, along)
+    found = _described(grid, along, log_total - log_mass(prior), beyond, interval)
+    return replace(found, mean=prior.tied(found.mean)), _resolved(prior, grid, along)
 
 
 def found_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
@@ -126,6 +127,7 @@ def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Arr
     m, v, lapse, guess = grid.nodes
     z = shape.z50 + (counts.u[0, used][:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
     cdf, sf, _ = linear(shape, z)
+    guess = prior.guess_nodes(lapse, guess)
     span = 1 - guess - lapse[:, None]
     with np.errstate(divide="ignore"):
         yes = np.log(guess + span * cdf[..., None, None])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.analysis.counts import Array, Bools, Counts
-from tactometry.analysis.likelihood import N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
+from tactometry.analysis.likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
 from tactometry.analysis.prior import LARGEST_RATE, Prior, log_prior, log_rate
 from tactometry.analysis.responses import weighted
 from tactometry.psychometric import Shape
@@ -83,15 +83,15 @@ def same_rows(rows: Array) -> list[NDArray[np.int64]]:
 def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     """Nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
-    free = RATES[2 if prior.lapse_rate is None and prior.guess_rate is None else 1]
+    free = RATES[2 if LAPSE in prior.free and GUESS in prior.free else 1]
     axes = (
         np.linspace(np.log(narrow), np.log(WIDEST_NODE), N_WIDTHS).tolist(),
         _places(one.u[0, one.n_trials[0] > 0]).tolist(),
         free if prior.lapse_rate is None else [prior.lapse_rate],
-        free if prior.guess_rate is None else [prior.guess_rate],
+        free if GUESS in prior.free else [prior.guess_rate or 0.0],
     )
     sizes = (len(axes[0]), len(axes[1]), len(axes[2]) * len(axes[3]))
-    return sizes, np.array(list(product(*axes)))[:, [1, 0, 2, 3]]
+    return sizes, prior.tied(np.array(list(product(*axes)))[:, [1, 0, 2, 3]])
 
 
 def _places(levels: Array) -> Array:
@@ -185,8 +185,10 @@ def _asymptotes(
     misses = n_up - (k[:, -1:] - k[:, above])
     guess = _rate(k[:, below] + alarms, n[:, below] + catch, prior.guess_rate, prior.rate_beta)
     lapse = _rate(misses, n_up, prior.lapse_rate, prior.rate_beta)
+    if prior.equal_asymptotes:
+        guess = lapse = _rate(k[:, below] + misses, n[:, below] + n_up, None, prior.rate_beta)
     density = _log_chance(k[:, below], n[:, below], guess) + _log_chance(misses, n_up, lapse)
-    if prior.guess_rate is None:
+    if GUESS in prior.free:
         density = density + log_rate(guess, alarms, catch - alarms, prior.rate_beta)[0]
     if prior.lapse_rate is None:
         density = density + log_rate(lapse, none, none, prior.rate_beta)[0]

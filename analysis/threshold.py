@@ -37,6 +37,8 @@ def fit(
     robust_range: bool = False,
     scale_free_width: bool = False,
     rate_beta: float = BETA_B,
+    equal_asymptotes: bool = False,
+    narrowest_spacings: float = 1.0,
     overdispersion: bool = False,
     estimate: str = "mode",
     n_resamples: int = 1000,
@@ -70,6 +72,11 @@ def fit(
         posterior mean of the threshold.
     rate_beta : float
         The prior of free rates is Beta(1, `rate_beta`).
+    equal_asymptotes : bool
+        Whether the free lapse rate and guess rate are one: who lapses in a comparison says either with the same chance
+        (psignifit 4's ``equalAsymptote``).
+    narrowest_spacings : float
+        In smallest spacings of the levels: where the width's prior ends; it falls to there from twice that.
     robust_range : bool
         Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
         instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
@@ -122,6 +129,8 @@ def fit(
         robust_range=robust_range,
         scale_free_width=scale_free_width,
         rate_beta=rate_beta,
+        equal_asymptotes=equal_asymptotes,
+        narrowest_spacings=narrowest_spacings,
         overdispersion=overdispersion,
         estimate=estimate,
         n_resamples=n_resamples,
@@ -144,6 +153,8 @@ def fit_many(
     robust_range: bool = False,
     scale_free_width: bool = False,
     rate_beta: float = BETA_B,
+    equal_asymptotes: bool = False,
+    narrowest_spacings: float = 1.0,
     overdispersion: bool = False,
     estimate: str = "mode",
     n_resamples: int = 1000,
@@ -160,7 +171,7 @@ def fit_many(
     curve = shape_named(shape)
     _check_options(guess_rate, lapse_rate, method, interval, rng)
     one_of("estimate", estimate, ESTIMATES)
-    positive("fit", rate_beta=rate_beta)
+    positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
     if overdispersion and method not in OVERDISPERSED:
         raise InvalidParameter(
             f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
@@ -172,8 +183,17 @@ def fit_many(
     alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
+    if equal_asymptotes and not (guess_rate is None and lapse_rate is None and not catch.any()):
+        raise InvalidParameter(
+            f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {catch.sum():g} catch "
+            "trials, expected None, None and no trial: the one rate is estimated from the answers"
+        )
     prior = Prior(
-        *(counts.gap, lapse_rate, guess_rate, alarms, catch), scale_free_width=scale_free_width, rate_beta=rate_beta
+        *(counts.gap, lapse_rate, guess_rate, alarms, catch),
+        scale_free_width=scale_free_width,
+        rate_beta=rate_beta,
+        equal_asymptotes=equal_asymptotes,
+        narrowest_spacings=narrowest_spacings,
     )
     fitting = Fitting(shape, curve, counts, prior, method, interval, estimate, overdispersion)
     return fitting.results(n_resamples, rng)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis import apa
-from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, Cell, fit_options
+from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
 from tactometry.analysis.hierarchical import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
 from tactometry.analysis.number_text import interval_text, number_text
 from tactometry.analysis.status import Status
@@ -18,7 +18,7 @@ from tactometry.errors import InvalidParameter
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
 ALL = "condition"
-WITHOUT_LAPSES = {"guess_rate": 0.0, "lapse_rate": 0.0}
+WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
 """Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
 COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
 QUANTITIES = {"threshold": "threshold", "log_width": "width"}
@@ -102,7 +102,7 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
         width_by=varied if task == "comparison" else (),
-        **fit_options(task, n_choices, unit) | (WITHOUT_LAPSES if task == "comparison" else {}),
+        **(WITHOUT_LAPSES if task == "comparison" else fit_options(task, n_choices, unit)),
     )
     return _told(task, fit, varied, table)
 

@@ -289,7 +289,8 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
     if "comparison" in tasks:
         parts.append(
             "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons "
-            "are posterior modes with central 95 % intervals of the marginal posterior under psignifit 4's priors of "
-            "threshold and width; lapses may raise the lower asymptote and lower the upper one (rates Beta(1, 40))."
+            "are posterior modes with central 95 % intervals of the marginal posterior. Both asymptotes were equally "
+            "far from 0 and 1 (one rate, Beta(1, 80)), as of lapses that go either way with the same chance; the prior "
+            "of the width was flat in its logarithm from the smallest spacing of the levels to their range."
         )
     return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]
