@@ -5,20 +5,23 @@ A lapse is an answer that is "more" or "less" with the same chance, whatever was
 are 0.025 and 0.975. Points of equality lie anywhere in the middle quarter of the levels.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.special import ndtr
 
-from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, JND_PER_SD, fit_options
+from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE, fit_options
 from tactometry.analysis.threshold import fit_many
 
 LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())
 SDS, N_TRIALS, LAPSE_RATES = (1.5, 2.5), (20, 40), (0.0, 0.02, 0.03, 0.05)
 FARTHEST_PSE = 1.5
+FITTED: Mapping[str, Any] = fit_options("comparison", 2, "")
+WITHOUT_LAPSES: Mapping[str, Any] = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0}
 
 
 @dataclass(frozen=True)
@@ -40,12 +43,14 @@ def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.
     return pse, rng.binomial(person.n_trials, person.lapse_rate / 2 + (1 - person.lapse_rate) * felt)
 
 
-def census(people: Sequence[Person], n_sets: int, rng: np.random.Generator) -> Iterator[pd.DataFrame]:
-    """A table for each person, with a row for each of `n_sets` data sets, fitted as `analyse` does. Open ends of
-    intervals, and those that are not told, hold all on their side."""
+def census(
+    people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FITTED
+) -> Iterator[pd.DataFrame]:
+    """A table for each person, with a row for each of `n_sets` data sets, fitted as `analyse` does, or with other
+    `options` of `fit`. Open ends of intervals, and those that are not told, hold all on their side."""
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
-        found = fit_many(LEVELS, n_more, person.n_trials, **fit_options("comparison", 2, ""))
+        found = fit_many(LEVELS, n_more, person.n_trials, **options)
         ends = [[one.interval_low, one.interval_high, one.width_low, one.width_high, one.width] for one in found]
         table = pd.DataFrame(ends, columns=["pse_low", "pse_high", "jnd_low", "jnd_high", "jnd"], dtype=float)
         table[["jnd_low", "jnd_high", "jnd"]] *= DIFFERENCE_PER_WIDTH

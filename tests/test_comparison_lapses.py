@@ -19,7 +19,7 @@ from tactometry.analysis.prior import Prior
 from tactometry.analysis.shared_grid import batched_marginals
 from tactometry.analysis.threshold import fit
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.census_comparisons import LEVELS, PEOPLE, Person, answers, census, summary
+from tactometry.experiments.census_comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary
 from tactometry.psychometric import shape_named
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
@@ -41,6 +41,13 @@ def test_intervals_of_differences_hold_the_truth_neither_too_seldom_nor_too_ofte
     assert (covered >= binom.ppf(1e-4, n, LEAST)).all()
     assert (covered <= binom.ppf(1 - 1e-4, n, MOST)).all()
     assert binom.ppf(1e-4, n.sum(), LEAST) <= covered.sum() <= binom.ppf(1 - 1e-4, n.sum(), MOST)
+
+
+def test_without_a_rate_of_lapses_three_percent_are_seen() -> None:
+    """What this census is for: asymptotes held at 0 and 1 fail it."""
+    person = Person(2.5, 40, 0.03)
+    held = summary(pd.concat(census([person], 300, np.random.default_rng(), WITHOUT_LAPSES))).iloc[0]
+    assert held["jnd_covered"] * held["n"] < binom.ppf(1e-4, held["n"], LEAST)
 
 
 def test_intervals_of_points_of_equality_hold_the_truth(found) -> None:
