@@ -213,9 +213,10 @@ def test_a_sensor_that_does_not_open_leaves_no_output_open(tmp_path):
 
 
 AT_A_TERMINAL = """
-import fcntl, sys, termios
+import fcntl, signal, sys, termios
 from tactometry.cli import main
 fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests behind it has it ignored
 main(sys.argv[1:])
 """
 
@@ -258,8 +259,12 @@ def test_a_session_at_a_real_terminal_stops_with_each_of_them(tmp_path, key, sta
         if typed and seen.rstrip().endswith(b"(0 = no, 1 = yes):"):
             os.write(master, typed.pop(0))
             seen += b"|"
-    assert process.wait(30) == status, seen
-    os.close(master)
+    try:
+        assert process.wait(30) == status, seen
+    finally:
+        process.kill()
+        process.wait()
+        os.close(master)
     assert b"what was recorded is safe" in seen
     assert b"Traceback" not in seen
     assert len(rows_of(tmp_path / "d")) == 2
