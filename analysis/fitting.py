@@ -16,7 +16,15 @@ from tactometry.analysis.mode import Mode, find_mode
 from tactometry.analysis.overdispersion import find_overdispersed_mode
 from tactometry.analysis.prior import Prior
 from tactometry.analysis.shared_grid import batched_marginals
-from tactometry.analysis.status import NOTES, Status, proportion_interval, statuses
+from tactometry.analysis.status import (
+    AFTER_A_TRACK,
+    NOTES,
+    TOO_NARROW,
+    Status,
+    proportion_interval,
+    stand_as_after_a_track,
+    statuses,
+)
 from tactometry.analysis.step import Step, best_step
 from tactometry.analysis.threshold_fit import ThresholdFit
 from tactometry.psychometric import Shape
@@ -89,7 +97,10 @@ class Fitting:
         if self.method in ON_LIKELIHOOD:
             stepped = (status == Status.SEPARATED) & _within(step.place, point.threshold)
             point.theta[stepped, THRESHOLD] = step.place[stepped]
-        told = _Told(self, status, shares, point, mode, binomial, self._deviance(own))
+        after_a_track = np.zeros(len(self.counts), dtype=bool)
+        if self.method in TOO_NARROW:
+            after_a_track = stand_as_after_a_track(self.counts)
+        told = _Told(self, status, shares, point, mode, binomial, self._deviance(own), after_a_track)
         return tuple(told.result(i) for i in range(len(self.counts)))
 
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
@@ -168,6 +179,7 @@ class _Told:
     mode: Mode
     found: Marginals
     deviance: Array
+    after_a_track: Bools
 
     def result(self, i: int) -> ThresholdFit:
         of, status, point = self.of, Status(self.status[i]), self.point
@@ -229,6 +241,8 @@ class _Told:
             k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
             low, high = proportion_interval(k, n, self.of.interval)
             return f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
+        if status == Status.OK and self.after_a_track[i]:
+            return AFTER_A_TRACK
         return NOTES[status]
 
 

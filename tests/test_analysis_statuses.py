@@ -113,3 +113,27 @@ def test_estimates_stand_beside_each_other() -> None:
     assert each["median"].threshold == one.threshold_median
     assert each["mean"].threshold == one.threshold_mean
     assert one.threshold_mean < one.threshold_median < one.threshold_mode
+
+
+def _track_and_even() -> tuple[tuple[list[float], list[int], list[int]], ...]:
+    """Levels with numbers of yes and trials: of a staircase about its target, and of constant stimuli."""
+    levels = [4.0, 8.0, 12.0, 16.0, 20.0]
+    return (levels, [1, 6, 19, 8, 2], [2, 11, 26, 9, 2]), (levels, [2, 4, 7, 9, 10], [10] * 5)
+
+
+@pytest.mark.parametrize("method", ["posterior", "map", "ml", "profile"])
+def test_methods_that_are_too_narrow_after_a_track_say_so(method) -> None:
+    track, even = _track_and_even()
+    known = {"shape": "normal", "guess_rate": 0.0, "lapse_rate": 0.02, "method": method}
+    notes = [fit_many(*each, **known)[0] for each in (track, even)]
+    assert [each.status for each in notes] == [Status.OK, Status.OK]
+    assert ["adaptive track" in each.note for each in notes] == [method != "posterior", False]
+
+
+def test_levels_that_never_come_again_stand_as_after_a_track() -> None:
+    rng = np.random.default_rng(1)
+    levels = rng.normal(0, 1, 60)
+    found = fit_many(
+        levels, (levels + rng.normal(0, 0.5, 60) > 0).astype(int), 1, shape="normal", guess_rate=0.0, method="ml"
+    )
+    assert "adaptive track" in found[0].note
