@@ -32,6 +32,24 @@ def test_samples_that_come_twice_or_after_later_ones_are_counted_and_change_noth
     exact_case("samples that come twice", against="those that come once")
 
 
+@pytest.mark.parametrize("lost_s", [0.03, 0.1, 5.0])
+def test_after_a_gap_that_tells_the_clocks_apart_better_no_stamp_is_earlier_than_its_sample(lost_s):
+    """All samples were 50 ms late; some are lost, and those after come at once."""
+    samples = CountedSamples(1e-3, settling_s=0.0)
+    for n in range(1000):
+        samples.block([(n, n, (n,))], arrival_s=10.05 + n / 1000)
+    lost = round(1000 * lost_s)
+    first = 1000 + lost
+    found = [samples.block([(n, n, (n,))], 10 + n / 1000) for n in range(first, first + 50)]
+    stamps_s = np.concatenate([block.times_s for block in found])
+    assert np.all(np.diff(stamps_s) > 0)
+    goes_back = stamps_s[0] <= 10.05 + 0.999
+    assert goes_back or stamps_s[0] - (10.05 + 0.999) > 0.02
+    late_s = stamps_s - 10 - np.arange(first, first + 50) / 1000
+    assert np.all(late_s[1:] > -1e-6)
+    assert late_s[0] > (-0.02 if goes_back else -1e-6)
+
+
 def test_a_device_that_was_asked_to_send_may_count_from_anywhere():
     samples = CountedSamples(1e-6, settling_s=0.0)
     samples.block([(500, 500_000, (1,))], 5.0)

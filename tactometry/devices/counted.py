@@ -83,7 +83,7 @@ class CountedSamples:
             expected_s = self._last[1] + elapsed_s
             if abs(stamp_s - expected_s) <= STEP_S:
                 stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
-            elif stamp_s < expected_s:
+            elif stamp_s < expected_s and stamp_s - self._last[1] <= STEP_S:
                 stamp_s = min(stamp_s, self._last[1] - self._tick_s)
         self._last = (device_s, stamp_s)
         return stamp_s
