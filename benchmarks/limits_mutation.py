@@ -52,7 +52,7 @@ def mutants() -> dict[str, str]:
         "the session begins at zero": ("begin_s + duration_s - exposure.opened_s", "begin_s + duration_s"),
         "a signal may begin late": ("begin_s + duration_s - exposure.opened_s", "begin_s - exposure.opened_s"),
         "the looser of two": ("return min((value for", "return max((value for"),
-        "the shorter window": ("window_s = max(", "window_s = min("),
+        "the shorter window": ("longest_s = max(", "longest_s = min("),
     }
     return found | {what: _replaced(*change) for what, change in changes.items()}
 
