@@ -10,6 +10,7 @@ import pandas as pd
 
 from tactometry.analysis.design import Array
 from tactometry.analysis.group import MEANS, group_table, mean_with_interval
+from tactometry.analysis.table import stated_factors
 from tactometry.columns import RESERVED
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
@@ -108,7 +109,7 @@ def _form(table: pd.DataFrame, questionnaire: str | Questionnaire) -> Questionna
 
 def _conditions(names: Sequence[str]) -> list[str]:
     if "trial" in names and "procedure" in names:
-        return list(names[names.index("trial") + 1 : names.index("procedure")])
+        return stated_factors(names)
     return [name for name in names if name not in HERE]
 
 

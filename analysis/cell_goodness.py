@@ -1,7 +1,6 @@
 """Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
 
 from collections.abc import Mapping, Sequence
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,15 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from tactometry.analysis.cells import FITTED_TASKS, Estimate, answered, cell_keys, fit_options
+from tactometry.analysis.cells import (
+    FITTED_TASKS,
+    Estimate,
+    answered,
+    catch_counts,
+    cell_keys,
+    fit_options,
+    stacked_counts,
+)
 from tactometry.analysis.counts import POOLED_BELOW, Array, Counts, checked, normalised
 from tactometry.analysis.goodness import STATISTICS, Goodness, Sequences, goodness
 from tactometry.analysis.labels import named_cells
@@ -98,25 +105,17 @@ def _tested(
 ) -> Goodness:
     """The goodness of fit of estimates, which are those of the numbers `cells`."""
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
-    x, k, n = (_stack(found, name) for name in ("levels", "n_yes", "n_trials"))
-    counts = normalised(*checked(x, k, n, positive=curve.on_log_levels))
-    takes_catch = found[0].cell.task == "yes_no"
-    alarms, catch = (
-        np.array([getattr(each.cell, name) if takes_catch else 0 for each in found], dtype=np.float64)
-        for name in ("n_false_alarms", "n_catch")
-    )
+    own_cells = [each.cell for each in found]
+    levels, n_yes, n_trials = stacked_counts(own_cells)
+    counts = normalised(*checked(levels, n_yes, n_trials, positive=curve.on_log_levels))
+    alarms, catch = np.array(catch_counts(own_cells), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     theta = climb(curve, counts, prior, _parameters(found, counts)).theta
     own = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, own["cell"])
     follows = np.bincount(number, own["follows"], len(cells)) > 0
-    return goodness(curve, counts, prior, theta, _sequences(own, number, x, counts), follows, rng)
-
-
-def _stack(found: Sequence[Estimate], name: str) -> Array:
-    """Levels or counts of the cells, filled up with places without trials."""
-    return np.array([*zip_longest(*(getattr(each.cell, name) for each in found), fillvalue=0)], dtype=np.float64).T
+    return goodness(curve, counts, prior, theta, _sequences(own, number, levels, counts), follows, rng)
 
 
 def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:

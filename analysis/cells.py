@@ -34,6 +34,7 @@ mean is 2.5 % under Beta(1, 80). The width, a scale, has a prior flat in its log
 on: psignifit's, which falls below two, holds small differences up. Of the priors tried these cover best between 0 and
 5 % lapses (`benchmarks/census_comparisons.py`); unverified defaults."""
 UNIT = "level_unit"
+Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -179,14 +180,27 @@ def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: f
 
 
 def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
-    counts = [_stack([getattr(cell, name) for cell in chosen]) for name in ("levels", "n_yes", "n_trials")]
-    is_detection = task == "yes_no"
+    n_false_alarms, n_catch = catch_counts(chosen)
     return fit_many(
-        *counts,
+        *stacked_counts(chosen),
         **fit_options(task, n_choices, unit),
         interval=interval,
-        n_false_alarms=[cell.n_false_alarms if is_detection else 0 for cell in chosen],
-        n_catch=[cell.n_catch if is_detection else 0 for cell in chosen],
+        n_false_alarms=n_false_alarms,
+        n_catch=n_catch,
+    )
+
+
+def stacked_counts(chosen: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
+    """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
+    return _stack([c.levels for c in chosen]), _stack([c.n_yes for c in chosen]), _stack([c.n_trials for c in chosen])
+
+
+def catch_counts(chosen: Sequence[Cell]) -> tuple[list[int], list[int]]:
+    """False alarms and catch trials of cells as a fit uses them: only detection asks for a rate of false alarms."""
+    asked = [cell.task == "yes_no" for cell in chosen]
+    return (
+        [cell.n_false_alarms * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
+        [cell.n_catch * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
     )
 
 
@@ -201,7 +215,7 @@ def fit_options(task: str, n_choices: int, unit: str) -> dict[str, Any]:
     return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
 
 
-def _stack(rows: Sequence[Sequence[float]]) -> "np.ndarray[tuple[int, int], np.dtype[np.float64]]":
+def _stack(rows: Sequence[Sequence[float]]) -> Rows:
     """Rows of different lengths, filled up with zeros: no trials there."""
     stacked = np.zeros((len(rows), max(1, *(len(row) for row in rows)) if rows else 1))
     for place, row in enumerate(rows):

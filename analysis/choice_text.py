@@ -1,28 +1,22 @@
 """Tables of choices for people: levels and compared items with their units, d' under its own sign."""
 
-from typing import TYPE_CHECKING
-
 import pandas as pd
 
 from tactometry.analysis.bradley_terry import ORDER
 from tactometry.analysis.labels import level_of
-from tactometry.analysis.table import Trials, parsed
-
-if TYPE_CHECKING:
-    from tactometry.analysis.pipeline import Analysis
+from tactometry.analysis.table import Trials, parsed, stated_factors
 
 SENSITIVITIES = {"d_prime_differencing": "d′ differencing", "d_prime_independent": "d′ independent"}
 COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", "n_same")}
 
 
-def choice_table(found: "Analysis", name: str) -> pd.DataFrame:
-    """The table `name` of choices (`words.CHOICES`) as a person reads it."""
-    table = found.tables[name]
+def choice_table(table: pd.DataFrame, name: str, trials: Trials, unit: str) -> pd.DataFrame:
+    """The table `name` of choices (`words.CHOICES`) as a person reads it; `unit` is that of the levels."""
     if name == "preference":
-        table = _with_units(table, compared_factor(found.trials))
+        table = _with_units(table, compared_factor(trials))
     if name == "same_different":
         table = _with_counts(table).rename(columns=SENSITIVITIES)
-        table = table.rename(columns={"level": f"level ({found.unit})"}) if found.unit else table
+        table = table.rename(columns={"level": f"level ({unit})"}) if unit else table
     is_noted = "note" in table.columns and (table["note"] != "").any()
     return table if is_noted else table.drop(columns="note", errors="ignore")
 
@@ -37,10 +31,7 @@ def _with_counts(table: pd.DataFrame) -> pd.DataFrame:
 
 def compared_factor(trials: Trials) -> str:
     """The factor whose levels each trial compares: its column holds nothing. Empty if not just one is so."""
-    header = list(trials.rows.columns)
-    if not {"trial", "procedure"} <= set(header):
-        return ""
-    stated = header[header.index("trial") + 1 : header.index("procedure")]
+    stated = stated_factors(list(trials.rows.columns))
     bare = [name for name in stated if not trials.rows[name].replace("", None).notna().any()]
     return bare[0] if len(bare) == 1 else ""
 

@@ -196,7 +196,7 @@ def participant_table(layout: Layout, study: Study, place: Place, alone: Alone, 
         Status.OK if one.status == Status.SEPARATED and not none else one.status
         for one, none in zip(single, np.isnan(rows.threshold), strict=True)
     ]
-    own = np.array([(one.interval_low, one.interval_high) for one in single], dtype=np.float64)
+    own = alone.own_bounds().swapaxes(0, 1).reshape(-1, 2)
     censored = np.array([each in CENSORED for each in status])
     table = _table(layout, rows, status, np.where(censored[:, None], own, rows.ends(reach)), reach)
     keys = layout.conditions.loc[np.tile(np.arange(study.n_conditions), study.n_participants)].reset_index(drop=True)

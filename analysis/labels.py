@@ -8,7 +8,7 @@ import pandas as pd
 
 UNITS = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "m": "m", "mm": "mm", "db": "dB", "m_per_s": "m/s"}
 NAMED = 6
-"""So many cells are named one by one."""
+"""So many cells or participants are named one by one."""
 
 
 def split_unit(name: str) -> tuple[str, str]:

@@ -9,14 +9,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from tactometry.analysis.labels import NAMED
 from tactometry.analysis.table import Trials
 from tactometry.description import SIMULATED
 from tactometry.errors import InvalidFile, counted
 from tactometry.head import Head
 from tactometry.sittings import changes, heads
 
-NAMED = 6
-"""So many sessions are named one by one."""
 Key = tuple[str, float]
 """Participant and session."""
 

@@ -1,6 +1,6 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -217,29 +217,9 @@ def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None
     forces = force_of_participants(trials) if has_force(trials) else None
     outcomes = tuple(
         outcome(
-            table[table["task"] == task],
-            trials.factors,
-            task,
-            dependent,
-            forces=forces,
-            bounds=plan.equivalence,
-            primary=plan.primary,
+            values, trials.factors, task, dependent, forces=forces, bounds=_bounds(plan, task), primary=plan.primary
         )
-        for task, dependents in OUTCOMES.items()
-        if len(table) and (table["task"] == task).any()
-        for dependent in dependents
-    ) + tuple(
-        outcome(
-            choices[task],
-            trials.factors,
-            task,
-            dependent,
-            forces=forces,
-            bounds=_bounds(plan, task),
-            primary=plan.primary,
-        )
-        for task, dependent in DIRECT.items()
-        if task in choices
+        for task, dependent, values in _dependents(table, choices)
     )
     by_task = [[cell for cell in found if cell.task == task] for task in OUTCOMES if plan.hierarchical]
     fits = tuple(
@@ -266,12 +246,7 @@ def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None
             *origin.warnings,
             *trials.notes,
             *words.exclusion_warnings(excluded),
-            *(
-                text
-                for name in DIRECT
-                if name in choices
-                for text in words.missing_cells(choices[name], trials.factors)
-            ),
+            *_missing(choices, trials.factors),
             *words.warnings(trials, table, quality, n_choices),
             *(goodness_warnings(table, trials.factors) if len(table) else []),
         ),
@@ -287,6 +262,21 @@ def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None
             procedures=set(trials.rows["procedure"]) if "procedure" in trials.rows.columns else (),
         ),
     )
+
+
+def _dependents(table: pd.DataFrame, choices: Mapping[str, pd.DataFrame]) -> Iterator[tuple[str, str, pd.DataFrame]]:
+    """Each task with a dependent value of its own, and the rows that hold it."""
+    for task, dependents in OUTCOMES.items():
+        if len(table) and (table["task"] == task).any():
+            yield from ((task, dependent, table[table["task"] == task]) for dependent in dependents)
+    yield from ((task, dependent, choices[task]) for task, dependent in DIRECT.items() if task in choices)
+
+
+def _missing(choices: Mapping[str, pd.DataFrame], factors: Sequence[str]) -> Iterator[str]:
+    """What is to be said of cells without a value, of tasks that are analysed directly."""
+    for task in DIRECT:
+        if task in choices:
+            yield from words.missing_cells(choices[task], factors)
 
 
 def _bounds(plan: Plan, task: str) -> Mapping[str, float]:

@@ -104,7 +104,11 @@ def render(found: Analysis) -> str:
         outcomes=[_section(outcome, found) for outcome in found.outcomes],
         forms=[(form, means_sentence(form.summary), _summary_grid(form), form.sentences()) for form in found.forms],
         grids=_grids(found),
-        choices={name: grid(choice_table(found, name), factors) for name in words.CHOICES if name in found.tables},
+        choices={
+            name: grid(choice_table(found.tables[name], name, found.trials, found.unit), factors)
+            for name in words.CHOICES
+            if name in found.tables
+        },
         together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
         shrunken={each.task: grid(each.participants, factors) for each in found.together},
         references=words.references(found.methods),
@@ -167,7 +171,8 @@ def data_line(found: Analysis) -> str:
     parts.append(f"{counted(len(rows), 'row')} in {counted(found.trials.n_files, 'file')}")
     told = [", ".join(parts), f"factors: {', '.join(words_of) or 'none'}"]
     told += [f"levels in {found.unit}"] if found.unit else []
-    return f"{'; '.join(told)}."[0].upper() + f"{'; '.join(told)}."[1:]
+    line = "; ".join(told)
+    return f"{line[0].upper()}{line[1:]}."
 
 
 def unbroken(text: str) -> str:

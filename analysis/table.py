@@ -342,14 +342,27 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
             f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
             "between 'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)"
         )
-    factors = tuple(header[header.index("trial") + 1 : header.index("procedure")])
+    factors = stated_factors(header)
     for name in factors:
         if name in RESERVED:
             raise InvalidFile(
                 f"{path}, row 1: found {name!r} between 'trial' and 'procedure', where factors stand, but the analysis "
                 "keeps that name for itself; rename the column, or name the factors with --within"
             )
-    return factors
+    return tuple(factors)
+
+
+def stated_factors(header: Sequence[str]) -> list[str]:
+    """The columns between ``trial`` and ``procedure``, where a data set of ours has its factors.
+
+    >>> stated_factors(["participant", "trial", "frequency_hz", "procedure", "level"])
+    ['frequency_hz']
+    >>> stated_factors(["participant", "level"])
+    []
+    """
+    if not {"trial", "procedure"} <= set(header):
+        return []
+    return list(header[header.index("trial") + 1 : header.index("procedure")])
 
 
 def _is_filled(column: "pd.Series[Any]") -> bool:

@@ -55,7 +55,7 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
         yield form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared]
     for name, title in CHOICE_NAMES.items():
         if name in found.tables:
-            yield choice_table(found, name), title, ()
+            yield choice_table(found.tables[name], name, found.trials, found.unit), title, ()
     for name, title in (("loss", "loss of amplitude"), ("force", "applied force")):
         if name in found.tables:
             table = found.tables[name]

@@ -14,7 +14,8 @@ class ThresholdFit:
     in natural logarithms of the level). None: the data do not tell. Where only a bound is known
     (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
     the bound. `deviance` is that of the mode the method rests on (the likelihood's for ``ml`` and
-    ``profile``, the posterior's otherwise). `note` is empty for the status ``ok``.
+    ``profile``, the posterior's otherwise). `note` says what lies behind a status; for ``ok`` it is empty, but where
+    ``ml``, ``map`` or ``profile`` meet the levels of an adaptive track.
 
     `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method.
     `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the

@@ -33,15 +33,16 @@ def exposure_before(own: Path, others: list[Path], elapsed_s: float, window_s: f
     back, has just begun.
     """
     now_s, now_utc_s = time.perf_counter(), time.time()
+    of_session = list(stimuli(own))
     begun = [
         (min(utc_s - now_utc_s, 0.0), event.duration_s)
-        for journal in (own, *others)
-        for event in stimuli(journal)
+        for events in (of_session, *map(stimuli, others))
+        for event in events
         if (utc_s := _utc_s(event)) is not None and event.duration_s is not None
     ]
     recent = sorted((now_s + ago_s, lasts_s) for ago_s, lasts_s in begun if ago_s > -window_s - lasts_s)
     intervals_s = tuple((begin_s, begin_s + lasts_s) for begin_s, lasts_s in recent)
-    charges_c = [charge for event in stimuli(own) if isinstance(charge := event.facts.get("charge_c"), float)]
+    charges_c = [charge for event in of_session if isinstance(charge := event.facts.get("charge_c"), float)]
     return Exposure(now_s - elapsed_s, intervals_s, sum(charges_c))
 
 
