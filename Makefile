@@ -69,7 +69,7 @@ pages: $(VENV)/.test ## write docs/cost.md (what accuracy costs) and docs/stabil
 	$(MAKE) --no-print-directory stability
 
 keys: $(VENV)/.core ## write the tables of keys in docs/studies.md and docs/procedures.md anew
-	@$(BIN)/python -m tactometry.experiments.key_tables
+	@$(BIN)/python -m tactometry.experiments.study.key_tables
 
 stability: system $(VENV)/.test ## write docs/stability.md from the hard cases of the tests
 	@$(BIN)/python -m pytest -q --stability

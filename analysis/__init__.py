@@ -11,31 +11,31 @@ A name is imported when it is first asked for.
 
 from typing import TYPE_CHECKING
 
-from tactometry.lazy import exports
+from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.anova import permutation_test, repeated_measures
-    from tactometry.analysis.attrakdiff import item_scores, scores
-    from tactometry.analysis.column_map import ColumnMap, read_column_map
-    from tactometry.analysis.detection import (
+    from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
+    from tactometry.analysis.anova.post_hoc import pairs, rank_pairs
+    from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+    from tactometry.analysis.attrakdiff.scoring import item_scores, scores
+    from tactometry.analysis.hierarchical.fitting import fit_hierarchical
+    from tactometry.analysis.mixed_models.glmm import fit_glmm
+    from tactometry.analysis.outcomes.group_means import group_table, mean_with_interval
+    from tactometry.analysis.pipeline import Analysis, analyse
+    from tactometry.analysis.plan import Plan, read_plan
+    from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+    from tactometry.analysis.reading.trials import Trials, read_trials
+    from tactometry.analysis.report.page import write_report
+    from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
+    from tactometry.analysis.tasks.signal_detection import (
         Sensitivity,
         forced_choice_chance,
         forced_choice_sensitivity,
         two_interval_sensitivity,
         yes_no_sensitivity,
     )
-    from tactometry.analysis.glmm import fit_glmm
-    from tactometry.analysis.group import group_table, mean_with_interval
-    from tactometry.analysis.hierarchical import fit_hierarchical
-    from tactometry.analysis.nonparametric import aligned_rank_transform, art_contrasts, friedman
-    from tactometry.analysis.pipeline import Analysis, analyse
-    from tactometry.analysis.plan import Plan, read_plan
-    from tactometry.analysis.post_hoc import pairs, rank_pairs
-    from tactometry.analysis.report import write_report
-    from tactometry.analysis.same_different import differencing_sensitivity, independent_sensitivity
-    from tactometry.analysis.status import Status
-    from tactometry.analysis.table import Trials, read_trials
-    from tactometry.analysis.threshold import ThresholdFit, fit, fit_many
+    from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
+    from tactometry.analysis.threshold.status import Status
 
 __all__ = [
     "Analysis",
@@ -74,22 +74,22 @@ __all__ = [
 ]
 
 _NAMES = {
-    "anova": "permutation_test repeated_measures",
-    "attrakdiff": "item_scores scores",
-    "column_map": "ColumnMap read_column_map",
-    "detection": "Sensitivity forced_choice_chance forced_choice_sensitivity two_interval_sensitivity "
+    "anova.within_subjects": "permutation_test repeated_measures",
+    "attrakdiff.scoring": "item_scores scores",
+    "reading.column_map": "ColumnMap read_column_map",
+    "tasks.signal_detection": "Sensitivity forced_choice_chance forced_choice_sensitivity two_interval_sensitivity "
     "yes_no_sensitivity",
-    "glmm": "fit_glmm",
-    "group": "group_table mean_with_interval",
-    "hierarchical": "fit_hierarchical",
-    "nonparametric": "aligned_rank_transform art_contrasts friedman",
+    "mixed_models.glmm": "fit_glmm",
+    "outcomes.group_means": "group_table mean_with_interval",
+    "hierarchical.fitting": "fit_hierarchical",
+    "anova.nonparametric": "aligned_rank_transform art_contrasts friedman",
     "pipeline": "Analysis analyse",
     "plan": "Plan read_plan",
-    "post_hoc": "pairs rank_pairs",
-    "report": "write_report",
-    "same_different": "differencing_sensitivity independent_sensitivity",
-    "status": "Status",
-    "table": "Trials read_trials",
-    "threshold": "ThresholdFit fit fit_many",
+    "anova.post_hoc": "pairs rank_pairs",
+    "report.page": "write_report",
+    "tasks.same_different": "differencing_sensitivity independent_sensitivity",
+    "threshold.status": "Status",
+    "reading.trials": "Trials read_trials",
+    "threshold.fitting": "ThresholdFit fit fit_many",
 }
 __getattr__, __dir__ = exports(__name__, _NAMES)

@@ -7,24 +7,26 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis import adjustment, cells, group, magnitude, words
-from tactometry.analysis.amplitude_loss import loss_table, losses
-from tactometry.analysis.bradley_terry import preference_table
-from tactometry.analysis.cell_goodness import SEED, goodness_columns, goodness_table, goodness_warnings
-from tactometry.analysis.column_map import ColumnMap
-from tactometry.analysis.compliance import applied, force_of_participants, force_table, has_force
-from tactometry.analysis.findings import Outcome
-from tactometry.analysis.frames import frames, with_frames
-from tactometry.analysis.origin import Origin, of_one_kind
-from tactometry.analysis.outcomes import outcome
+from tactometry.analysis.attrakdiff.ratings import Ratings, ratings
+from tactometry.analysis.outcomes import group_means
+from tactometry.analysis.outcomes.findings import Outcome
+from tactometry.analysis.outcomes.hierarchical_outcome import Together, together
+from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.plan import Plan, plan_of
-from tactometry.analysis.ratings import Ratings, ratings
-from tactometry.analysis.rule_estimate import Replay, rule_columns
-from tactometry.analysis.same_different import same_different_table
-from tactometry.analysis.study_text import StudyText, study_text
-from tactometry.analysis.table import Trials, read_trials
-from tactometry.analysis.together import Together, together
-from tactometry.analysis.tracks import tracks
+from tactometry.analysis.reading.column_map import ColumnMap
+from tactometry.analysis.reading.origin import Origin, of_one_kind
+from tactometry.analysis.reading.quality import frames, with_frames
+from tactometry.analysis.reading.trials import Trials, read_trials
+from tactometry.analysis.report import methods as words
+from tactometry.analysis.report.study_text import StudyText, study_text
+from tactometry.analysis.tasks import adjustment, cells, magnitude
+from tactometry.analysis.tasks.applied_force import applied, force_of_participants, force_table, has_force
+from tactometry.analysis.tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
+from tactometry.analysis.tasks.measurement import loss_table, losses
+from tactometry.analysis.tasks.preference import preference_table
+from tactometry.analysis.tasks.rule_estimate import Replay, rule_columns
+from tactometry.analysis.tasks.same_different import same_different_table
+from tactometry.analysis.tasks.tracks import tracks
 from tactometry.errors import InvalidFile, InvalidParameter
 
 OUTCOMES = {
@@ -177,7 +179,7 @@ def analyse(
     if report is None and pdf:
         raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
     if report is not None:
-        from tactometry.analysis.report import check_report
+        from tactometry.analysis.report.page import check_report
 
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
@@ -188,7 +190,7 @@ def analyse(
     )
     if report is None and figures is None:
         return found
-    from tactometry.analysis.report import write_figures, write_report
+    from tactometry.analysis.report.page import write_figures, write_report
 
     if figures is not None:
         found = write_figures(found, figures)
@@ -225,7 +227,7 @@ def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None
     fits = tuple(
         fit for part in by_task if part and (fit := together(part, trials.factors, n_choices, unit)) is not None
     )
-    quality = with_frames(group.quality(everything), frames(everything.path))
+    quality = with_frames(group_means.quality(everything), frames(everything.path))
     return Analysis(
         trials=trials,
         unit=unit,
@@ -334,8 +336,8 @@ def _fit_tables(table: pd.DataFrame, found: Sequence[cells.Cell], trials: Trials
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
-        "rates": group.detection_rates(found, trials.factors),
-        "mean_rates": group.mean_rates(found, trials.factors),
+        "rates": group_means.detection_rates(found, trials.factors),
+        "mean_rates": group_means.mean_rates(found, trials.factors),
         "counts": cells.count_table(found, trials.factors),
         "tracks": tracks(trials),
     }

@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from tactometry.analysis.compliance import Exclusion
-from tactometry.analysis.stated import stated
+from tactometry.analysis.reading.study_file import stated
+from tactometry.analysis.tasks.applied_force import Exclusion
+from tactometry.config.quantity import as_si
+from tactometry.config.strict import build, read_toml
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.quantity import as_si
-from tactometry.strict import build, read_toml
 
 
 @dataclass(frozen=True)

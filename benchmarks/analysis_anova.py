@@ -16,7 +16,7 @@ import pingouin
 import statsmodels
 from statsmodels.stats.anova import AnovaRM
 
-from tactometry.analysis.anova import permutation_test, repeated_measures
+from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 
 N_LEVELS = (3, 7)
 WITHIN = ["force_n", "frequency_hz"]

@@ -12,10 +12,10 @@ from time import process_time
 import numpy as np
 from scipy.optimize import minimize
 
-from tactometry.analysis.counts import checked, normalised
-from tactometry.analysis.mode import find_mode, log_density
-from tactometry.analysis.prior import Prior
-from tactometry.analysis.threshold import fit, fit_many
+from tactometry.analysis.threshold.counts import checked, normalised
+from tactometry.analysis.threshold.fitting import fit, fit_many
+from tactometry.analysis.threshold.mode import find_mode, log_density
+from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 LEVELS = np.linspace(-3, 3, 7)

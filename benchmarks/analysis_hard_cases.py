@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova import repeated_measures
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.anova.within_subjects import repeated_measures
+from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 
 GUIDE_S = 0.1

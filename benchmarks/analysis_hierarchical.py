@@ -10,8 +10,8 @@ from time import process_time
 
 import numpy as np
 
-from tactometry.analysis.glmm import fit_glmm
-from tactometry.analysis.hierarchical import fit_hierarchical
+from tactometry.analysis.hierarchical.fitting import fit_hierarchical
+from tactometry.analysis.mixed_models.glmm import fit_glmm
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = np.linspace(5, 33, 7)

@@ -8,8 +8,8 @@ from time import perf_counter, process_time
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis import text_table
-from tactometry.analysis.table import read_trials
+from tactometry.analysis.reading import text_table
+from tactometry.analysis.reading.trials import read_trials
 
 N_TRIALS = 1_000_000
 HEADER = (

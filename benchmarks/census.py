@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tactometry.experiments.census import census, settings, summary
+from tactometry.experiments.census.thresholds import census, settings, summary
 
 SHARES = {
     "ok": "`ok`",

@@ -5,7 +5,7 @@ from argparse import ArgumentParser
 import numpy as np
 import pandas as pd
 
-from tactometry.experiments.census_comparisons import FITTED, PEOPLE, WITHOUT_LAPSES, census, summary
+from tactometry.experiments.census.comparisons import FITTED, PEOPLE, WITHOUT_LAPSES, census, summary
 
 SHARES = ("jnd_covered", "jnd_above", "jnd_below", "pse_covered")
 HEADS = ("SD", "trials per level", "lapses / %", "JND covered", "above", "below", "PSE covered", "JND / truth")

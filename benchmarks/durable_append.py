@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from tactometry.dataset import Session
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
-from tactometry.open_session import OpenSession
-from tactometry.request import Done, Record
-from tactometry.trial import Trial
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
+from tactometry.records.data_set import Session
+from tactometry.records.open_session import OpenSession
+from tactometry.session.request import Done, Record
+from tactometry.trials.trial import Trial
 
 N_TRIALS = 2000
 

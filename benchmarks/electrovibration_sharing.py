@@ -20,9 +20,9 @@ from tactometry.stimuli.electrovibration import (
     sliding,
     sliding_many,
 )
-from tactometry.stimuli.electrovibration.force import force_form
-from tactometry.stimuli.electrovibration.lift import flow
-from tactometry.stimuli.electrovibration.pieces import straight
+from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.motion.lift import flow
+from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 T_S = np.linspace(0, 0.05, 289)[1:]
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import DryFriction, Finger, Sine, Skin, Travel, stick_slip
-from tactometry.stimuli.electrovibration.force import ForceForm, force_form
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 
 Real = NDArray[np.float64]
 FINGER, SPEED, LOAD_N, KINETIC = Finger(), 0.05, 0.5, 0.5

@@ -51,9 +51,9 @@ class Gated:
         reader.tell(self._hear)
 
     def _arm(self):
-        from tactometry.force_gate import ForceGate
-        from tactometry.rigs.grip import Grip
-        from tactometry.rigs.trigger import Trigger
+        from tactometry.gates.force import ForceGate
+        from tactometry.rigs.touch.applied_force import Grip
+        from tactometry.rigs.touch.trigger import Trigger
 
         self.grip = Grip(ForceGate(1.0, 0.2, HOLD_S))
         self.trigger = Trigger(lambda: self.grip.open, lambda: not self.grip.open, self._fire, self._arm)
@@ -99,7 +99,7 @@ def busy(work_s):
 
 def drawn(window, page, listener, work_s):
     """How late a drawing loop knows of each opening: by every sample, and by the newest of a frame alone."""
-    from tactometry.force_gate import ForceGate
+    from tactometry.gates.force import ForceGate
 
     gate = newest = ForceGate(1.0, 0.2, HOLD_S)
     every, peer, opened_s, end_s = [], [], None, time.perf_counter() + LISTENED_S
@@ -131,9 +131,9 @@ def main():
     with_display()
     from test_device_sensors import Emulator
 
-    from tactometry.rigs.frames import timing_of
-    from tactometry.rigs.layout import marker_page
-    from tactometry.rigs.trigger import quick_turns
+    from tactometry.rigs.frame_timing import timing_of
+    from tactometry.rigs.pages.layout import marker_page
+    from tactometry.rigs.touch.trigger import quick_turns
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=False, size=(1280, 800))

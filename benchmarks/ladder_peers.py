@@ -4,7 +4,7 @@
 
 Finite differences, scikit-fem, other polynomials, Newmark's method and `solve_ivp`, psignifit and questplus run
 interleaved with our own rungs, on one thread. The rows of the ladders that ran are written anew to
-`experiments/ladders/peers.csv`, with the time of our finest rung in the same run as yardstick.
+`experiments/cost/peers.csv`, with the time of our finest rung in the same run as yardstick.
 """
 
 import csv
@@ -18,11 +18,11 @@ import ladder_peers_fits
 import ladder_peers_motion
 import ladder_peers_plates
 
+from tactometry.experiments.cost.measure import Point, climb
+from tactometry.experiments.cost.peers import RECORD
+from tactometry.experiments.cost.problem import OURS, Rung
+from tactometry.experiments.cost.report import machine, table
 from tactometry.experiments.ladders import LADDERS
-from tactometry.experiments.ladders.measure import Point, climb
-from tactometry.experiments.ladders.peers import RECORD
-from tactometry.experiments.ladders.problem import OURS, Rung
-from tactometry.experiments.ladders.report import machine, table
 from tactometry.target import resolve
 
 PEERS: dict[str, Callable[[], Sequence[Rung]]] = {

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import quest_plus_grid, threshold_fit
-from tactometry.experiments.ladders.problem import Rung
 from tactometry.psychometric import shape_named
 
 Real = NDArray[np.float64]

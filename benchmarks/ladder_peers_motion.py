@@ -8,12 +8,12 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import friction_events, skin_propagator, time_integration
-from tactometry.experiments.ladders.problem import Rung
 from tactometry.stimuli.electrovibration import DryFriction, Finger, Skin
-from tactometry.stimuli.electrovibration.force import force_per_square_volt_n
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
+from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 Real = NDArray[np.float64]
 FACTORS = (4, 16, 64, 256)

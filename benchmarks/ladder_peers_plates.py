@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from scikit_fem_plate import bogner_fox_schmit_hz
 from scipy import sparse
 
+from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import boundary_basis, plate_modes
-from tactometry.experiments.ladders.problem import Rung
-from tactometry.stimuli.time_reversal.axis import LegendreAxis
-from tactometry.stimuli.time_reversal.legendre import Family
-from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.ritz import ellipse, pencil
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis
+from tactometry.stimuli.time_reversal.rectangle.legendre import Family
+from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pencil
 
 Real = NDArray[np.float64]
 CELLS = (20, 40, 80, 160)

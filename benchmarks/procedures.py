@@ -35,7 +35,7 @@ from tactometry.protocols import (
     WeightedStaircase,
     psi,
 )
-from tactometry.protocols.outcome_model import p_log_p
+from tactometry.protocols.bayesian.outcome_model import p_log_p
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
 N_MAX, EVERY, SHOWN = 480, 5, (40, 80, 160)

@@ -17,7 +17,7 @@ from scikit_fem_plate import bogner_fox_schmit_hz
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
 ELEMENTS = ((40, 28), (60, 42), (90, 63))

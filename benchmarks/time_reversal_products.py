@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_reversal import ClosedReversal
-from tactometry.stimuli.time_reversal.glass import GLASSES
-from tactometry.stimuli.time_reversal.modes import values
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import PointForce, border
+from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
+from tactometry.stimuli.time_reversal.plate.glass import GLASSES
+from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 Array = NDArray[np.float64]
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.propagator import run_linear
-from tactometry.stimuli.time_reversal.quantiser import normalised
-from tactometry.stimuli.time_reversal.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.focusing.quantiser import normalised
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
 
 Array = NDArray[np.float64]
 RATE_HZ, N = 100e3, 1500

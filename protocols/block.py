@@ -6,15 +6,15 @@ from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 
+from tactometry.arguments.require import given, is_number, of_kind, one_of, positive, whole
 from tactometry.errors import InvalidParameter, counted
-from tactometry.protocols.pool import answered
-from tactometry.protocols.procedure import Procedure
-from tactometry.protocols.task import Alternative, Outcome, Presentation, Reply, Task
-from tactometry.protocols.touch import Touch
-from tactometry.request import Record, Show
-from tactometry.require import given, is_number, of_kind, one_of, positive, whole
-from tactometry.run import Course
-from tactometry.trial import Trial
+from tactometry.protocols.procedures.procedure import Procedure
+from tactometry.protocols.procedures.shared_learning import answered
+from tactometry.protocols.tasks.task import Alternative, Outcome, Presentation, Reply, Task
+from tactometry.protocols.tasks.touch import Touch
+from tactometry.session.request import Record, Show
+from tactometry.session.run import Course
+from tactometry.trials.trial import Trial
 
 T = TypeVar("T")
 Interleaving = Literal["random", "balanced"]

@@ -8,8 +8,8 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from tactometry.arguments.require import of_kind, one_of, whole
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.require import of_kind, one_of, whole
 
 T = TypeVar("T")
 

@@ -6,14 +6,14 @@ from typing import Protocol
 
 import numpy as np
 
+from tactometry.arguments.require import of_kind
 from tactometry.protocols.block import Track
-from tactometry.protocols.rating import filled_in
-from tactometry.protocols.task import Reply
+from tactometry.protocols.tasks.rating import filled_in
+from tactometry.protocols.tasks.task import Reply
 from tactometry.questionnaire import Questionnaire
-from tactometry.request import Done, Record, Show
-from tactometry.require import of_kind
-from tactometry.run import Course
-from tactometry.trial import Trial
+from tactometry.session.request import Done, Record, Show
+from tactometry.session.run import Course
+from tactometry.trials.trial import Trial
 
 
 class Part(Protocol):

@@ -9,18 +9,18 @@ from math import inf
 
 import numpy as np
 
+from tactometry.arguments.require import positive
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.require import positive
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
-from tactometry.stimuli.time_reversal import focus_train
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.sensation import Keyed, TimeReversalSensation
-from tactometry.stimuli.time_reversal.setup import Setup
-from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus import focus_train
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.stimulus.sensation import Keyed, TimeReversalSensation
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
     Raises
     ------
     InvalidParameter
-        If the responses do not suit the foci (`tactometry.stimuli.time_reversal.focus_train.measured`).
+        If the responses do not suit the foci (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
 
     Examples
     --------

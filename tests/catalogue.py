@@ -11,9 +11,8 @@ from benches import gain_table
 from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, small_screen
 
 from tactometry.contact import Contact
-from tactometry.experiments.study import builtin, load
-from tactometry.experiments.wiring import wire
-from tactometry.limits import Limits
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, load
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
@@ -44,11 +43,12 @@ from tactometry.protocols import (
     session,
 )
 from tactometry.protocols.block import run_block
-from tactometry.protocols.task import Alternative
+from tactometry.protocols.tasks.task import Alternative
 from tactometry.questionnaire import load as load_form
 from tactometry.rigs.console import Console
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
@@ -65,16 +65,16 @@ from tactometry.stimuli.electrovibration import (
     Velvet,
     WithOffset,
 )
-from tactometry.stimuli.electrovibration.played_texture import straight_path_m
+from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.effect import Touch
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.setup import Setup
-from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 LIMITS = Limits(voltage_peak_v=200.0)
 

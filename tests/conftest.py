@@ -227,7 +227,7 @@ def watched(screen, log):
 
 @pytest.fixture
 def output(log):
-    from tactometry.limits import Limits
+    from tactometry.safety.limits import Limits
 
     return LoggedOutput(log, Limits(voltage_peak_v=50.0))
 

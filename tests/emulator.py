@@ -17,8 +17,8 @@ import socket
 import sys
 import time
 
-from tactometry.devices.framing import Frame, encode_frame
-from tactometry.devices.udp import BEGIN, END, RECORD
+from tactometry.devices.sensors.framing import Frame, encode_frame
+from tactometry.devices.sensors.udp import BEGIN, END, RECORD
 
 RATE_HZ = 1000.0
 LSL_CLOCKS = {}

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tactometry.stimuli.time_reversal.learning import write_learnt
-from tactometry.stimuli.time_reversal.responses import Responses
-from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.responses.learning import write_learnt
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 PROVENANCE = {"measured_on": "2026-11-20", "measured_by": "ZG"}
 

@@ -1,6 +1,6 @@
 """A keeper of requests and answers in memory, for tests of the loop."""
 
-from tactometry.rigs.replay import Replay
+from tactometry.session.replay import Replay
 
 
 class Memory:

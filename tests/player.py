@@ -8,8 +8,8 @@ import time
 
 import numpy as np
 
-from tactometry.devices.audio import AudioSettings
-from tactometry.devices.gain import Gain
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
 from tactometry.signal import Signal
 
 GAIN = Gain(50.0, 1.0)

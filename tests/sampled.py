@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from tactometry.devices.reader import Block
+from tactometry.devices.sensors.reader import Block
 
 STEP_S = 0.002
 

@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
-from tactometry.experiments.calibrating import BAR_PART, BAR_WORDS
-from tactometry.protocols.rating import pages
+from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
+from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
-from tactometry.rigs import entry, form, layout
+from tactometry.rigs.pages import entry, form, layout
 from tactometry.rigs.texts import languages, texts_in
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))

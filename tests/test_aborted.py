@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from command_line import call
 
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
-from tactometry.journal import read
-from tactometry.request import Record
-from tactometry.trial import tally
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import load
+from tactometry.records.journal import read
+from tactometry.session.request import Record
+from tactometry.trials.trial import tally
 
 STUDY = Path(__file__).with_name("recorded") / "inquiries" / "study.toml"
 
@@ -127,8 +127,8 @@ def test_a_block_that_lasts_too_long_says_so(tmp_path, capsys):
 
 @pytest.fixture(scope="module")
 def asked(tmp_path_factory):
-    from tactometry.experiments.recording import Who, record, simulated
-    from tactometry.experiments.wiring import wire
+    from tactometry.experiments.sessions.recording import Who, record, simulated
+    from tactometry.experiments.study.experiment import wire
 
     folder = tmp_path_factory.mktemp("asked")
     study, toml = load(str(study_in(folder, **STEADY)))

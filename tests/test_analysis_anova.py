@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.anova import repeated_measures
-from tactometry.analysis.complete import largest_complete
+from tactometry.analysis.anova.complete_design import largest_complete
+from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.errors import InvalidParameter
 
 # Science 11.5: 8 participants; force 0.5 | 1 | 2 N, each at 60 120 240 480 Hz; dB re 1 V

@@ -5,8 +5,13 @@ import pytest
 from scipy import stats
 from test_analysis_contrasts import drawn, long_table
 
-from tactometry.analysis.anova import permutation_test, repeated_measures
-from tactometry.analysis.apa import (
+from tactometry.analysis.anova.assumptions import checks
+from tactometry.analysis.anova.equivalence import equivalence
+from tactometry.analysis.anova.nonparametric import aligned_rank_transform, friedman
+from tactometry.analysis.anova.post_hoc import pairs
+from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+from tactometry.analysis.mixed_models.linear import mixed_model
+from tactometry.analysis.report.apa import (
     anova_sentences,
     equivalence_sentences,
     friedman_sentence,
@@ -17,11 +22,6 @@ from tactometry.analysis.apa import (
     rank_sentences,
     share_text,
 )
-from tactometry.analysis.assumptions import checks
-from tactometry.analysis.equivalence import equivalence
-from tactometry.analysis.mixed_model import mixed_model
-from tactometry.analysis.nonparametric import aligned_rank_transform, friedman
-from tactometry.analysis.post_hoc import pairs
 
 ARGUMENTS = {"dependent": "y", "subject": "subject"}
 

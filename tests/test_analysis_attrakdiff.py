@@ -11,7 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from own_form import OWN_FORM
 
-from tactometry.analysis.attrakdiff import (
+from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.attrakdiff.ratings import ratings
+from tactometry.analysis.attrakdiff.scoring import (
     consistency,
     cronbach_alpha,
     item_scores,
@@ -21,12 +23,10 @@ from tactometry.analysis.attrakdiff import (
     summary,
     word_pairs,
 )
-from tactometry.analysis.patterns import THESIS, against_reference, frequency_by_envelope
-from tactometry.analysis.ratings import ratings
-from tactometry.analysis.stated import forms_of
-from tactometry.analysis.table import read_trials
+from tactometry.analysis.reading.study_file import forms_of
+from tactometry.analysis.reading.trials import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.study import load as load_study
+from tactometry.experiments.study.study_file import load as load_study
 from tactometry.questionnaire import load
 
 FORM = load("attrakdiff")

@@ -8,13 +8,13 @@ from numpy.polynomial import legendre
 from scipy.interpolate import CubicSpline
 from scipy.stats import binom, kstest
 
-from tactometry.analysis import shared_grid
-from tactometry.analysis.counts import normalised
-from tactometry.analysis.likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
-from tactometry.analysis.mode import find_mode
-from tactometry.analysis.posterior import rate_rule
-from tactometry.analysis.prior import LARGEST_RATE, Prior, log_threshold, log_width
-from tactometry.analysis.threshold import fit_many
+from tactometry.analysis.threshold import shared_grid
+from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.fitting import fit_many
+from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
+from tactometry.analysis.threshold.mode import find_mode
+from tactometry.analysis.threshold.posterior import rate_rule
+from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_threshold, log_width
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

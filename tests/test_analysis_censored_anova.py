@@ -13,14 +13,14 @@ from scipy.stats import multivariate_normal
 from test_analysis_contrasts import NAMES, drawn, long_table
 from test_analysis_mixed_anova import study as of_groups
 
-from tactometry.analysis.anova import repeated_measures
-from tactometry.analysis.censored_anova import censored_anova
-from tactometry.analysis.censored_model import censored_model
-from tactometry.analysis.design import DesignStatus, UndefinedStatistic
-from tactometry.analysis.group import group_table
-from tactometry.analysis.mixed_anova import mixed_anova
-from tactometry.analysis.strata import Bounded, fit_strata
-from tactometry.analysis.truncated import between
+from tactometry.analysis.anova.censored import censored_anova
+from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.strata import Bounded, fit_strata
+from tactometry.analysis.anova.truncated_normal import between
+from tactometry.analysis.anova.within_subjects import repeated_measures
+from tactometry.analysis.mixed_models.censored import censored_model
+from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.errors import InvalidParameter
 
 GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "subject"}

@@ -10,7 +10,7 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
-from tactometry.analysis.censored_model import (
+from tactometry.analysis.mixed_models.censored import (
     LARGEST_STEP,
     _Censored,
     _interval,
@@ -18,11 +18,11 @@ from tactometry.analysis.censored_model import (
     _value,
     censored_model,
 )
-from tactometry.analysis.held import endless_direction
-from tactometry.analysis.laplace import MixedModel as Clusters
-from tactometry.analysis.laplace import inner_mode
-from tactometry.analysis.mixed_model import ModelStatus, design_matrix, mixed_model
-from tactometry.analysis.quadrature import log_marginal_by_quadrature
+from tactometry.analysis.mixed_models.held import endless_direction
+from tactometry.analysis.mixed_models.laplace import MixedModel as Clusters
+from tactometry.analysis.mixed_models.laplace import inner_mode
+from tactometry.analysis.mixed_models.linear import ModelStatus, design_matrix, mixed_model
+from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
 from tactometry.errors import InvalidParameter
 
 GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "who"}

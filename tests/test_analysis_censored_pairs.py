@@ -7,11 +7,11 @@ from test_analysis_censored_anova import GIVEN, cut, open_ended
 from test_analysis_contrasts import drawn, long_table
 from test_analysis_mixed_anova import study as of_groups
 
-from tactometry.analysis.censored_anova import CensoredAnova, censored_anova
-from tactometry.analysis.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
-from tactometry.analysis.equivalence import equivalence
-from tactometry.analysis.group_pairs import group_pairs
-from tactometry.analysis.post_hoc import pairs
+from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
+from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from tactometry.analysis.anova.equivalence import equivalence
+from tactometry.analysis.anova.group_pairs import group_pairs
+from tactometry.analysis.anova.post_hoc import pairs
 
 COMPARED = ["difference", "difference_low", "simultaneous_high", "t", "df", "p_unc", "p_corr"]
 

@@ -9,10 +9,10 @@ from scipy.special import expit, logit
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from tactometry.analysis.bradley_terry import WorthStatus, bradley_terry, preference_table
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.same_different import differencing_sensitivity, independent_sensitivity
-from tactometry.analysis.table import Trials
+from tactometry.analysis.reading.trials import Trials
+from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table
+from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidParameter
 

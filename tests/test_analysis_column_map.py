@@ -9,10 +9,10 @@ from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis.column_map import ColumnMap, read_column_map
-from tactometry.analysis.fast_text import plain_cells, plain_numbers
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.table import parsed, read_trials, used_rows
+from tactometry.analysis.reading.arrow_text import plain_cells, plain_numbers
+from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.trials import parsed, read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile
 
@@ -258,7 +258,7 @@ def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, da
 def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
     import pandas as pd
 
-    from tactometry.analysis.table import _numbers_of_words
+    from tactometry.analysis.reading.trials import _numbers_of_words
 
     text = pd.Series(words, dtype="str")
     assert np.array_equal(plain_numbers(text), _numbers_of_words(text), equal_nan=True)

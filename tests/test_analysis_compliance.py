@@ -6,16 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tactometry.analysis.compliance import (
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import Plan, plan_of, read_plan
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.tasks.applied_force import (
     Exclusion,
     applied,
     force_of_participants,
     force_table,
     has_force,
 )
-from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.plan import Plan, plan_of, read_plan
-from tactometry.analysis.table import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
 
 COLUMNS = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,latency_s"
@@ -204,7 +204,7 @@ def test_a_damaged_plan_of_a_study_is_refused(tmp_path, text, message) -> None:
 
 
 def test_a_study_refuses_an_impossible_plan_before_it_runs() -> None:
-    from tactometry.experiments.study import locate, parse
+    from tactometry.experiments.study.study_file import locate, parse
 
     content = locate("electrovibration-threshold").read_bytes()
     assert parse(content + STATED.encode(), "s.toml").analysis["hierarchical"] is False

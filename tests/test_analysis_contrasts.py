@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from scipy.stats import f as fisher
 from scipy.stats import ncf
 
-from tactometry.analysis.anova import effect_row, permutation_test, repeated_measures, singular_note
-from tactometry.analysis.contrasts import Effect, Sphericity, effects, permutation_p
-from tactometry.analysis.design import Design, DesignStatus, UndefinedStatistic
-from tactometry.analysis.effect_size import eta_squared, noncentrality
+from tactometry.analysis.anova.contrasts import Effect, Sphericity, effects, permutation_p
+from tactometry.analysis.anova.design import Design, DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.effect_size import eta_squared, noncentrality
+from tactometry.analysis.anova.within_subjects import effect_row, permutation_test, repeated_measures, singular_note
 from tactometry.errors import InvalidParameter
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import ndtri
 
-from tactometry.analysis.detection import (
+from tactometry.analysis.tasks.signal_detection import (
     forced_choice_chance,
     forced_choice_sensitivity,
     two_interval_sensitivity,

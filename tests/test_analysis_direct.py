@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tactometry.analysis.pipeline import Analysis, analyse
-from tactometry.analysis.report import render
-from tactometry.analysis.report_figures import figures_of
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import render
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidFile
 

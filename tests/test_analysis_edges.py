@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 from hard_cases import exact_case
 
-from tactometry.analysis.complete import largest_complete
-from tactometry.analysis.group import quality
-from tactometry.analysis.table import read_trials
-from tactometry.analysis.threshold import METHODS, fit
+from tactometry.analysis.anova.complete_design import largest_complete
+from tactometry.analysis.outcomes.group_means import quality
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.threshold.fitting import METHODS, fit
 
 
 @pytest.mark.parametrize(("n_complete", "found"), [(2, False), (3, True)])

@@ -14,10 +14,10 @@ from scipy.stats import t as student
 from test_analysis_censored_anova import GIVEN, cut
 from test_analysis_contrasts import long_table
 
-from tactometry.analysis.censored_anova import censored_anova
-from tactometry.analysis.contrasts import Effect, contrasts
-from tactometry.analysis.post_hoc import pairs
-from tactometry.analysis.within_intervals import DIFFERENCE, within_variances
+from tactometry.analysis.anova.censored import censored_anova
+from tactometry.analysis.anova.contrasts import Effect, contrasts
+from tactometry.analysis.anova.post_hoc import pairs
+from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N = 10

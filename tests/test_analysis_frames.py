@@ -4,10 +4,10 @@ import pandas as pd
 import pytest
 from test_analysis_report import DATA
 
-from tactometry.analysis.frames import frames, with_frames
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.quality import frames, with_frames
 from tactometry.errors import InvalidFile
-from tactometry.event import COLUMNS, Event
+from tactometry.session.event import COLUMNS, Event
 
 NAMES = [column.name for column in COLUMNS]
 

@@ -5,8 +5,8 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.special import ndtr
 
-from tactometry.analysis import laplace
-from tactometry.analysis.glmm import MixedStatus, fit_glmm
+from tactometry.analysis.mixed_models import laplace
+from tactometry.analysis.mixed_models.glmm import MixedStatus, fit_glmm
 from tactometry.errors import InvalidParameter
 
 LEVELS = np.linspace(-3, 3, 7)

@@ -13,12 +13,12 @@ from scipy.special import ndtri
 from scipy.stats import binom, chi2
 from scipy.stats import f as fisher
 
-from tactometry.analysis.contrasts import epsilons
-from tactometry.analysis.hierarchical import GroupStatus, HierarchicalFit, fit_hierarchical
-from tactometry.analysis.hierarchical_table import Layout
-from tactometry.analysis.laplace import inner_mode, log_marginal
-from tactometry.analysis.threshold import fit
-from tactometry.analysis.threshold_model import mixed_model, start
+from tactometry.analysis.anova.contrasts import epsilons
+from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical
+from tactometry.analysis.hierarchical.layout import Layout
+from tactometry.analysis.hierarchical.model import mixed_model, start
+from tactometry.analysis.mixed_models.laplace import inner_mode, log_marginal
+from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
 

@@ -9,9 +9,9 @@ import pytest
 from command_line import call
 from tutorial_session import journal_of, live
 
-from tactometry.analysis.group import quality
-from tactometry.analysis.table import read_trials
-from tactometry.experiments.edited import edited
+from tactometry.analysis.outcomes.group_means import quality
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.experiments.data_sets.edited import edited
 
 PAIR = {"participant": "P1", "trial": "1", "side": "a", "procedure": "pairs", "level": "1", "task": "preference"} | {
     "response": "1",

@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.anova import repeated_measures
-from tactometry.analysis.design import DesignStatus, UndefinedStatistic
-from tactometry.analysis.group_pairs import group_pairs
-from tactometry.analysis.mixed_anova import mixed_anova
-from tactometry.analysis.outcomes import outcome
+from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.group_pairs import group_pairs
+from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.within_subjects import repeated_measures
+from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.errors import InvalidParameter
 
 

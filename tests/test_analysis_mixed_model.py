@@ -11,10 +11,10 @@ from test_analysis_anova import PUBLISHED, WITHIN, long_table
 from test_analysis_contrasts import drawn
 from test_analysis_contrasts import long_table as any_table
 
-from tactometry.analysis.contrasts import effects
-from tactometry.analysis.design import Design
-from tactometry.analysis.mixed_anova import mixed_anova
-from tactometry.analysis.mixed_model import ModelStatus, mixed_model
+from tactometry.analysis.anova.contrasts import effects
+from tactometry.analysis.anova.design import Design
+from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model
 from tactometry.errors import InvalidParameter
 
 

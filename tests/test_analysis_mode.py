@@ -8,9 +8,9 @@ import pytest
 from hard_cases import exact_case
 from scipy.stats import binom
 
-from tactometry.analysis.counts import checked, normalised
-from tactometry.analysis.mode import climb, find_mode, log_density
-from tactometry.analysis.prior import Prior
+from tactometry.analysis.threshold.counts import checked, normalised
+from tactometry.analysis.threshold.mode import climb, find_mode, log_density
+from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

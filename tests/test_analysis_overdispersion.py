@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import betabinom, binom
 
-from tactometry.analysis.counts import normalised
-from tactometry.analysis.likelihood import expansion
-from tactometry.analysis.overdispersion import log_weight, overdispersed_expansion
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.threshold.beta_binomial import log_weight, overdispersed_expansion
+from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.threshold.likelihood import expansion
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
 

@@ -13,10 +13,10 @@ from test_analysis_anova import PUBLISHED, WITHIN, long_table
 from test_analysis_contrasts import drawn
 from test_analysis_contrasts import long_table as any_table
 
-from tactometry.analysis.design import UndefinedStatistic
-from tactometry.analysis.equivalence import equivalence
-from tactometry.analysis.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.post_hoc import dz_interval, evidence, pairs, rank_pairs
+from tactometry.analysis.anova.design import UndefinedStatistic
+from tactometry.analysis.anova.equivalence import equivalence
+from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
+from tactometry.analysis.anova.post_hoc import dz_interval, evidence, pairs, rank_pairs
 from tactometry.errors import InvalidParameter
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

@@ -10,13 +10,13 @@ from click.testing import CliRunner
 from scipy.stats import f_oneway
 from test_analysis_attrakdiff import study as answers_of
 
-from tactometry.analysis.anova import repeated_measures
-from tactometry.analysis.group import group_table
-from tactometry.analysis.group_words import group_methods
-from tactometry.analysis.outcomes import outcome
+from tactometry.analysis.anova.post_hoc import pairs
+from tactometry.analysis.anova.within_subjects import repeated_measures
+from tactometry.analysis.outcomes.group_means import group_table
+from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import Plan
-from tactometry.analysis.post_hoc import pairs
+from tactometry.analysis.report.group_methods import group_methods
 from tactometry.cli.analyse import command, summary_text
 
 FACTORS = ["force_n", "frequency_hz"]

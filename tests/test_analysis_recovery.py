@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from tactometry.analysis.threshold import fit_many
+from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = np.linspace(8.0, 36.0, 8)

@@ -13,15 +13,15 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from tactometry.analysis.cells import DIFFERENCE_PER_WIDTH
-from tactometry.analysis.compliance import Exclusion
-from tactometry.analysis.group import cross_table, group_table
+from tactometry.analysis.outcomes.group_means import cross_table, group_table
 from tactometry.analysis.pipeline import Analysis, analyse
 from tactometry.analysis.plan import Plan
-from tactometry.analysis.printing import BROWSERS, WEASYPRINT, print_pdf
-from tactometry.analysis.report import write_report
-from tactometry.analysis.report_figures import figures_of
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import write_report
+from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
+from tactometry.analysis.tasks.applied_force import Exclusion
+from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH
+from tactometry.analysis.threshold.fitting import fit
 from tactometry.cli.analyse import command, summary_text
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis import hierarchical
-from tactometry.analysis.cells import Cell, estimates
-from tactometry.analysis.hierarchical_table import cells as shrunken
-from tactometry.analysis.threshold import Status, fit, fit_many
-from tactometry.analysis.together import together
+from tactometry.analysis.hierarchical import fitting
+from tactometry.analysis.hierarchical.layout import cells as shrunken
+from tactometry.analysis.outcomes.hierarchical_outcome import together
+from tactometry.analysis.tasks.cells import Cell, estimates
+from tactometry.analysis.threshold.fitting import Status, fit, fit_many
 
 RATES = (None, 0.0, 0.02)
 OUTSIDE = (Status.BELOW, Status.ABOVE, Status.FLAT)
@@ -60,7 +60,7 @@ def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None
 def test_intervals_of_participants_hold_what_the_variances_leave_uncertain(monkeypatch) -> None:
     """Drawn to a group of four whose variances are known badly; at these as found, 6.4 % of truths were missed."""
     seen = []
-    monkeypatch.setattr(hierarchical, "cells", lambda *given: seen.append(given) or shrunken(*given))
+    monkeypatch.setattr(fitting, "cells", lambda *given: seen.append(given) or shrunken(*given))
     answers = {"A": (0, 3, 7, 10), "B": (1, 6, 8, 10), "C": (0, 1, 4, 9), "D": (2, 7, 9, 10)}
     found = together(
         [Cell(who, (), "yes_no", (1, 2, 3, 4), k, (10,) * 4, 0, 0) for who, k in answers.items()], (), 2, ""

@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis.column_map import ColumnMap, read_column_map
-from tactometry.analysis.table import read_trials, used_rows
+from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
 

@@ -11,7 +11,7 @@ from hard_cases import hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis.threshold import METHODS, Status, ThresholdFit, fit, fit_many
+from tactometry.analysis.threshold.fitting import METHODS, Status, ThresholdFit, fit, fit_many
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hard_cases import hard_case
 
-from tactometry.analysis import posterior, shared_grid
-from tactometry.analysis.threshold import ThresholdFit, fit, fit_many
+from tactometry.analysis.threshold import posterior, shared_grid
+from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = np.linspace(-3, 3, 7)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.responses import by_point, expected_information
-from tactometry.analysis.threshold import METHODS, Status, fit
+from tactometry.analysis.threshold.chances import by_point, expected_information
+from tactometry.analysis.threshold.fitting import METHODS, Status, fit
 from tactometry.psychometric import SHAPES
 
 DIGITS = 50

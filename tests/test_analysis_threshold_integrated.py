@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import gammaln, ndtr, xlogy
 
-from tactometry.analysis.threshold import Status, ThresholdFit, fit, fit_many
+from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit, fit_many
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

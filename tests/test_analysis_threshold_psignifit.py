@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from tactometry.analysis.threshold import Status, fit
+from tactometry.analysis.threshold.fitting import Status, fit
 from tactometry.psychometric import PsychometricFunction
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

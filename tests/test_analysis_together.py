@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from test_analysis_report import DATA, SHARED
 
-from tactometry.analysis import together as module
-from tactometry.analysis.cells import Cell, cells
+from tactometry.analysis.outcomes import hierarchical_outcome as module
+from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import Plan
-from tactometry.analysis.table import read_trials
-from tactometry.analysis.together import _text, together
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.tasks.cells import Cell, cells
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
 """F where participants' deviations have a variance, as it may happen."""

@@ -12,13 +12,13 @@ from click.testing import CliRunner
 from hard_cases import exact_case
 from scipy.special import ndtr
 
-from tactometry.analysis.anova import permutation_test, repeated_measures
-from tactometry.analysis.assumptions import checks
-from tactometry.analysis.equivalence import equivalence
-from tactometry.analysis.mixed_model import mixed_model
-from tactometry.analysis.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.post_hoc import pairs, rank_pairs
-from tactometry.analysis.threshold import METHODS, fit, fit_many
+from tactometry.analysis.anova.assumptions import checks
+from tactometry.analysis.anova.equivalence import equivalence
+from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
+from tactometry.analysis.anova.post_hoc import pairs, rank_pairs
+from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+from tactometry.analysis.mixed_models.linear import mixed_model
+from tactometry.analysis.threshold.fitting import METHODS, fit, fit_many
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.cli import main
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
 
 
 @pytest.fixture(scope="module")
@@ -113,9 +113,9 @@ def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
 
 def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(copied):
     from tactometry.errors import Diverged
-    from tactometry.journal import read
-    from tactometry.rigs.replay import Replay
-    from tactometry.run import replay
+    from tactometry.records.journal import read
+    from tactometry.session.replay import Replay
+    from tactometry.session.run import replay
 
     study, _ = load("tutorial")
     experiment = wire(study, "tutorial")

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.errors import TactometryError
-from tactometry.experiments.study import builtin, parse
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 THRESHOLD = builtin()["electrovibration-threshold"].read_text("utf-8")

@@ -13,12 +13,12 @@ import pytest
 from benches import gain_table, gain_toml
 from command_line import call
 
-from tactometry.devices.audio import AudioSettings
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.gain import Gain
-from tactometry.devices.lsl import LslSettings
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.lsl import LslSettings
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import (
+from tactometry.experiments.bench.bench_file import (
     RAMP_S,
     BenchFile,
     Learnt,
@@ -27,11 +27,11 @@ from tactometry.experiments.bench_file import (
     load_bench,
     parse_bench,
 )
-from tactometry.experiments.checking import _strongest
-from tactometry.experiments.study import builtin, load
-from tactometry.experiments.wiring import wire
-from tactometry.limits import Limits
-from tactometry.load import Load
+from tactometry.experiments.bench.preflight import _strongest
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, load
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
 STUDY = Limits(200.0)
@@ -434,8 +434,8 @@ def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_pat
 def test_reading_a_bench_file_loads_no_device_library(tmp_path):
     (tmp_path / "bench.toml").write_text(WHOLE, encoding="utf-8")
     script = (
-        "import sys, datetime, pathlib; from tactometry.experiments.bench_file import load_bench\n"
-        "from tactometry.limits import Limits\n"
+        "import sys, datetime, pathlib; from tactometry.experiments.bench.bench_file import load_bench\n"
+        "from tactometry.safety.limits import Limits\n"
         "load_bench(pathlib.Path('bench.toml')).devices(Limits(1.0), datetime.date(2026, 11, 21))\n"
         "print({'sounddevice', 'pylsl', 'serial', 'nidaqmx'} & set(sys.modules))\n"
         "print([name for name in sys.modules if name.startswith('tactometry.devices.') and 'ni' in name.split('.')])"

@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tactometry.devices.file_output import FileSettings, read_signal
-from tactometry.devices.gain import Gain
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import NullOutput, check_playable, with_ramps
+from tactometry.devices.outputs.file import FileSettings, read_signal
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullOutput, check_playable, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
-from tactometry.limits import Limits
 from tactometry.rigs.emitter import Emitter
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0

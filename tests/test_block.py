@@ -13,9 +13,9 @@ from memory import Memory
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import Asked, Standing, run_block, turns
-from tactometry.protocols.task import Outcome, Reply
-from tactometry.request import Show
-from tactometry.run import run
+from tactometry.protocols.tasks.task import Outcome, Reply
+from tactometry.session.request import Show
+from tactometry.session.run import run
 
 
 def lived(protocol, seed=1):

@@ -22,11 +22,11 @@ from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.cli import main
-from tactometry.devices.gain import Gain
-from tactometry.devices.reader import Block, Reader
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.sensors.reader import Block, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
-from tactometry.experiments.bench_file import parse_bench
-from tactometry.experiments.calibrating import (
+from tactometry.experiments.bench.bench_file import parse_bench
+from tactometry.experiments.bench.calibration import (
     display_height_m,
     display_toml,
     fit_force,
@@ -36,14 +36,14 @@ from tactometry.experiments.calibrating import (
     gain_tone,
     show_bar,
 )
-from tactometry.experiments.figures import force_figure, responses_figure
-from tactometry.experiments.learning import Learning, Microphone, joined, learn
-from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.learning import as_displacement, read_provenance, sequence, sweep
-from tactometry.stimuli.time_reversal.measured import read
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.experiments.bench.figures import force_figure, responses_figure
+from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep
+from tactometry.stimuli.time_reversal.responses.measured import read
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 TODAY = date(2026, 11, 21)
 
@@ -330,7 +330,7 @@ def test_a_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts)
 
 
 def test_a_sensor_that_sends_nothing_is_not_calibrated(calibrate, tmp_path, monkeypatch):
-    monkeypatch.setattr("tactometry.experiments.calibrating.FIRST_SAMPLE_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.calibration.FIRST_SAMPLE_WITHIN_S", 0.1)
     (tmp_path / "b.toml").write_text('[sensors.hand]\nkind = "udp"\naddress = "127.0.0.1"\nrate_hz = 1000\n')
     silent = calibrate("force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "0,1,2", answers="y\n")
     assert silent.returncode == 3

@@ -15,8 +15,8 @@ import pandas as pd
 import pytest
 from scipy.stats import binom
 
-from tactometry.analysis.threshold import Status, fit_many
-from tactometry.experiments.census import (
+from tactometry.analysis.threshold.fitting import Status, fit_many
+from tactometry.experiments.census.thresholds import (
     INSIDE,
     N_TRIALS,
     OUT,

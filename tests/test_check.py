@@ -21,12 +21,12 @@ from test_device_sensors import Emulator, available
 
 from tactometry.cli.check import _table
 from tactometry.cli.hands_off import hands_are_off
-from tactometry.experiments.bench_file import load_bench, parse_bench
-from tactometry.experiments.checking import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
-from tactometry.experiments.study import load as load_numbers
-from tactometry.experiments.wiring import wire
-from tactometry.limits import Limits
-from tactometry.rigs.page import Page
+from tactometry.experiments.bench.bench_file import load_bench, parse_bench
+from tactometry.experiments.bench.preflight import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load as load_numbers
+from tactometry.rigs.pages.page import Page
+from tactometry.safety.limits import Limits
 
 LIMITS = '[limits]\nvoltage_peak_v = 80.0\nduration_s = 10.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
 LOAD = '[output.load]\nkind = "electrode"\ncapacitance_f = "1 nF"\n'
@@ -114,7 +114,7 @@ def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, partici
 
 
 def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
-    monkeypatch.setattr("tactometry.experiments.checking.KEYS_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.KEYS_WITHIN_S", 0.1)
     found = _pressed(watched, "fr", tmp_path)
     assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
     assert "sur la barre d'espace" in watched.pages[-1].items[1].words
@@ -199,7 +199,7 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
 
 
 def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
-    monkeypatch.setattr("tactometry.experiments.checking.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]

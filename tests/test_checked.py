@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry import require
-from tactometry.checked import checked
+from tactometry.arguments import require
+from tactometry.arguments.annotations import Matrix, Unbounded, UnboundedArray, Vector
+from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.rule import Matrix, Unbounded, UnboundedArray, Vector
 
 SENTENCES: Mapping[str, tuple[Any, Any, str]] = {
     "a number": (float, "wide", "found 'wide', expected a finite number"),

@@ -8,10 +8,10 @@ import pandas as pd
 from command_line import call
 
 from tactometry.analysis.pipeline import Analysis, analysed
-from tactometry.analysis.report import render
-from tactometry.analysis.report_figures import figures_of
-from tactometry.analysis.same_different import same_different_table
-from tactometry.analysis.table import read_trials
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import render
+from tactometry.analysis.tasks.same_different import same_different_table
 from tactometry.cli.analyse import summary_text
 
 RECORDED = Path(__file__).with_name("recorded")

@@ -11,15 +11,15 @@ import pandas as pd
 import pytest
 from scipy.stats import binom
 
-from tactometry.analysis.cells import fit_options
-from tactometry.analysis.counts import checked, normalised
-from tactometry.analysis.mode import climb, find_mode, log_density
-from tactometry.analysis.posterior import marginals
-from tactometry.analysis.prior import Prior
-from tactometry.analysis.shared_grid import batched_marginals
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.tasks.cells import fit_options
+from tactometry.analysis.threshold.counts import checked, normalised
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.threshold.mode import climb, find_mode, log_density
+from tactometry.analysis.threshold.posterior import marginals
+from tactometry.analysis.threshold.prior import Prior
+from tactometry.analysis.threshold.shared_grid import batched_marginals
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.census_comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary
+from tactometry.experiments.census.comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary
 from tactometry.psychometric import shape_named
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"

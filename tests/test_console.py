@@ -7,10 +7,10 @@ import catalogue
 import pytest
 
 from tactometry.errors import Stopped
-from tactometry.request import Choose, Record
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import texts_in
-from tactometry.trial import Trial
+from tactometry.session.request import Choose, Record
+from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
 

@@ -16,19 +16,19 @@ import pytest
 from command_line import call
 from sampled import Sampled
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.file_output import FileOutput, FileSettings
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.outputs.file import FileOutput, FileSettings
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import DeviceFailed, Stopped
-from tactometry.experiments.study import load
-from tactometry.limits import Limits
-from tactometry.request import Adjust, Choose, Play, Press, Record, Show
+from tactometry.experiments.study.study_file import load
 from tactometry.rigs.console import Console
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Adjust, Choose, Play, Press, Record, Show
 from tactometry.stimuli.electrovibration import Sine
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0)

@@ -6,12 +6,12 @@ import pytest
 from command_line import call
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of, live
 
-from tactometry.dataset import Session
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.recording import RigKind, record, simulated
-from tactometry.experiments.validation import validate
-from tactometry.journal import checksum, encode, read
-from tactometry.rows import Defect, defects, grouped
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import RigKind, record, simulated
+from tactometry.records.data_set import Session
+from tactometry.records.journal import checksum, encode, read
+from tactometry.trials.row_rules import Defect, defects, grouped
 
 
 def found(root):

@@ -18,12 +18,12 @@ import pytest
 from benches import gain_table
 from hard_cases import hard_case
 
-from tactometry.devices.audio import AudioOutput, AudioSettings
-from tactometry.devices.course import Course
-from tactometry.devices.gain import Gain
+from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
+from tactometry.devices.outputs.frame_feed import Course
+from tactometry.devices.outputs.gain import Gain
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.bench_file import parse_bench
-from tactometry.limits import Limits
+from tactometry.experiments.bench.bench_file import parse_bench
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 ALSA = Path("/usr/share/alsa/alsa.conf")
@@ -97,7 +97,7 @@ def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
 def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
     build = f"AudioSettings(48e3, **{settings})"
     script = (
-        "from tactometry.devices.audio import AudioSettings; from tactometry.devices.gain import Gain\n"
+        "from tactometry.devices.outputs.audio import AudioSettings; from tactometry.devices.outputs.gain import Gain\n"
         f"try: {build}.driver(Gain(1.0, 1.0)).open()\nexcept Exception as error: print(type(error).__name__, error)"
     )
     result = subprocess.run([sys.executable, "-c", script], env=alsa, capture_output=True, text=True, check=True)
@@ -129,11 +129,11 @@ def test_a_stop_falls_to_zero_within_a_block():
 
 OPEN = """
 import sys
-from tactometry.devices.audio import AudioSettings
-from tactometry.devices.gain import Gain
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.bench_file import parse_bench
-from tactometry.limits import Limits
+from tactometry.experiments.bench.bench_file import parse_bench
+from tactometry.safety.limits import Limits
 try:
     AudioSettings(48e3, sys.argv[1], sample_format="int16").driver(Gain(1.0, 1.0)).open()
 except Exception as error:

@@ -9,10 +9,10 @@ from hard_cases import exact_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactometry.devices.arrival import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals
 from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.counted import CountedSamples
-from tactometry.devices.reader import Block, Reader
+from tactometry.devices.sensors.arrival import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals
+from tactometry.devices.sensors.counted_samples import CountedSamples
+from tactometry.devices.sensors.reader import Block, Reader
 from tactometry.errors import DeviceFailed
 
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from test_device_sensors import Emulator, available, wait_for
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.counted import SLEW
-from tactometry.devices.streamed import streamed_force, streamed_position
-from tactometry.force_gate import ForceGate
-from tactometry.request import Press, Slide
+from tactometry.devices.sensors.counted_samples import SLEW
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.gates.force import ForceGate
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Press, Slide
 from tactometry.stimuli.electrovibration import Sine
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.05, ramp_s=0.01, level_unit="V")

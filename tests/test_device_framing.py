@@ -10,12 +10,12 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactometry.devices.calibration import ForceCalibration
 from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.counted import SLEW, STEP_S, CountedSamples
-from tactometry.devices.framing import Frame, Framing, encode_frame, frame_bytes
-from tactometry.devices.position_sensor import mean_speed_m_per_s
-from tactometry.devices.udp import RECORD, records
+from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.framing import Frame, Framing, encode_frame, frame_bytes
+from tactometry.devices.sensors.position_sensor import mean_speed_m_per_s
+from tactometry.devices.sensors.udp import RECORD, records
 from tactometry.errors import InvalidParameter
 
 REMEMBERED_S = 4.0

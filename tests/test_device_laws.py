@@ -10,8 +10,8 @@ from test_device_sensors import LIBRARIES, Emulator, available
 
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.errors import LimitExceeded
-from tactometry.experiments.bench_file import parse_bench
-from tactometry.limits import Limits
+from tactometry.experiments.bench.bench_file import parse_bench
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 STUDY = Limits(1000.0)

@@ -15,15 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tactometry.devices.file_output import FileSettings, read_signal
-from tactometry.devices.gain import Gain
-from tactometry.devices.guarded import Guarded
 from tactometry.devices.measured import Measured
-from tactometry.devices.ni import NiSettings, started, task_of
-from tactometry.devices.packed_output import PackedSettings
+from tactometry.devices.outputs.file import FileSettings, read_signal
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.ni import NiSettings, started, task_of
+from tactometry.devices.outputs.packed import PackedSettings
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
-from tactometry.limits import Limits
-from tactometry.load import Load
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0
@@ -361,7 +361,7 @@ def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
 
 @needs_nidaqmx
 def test_a_stop_does_not_wait_for_a_driver_that_hangs(task, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.ni.CLOSE_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.devices.outputs.ni.CLOSE_WITHIN_S", 0.1)
     hangs, output = threading.Event(), NI.driver(Gain(10.0, 20.0))
     output.open()
     output.play(volts([[1.0, 2.0], [3.0, 4.0]]))

@@ -18,19 +18,19 @@ from sampled import Sampled
 from test_device_outputs import RATE_HZ, bits, volts
 from test_device_sensors import wait_for
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.gain import Gain
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.packed import HEADER_BYTES, decode, encode, stop_stream, word_bytes
-from tactometry.devices.packed_output import STOP_WITHIN_S, PackedSettings
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, stop_stream, word_bytes
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.packed import STOP_WITHIN_S, PackedSettings
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import DeviceFailed, InvalidParameter, TactometryError
-from tactometry.limits import Limits
-from tactometry.load import Load
-from tactometry.request import Press
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+from tactometry.session.request import Press
 from tactometry.signal import Signal
 
 
@@ -244,7 +244,7 @@ def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_
 
 
 def test_a_board_that_takes_no_stream_fails_after_its_time(board, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.packed_output.SEND_BESIDE_S", 0.1)
+    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_BESIDE_S", 0.1)
     output = output_to(board)
     board.hang()
 
@@ -289,7 +289,7 @@ def test_a_board_that_reads_again_after_a_stop_in_a_stream_plays_the_next(tmp_pa
 
 
 def test_a_pipe_that_nobody_reads_is_refused_after_a_time(tmp_path, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.packed_output.OPEN_WITHIN_S", 0.2)
+    monkeypatch.setattr("tactometry.devices.outputs.packed.OPEN_WITHIN_S", 0.2)
     os.mkfifo(tmp_path / "board")
     output = PackedSettings(str(tmp_path / "board"), 1, RATE_HZ).driver(Gain(30.0, 1.0))
 
@@ -307,8 +307,8 @@ def test_a_process_ends_by_a_signal_whatever_its_board_does(board):
         "import signal, time\n"
         "import numpy as np\n"
         "import tactometry.cli\n"
-        "from tactometry.devices.gain import Gain\n"
-        "from tactometry.devices.packed_output import PackedSettings\n"
+        "from tactometry.devices.outputs.gain import Gain\n"
+        "from tactometry.devices.outputs.packed import PackedSettings\n"
         "from tactometry.signal import Signal\n"
         "signal.signal(signal.SIGTERM, tactometry.cli._terminate)\n"
         f"output = PackedSettings({str(board.pipe)!r}, n_channels=32, rate_hz=1e3).driver(Gain(30.0, 1.0))\n"

@@ -17,15 +17,15 @@ import numpy as np
 import pytest
 from conftest import SOAK
 
-from tactometry.devices.arrival import LATE_S
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.counted import STEP_S
-from tactometry.devices.lsl import LslSettings
-from tactometry.devices.reader import Block, Listener, Reader
-from tactometry.devices.recorded import RecordedSettings
-from tactometry.devices.serial_line import SerialSettings
-from tactometry.devices.streamed import streamed_force, streamed_position
-from tactometry.devices.udp import UdpSettings
+from tactometry.devices.sensors.arrival import LATE_S
+from tactometry.devices.sensors.counted_samples import STEP_S
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.lsl import LslSettings
+from tactometry.devices.sensors.reader import Block, Listener, Reader
+from tactometry.devices.sensors.recorded import RecordedSettings
+from tactometry.devices.sensors.serial_line import SerialSettings
+from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.devices.sensors.udp import UdpSettings
 from tactometry.errors import DeviceFailed
 
 N_LISTENED = 600_000 if SOAK else 3000
@@ -246,7 +246,7 @@ def test_what_is_not_there_is_named(settings, message):
 
 
 SEARCH = """
-from tactometry.devices import lsl
+from tactometry.devices.sensors import lsl
 from tactometry.errors import DeviceFailed
 lsl.LONGEST_SEARCH_S = 0.1
 try:
@@ -271,7 +271,7 @@ def test_the_library_of_a_stream_says_nothing_unless_the_user_wants_it(tmp_path,
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.lsl.LONGEST_SEARCH_S", 2.0)
+    monkeypatch.setattr("tactometry.devices.sensors.lsl.LONGEST_SEARCH_S", 2.0)
     with pytest.raises(DeviceFailed, match="found no such stream in 2 s, expected its outlet to run"):
         LslSettings("nobody sends this", 1000.0).source().open()
     device = plugged("lsl")
@@ -283,7 +283,7 @@ def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monke
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 def test_of_two_outlets_of_one_name_none_is_taken_unless_it_is_told_which(plugged, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.lsl.LONGEST_SEARCH_S", 5.0)
+    monkeypatch.setattr("tactometry.devices.sensors.lsl.LONGEST_SEARCH_S", 5.0)
     one = plugged("lsl", options=("--source-id", "left"))
     other = plugged("lsl", options=("--source-id", "right"), name=one.name, profile="1:700")
     both = "found outlets of this name with the source ids 'left', 'right', expected one"

@@ -17,11 +17,11 @@ from test_device_audio import alsa, server, sink, wait_for  # noqa: F401  # fixt
 from test_device_sensors import Emulator
 from test_window_session import any_keys, sit, tactometry
 
-from tactometry.devices.audio import AudioSettings
-from tactometry.devices.gain import Gain
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
 
 N_TRIALS = 3
 HELD_UP = ("sensor_lost", "output_gap")

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_position
-from tactometry.devices.touch_input import ABSOLUTE, EVENT, RELATIVE, SYNC, TRACKING, Finger, TouchSettings
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_position
+from tactometry.devices.sensors.touch_screen import ABSOLUTE, EVENT, RELATIVE, SYNC, TRACKING, Finger, TouchSettings
 from tactometry.errors import DeviceFailed
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n
-from tactometry.stimuli.electrovibration.closed_form import (
+from tactometry.stimuli.electrovibration.attraction.closed_form import (
     sine_mean_force_n,
     sine_voltage_v,
     square_edge_v,
@@ -15,7 +15,7 @@ from tactometry.stimuli.electrovibration.closed_form import (
     square_mean_force_n,
     step_voltage_v,
 )
-from tactometry.stimuli.electrovibration.force import corneum_voltage_v, force_per_square_volt_n
+from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_per_square_volt_n
 
 P0 = Skin()
 AREA_M2 = 1e-4

@@ -27,7 +27,7 @@ from tactometry.stimuli.electrovibration import (
     sliding_many,
     stick_slip,
 )
-from tactometry.stimuli.electrovibration import closed_form as closed
+from tactometry.stimuli.electrovibration.attraction import closed_form as closed
 
 P0, AREA_M2 = Skin(), 1e-4
 FORM = force_form("sc_layer", P0, AREA_M2)

@@ -26,10 +26,10 @@ from tactometry.stimuli.electrovibration import (
     sliding,
     stick_slip,
 )
-from tactometry.stimuli.electrovibration.force import force_form
-from tactometry.stimuli.electrovibration.pieces import straight
-from tactometry.stimuli.electrovibration.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.sensation import _room_for_the_square
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 AREA_M2, FINGER = 1e-4, Finger()
 

@@ -23,9 +23,9 @@ from tactometry.stimuli.electrovibration import (
     sliding,
     sliding_many,
 )
-from tactometry.stimuli.electrovibration.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.friction import lagged_friction_n
-from tactometry.stimuli.electrovibration.pieces import straight
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
+from tactometry.stimuli.electrovibration.motion.friction import lagged_friction_n
+from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 FINGER, FRICTION = Finger(), CoulombFriction(0.5)
 AREA_M2 = 1e-4

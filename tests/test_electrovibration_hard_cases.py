@@ -24,9 +24,9 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     sliding,
 )
-from tactometry.stimuli.electrovibration.closed_form import rise_peak_v, step_voltage_v
-from tactometry.stimuli.electrovibration.force import corneum_voltage_v, force_form
-from tactometry.stimuli.electrovibration.relaxation import Relaxations, high_passed
+from tactometry.stimuli.electrovibration.attraction.closed_form import rise_peak_v, step_voltage_v
+from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_form
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, high_passed
 
 AREA_M2 = 1e-4
 P0 = Skin()

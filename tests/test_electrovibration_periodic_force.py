@@ -13,9 +13,9 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     periodic_force_n,
 )
-from tactometry.stimuli.electrovibration.closed_form import square_mean_force_n
-from tactometry.stimuli.electrovibration.pieces import Pieces
-from tactometry.stimuli.electrovibration.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+from tactometry.stimuli.electrovibration.attraction.closed_form import square_mean_force_n
+from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 AREA_M2, N = 1e-4, 512
 GLASS, TISSUE = Layer(1e-6, 3.9), Layer(5e-3, 1e4, 2.0)

@@ -17,8 +17,8 @@ from tactometry.stimuli.electrovibration import (
     WithOffset,
     electrostatic_force_n,
 )
-from tactometry.stimuli.electrovibration.offset import Waveform
-from tactometry.stimuli.electrovibration.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.attraction.offset import Waveform
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 from tactometry.stimuli.perception import components
 
 RAMPED = [

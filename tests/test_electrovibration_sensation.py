@@ -18,7 +18,7 @@ from tactometry.stimuli.electrovibration import (
     Sine,
     Skin,
 )
-from tactometry.stimuli.electrovibration.closed_form import sine_mean_force_n
+from tactometry.stimuli.electrovibration.attraction.closed_form import sine_mean_force_n
 from tactometry.stimuli.perception import sensitivity_db
 
 MODEL = ElectrovibrationSensation()

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import PulseTrain, Sine, Skin, Solution, Square, Step, Trapezoid
-from tactometry.stimuli.electrovibration.pieces import Pieces
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 AREA_M2 = 1e-4
 END_S, PEAK_V, TOLERANCE = 0.02, 100.0, 1e-12

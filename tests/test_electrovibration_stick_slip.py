@@ -20,10 +20,10 @@ from tactometry.stimuli.electrovibration import (
     Trapezoid,
     Travel,
     stick_slip,
-    sticking,
 )
-from tactometry.stimuli.electrovibration.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.pieces import straight
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
+from tactometry.stimuli.electrovibration.motion import stick_slip as sticking
+from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5)
 LAYER = force_form("sc_layer", Skin(), 1e-4)

@@ -7,15 +7,15 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PowerLawArea, Print, TableArea, area_of_prints, power_law_of_prints
-from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS
-from tactometry.stimuli.electrovibration.played_texture import (
+from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS
+from tactometry.stimuli.electrovibration.textures.played_texture import (
     PlayedTexture,
     PositionSensor,
     lateral_modulation_n,
     straight_path_m,
 )
-from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
-from tactometry.stimuli.electrovibration.velvet import Velvet
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
+from tactometry.stimuli.electrovibration.textures.velvet import Velvet
 
 NOISE = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3))
 TEXTURES = [

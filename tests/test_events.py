@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.event import COLUMNS, FACTS, KINDS, Event, events_tsv
-from tactometry.experiments.recording import RigKind, record, simulated
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.validation import validate
-from tactometry.journal import read
-from tactometry.request import REQUESTS, Record
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import RigKind, record, simulated
+from tactometry.records.journal import read
+from tactometry.session.event import COLUMNS, FACTS, KINDS, Event, events_tsv
+from tactometry.session.request import REQUESTS, Record
 
 REMARK = Event("remark", 1.5, "2026-11-21T09:00:00.000+00:00", {"text": 'a "tab"\t and a\nline, said twice'})
 

@@ -11,16 +11,16 @@ import pytest
 from conftest import LONGEST_WAIT_S
 from sampled import Sampled
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.desk import Desk, order_of
+from tactometry.rigs.experimenter.terminal import Desk, order_of
 from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
 from tactometry.stimuli.electrovibration import Sine
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=20.0)

@@ -16,14 +16,14 @@ import pytest
 from click.testing import CliRunner
 from hard_cases import exact_case
 
-from tactometry.analysis.attrakdiff import scores
-from tactometry.analysis.column_map import read_column_map
-from tactometry.analysis.table import read_trials, used_rows
+from tactometry.analysis.attrakdiff.scoring import scores
+from tactometry.analysis.reading.column_map import read_column_map
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.export import command
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.exporting import export
-from tactometry.experiments.simulating import Simulation, simulate
-from tactometry.experiments.study import load
+from tactometry.experiments.data_sets.export import export
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.study_file import load
 from tactometry.questionnaire import load as load_questionnaire
 
 FORMS = ("bids", "psych-ds", "psychopy", "r")

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tactometry.experiments.export_r import MODELS
-from tactometry.experiments.exporting import export
+from tactometry.experiments.data_sets.export import export
+from tactometry.experiments.data_sets.r_table import MODELS
 from tactometry.questionnaire import load
 
 PACKAGES = ("lme4", "ordinal", "psyphy", "BradleyTerry2")

@@ -11,9 +11,9 @@ from command_line import call
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactometry.experiments.export_r import name, quoted
-from tactometry.experiments.exporting import export
-from tactometry.safe_text import FORMULA, cell_text, file_text
+from tactometry.experiments.data_sets.export import export
+from tactometry.experiments.data_sets.r_table import name, quoted
+from tactometry.files.safe_text import FORMULA, cell_text, file_text
 
 COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"
 HOSTILE = "x; system('touch owned') #"

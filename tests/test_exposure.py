@@ -11,19 +11,19 @@ from conftest import SOAK
 from test_window_session import any_keys, sit, tactometry
 from tutorial_session import EXPERIMENT, TOML
 
-from tactometry.dataset import Session
-from tactometry.devices.file_output import FileOutput, FileSettings
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import NullOutput
+from tactometry.devices.outputs.file import FileOutput, FileSettings
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import LimitExceeded
-from tactometry.event import Event
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
-from tactometry.journal import Head
-from tactometry.limits import Exposure, Limits
-from tactometry.load import Load
-from tactometry.open_session import OpenSession
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
+from tactometry.records.data_set import Session
+from tactometry.records.journal import Head
+from tactometry.records.open_session import OpenSession
+from tactometry.safety.limits import Exposure, Limits
+from tactometry.safety.load import Load
+from tactometry.session.event import Event
 from tactometry.signal import Signal
 
 BENCH = """

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.columns import DERIVED, RESERVED
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.trials.columns import DERIVED, RESERVED
 
 HEADER = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response"
 

@@ -10,7 +10,7 @@ from command_line import call
 from tutorial_session import live
 
 from tactometry.errors import DeviceFailed, InvalidFile
-from tactometry.files import drafts, make_folder, read_file, replaced, write_atomically, write_first
+from tactometry.files.durable import drafts, make_folder, read_file, replaced, write_atomically, write_first
 
 
 def mode(path):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.force_gate import ForceGate, compliance
+from tactometry.gates.force import ForceGate, compliance
 
 GATE = ForceGate(target_n=1.0, tolerance=0.25, hold_s=0.0625, max_gap_s=0.02)
 TICK_S = 1 / 1024

@@ -14,13 +14,13 @@ from command_line import call
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactometry.analysis.column_map import ColumnMap, read_column_map
-from tactometry.analysis.level_scale import scaled, wide_levels
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.table import read_trials, used_rows
+from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.level_scale import scaled, wide_levels
+from tactometry.analysis.reading.trials import read_trials, used_rows
+from tactometry.config.quantity import si_unit
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.psychometric import PsychometricFunction
-from tactometry.quantity import si_unit
 
 FOREIGN = Path(__file__).parent / "foreign"
 PSYCHOPY = ColumnMap(
@@ -215,7 +215,7 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
 def test_the_line_to_write_is_toml_that_means_the_word(word):
     import tomllib
 
-    from tactometry.analysis.table import _meaning
+    from tactometry.analysis.reading.trials import _meaning
 
     hint = _meaning("response", word)
     if "[values.response]: " in hint:

@@ -11,15 +11,15 @@ from command_line import call
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tactometry.answers import flaw
 from tactometry.errors import InvalidFile, TactometryError
-from tactometry.experiments.recording import Who, record, simulated
-from tactometry.experiments.replaying import rebuild_data_set, replay_data_set
-from tactometry.experiments.study import parse
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
-from tactometry.journal import checksum, encode, read
-from tactometry.request import Adjust, Adjusted, Enter, Fill, Filled, Question, Rate, Rated
+from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import parse
+from tactometry.records.journal import checksum, encode, read
+from tactometry.session.answer_rules import flaw
+from tactometry.session.request import Adjust, Adjusted, Enter, Fill, Filled, Question, Rate, Rated
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 RECORDED = Path(__file__).with_name("recorded")

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.force_gate import ForceGate
+from tactometry.gates.force import ForceGate
+from tactometry.gates.speed import SpeedGate, motion, triangle
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.request import Press, Slide
-from tactometry.speed_gate import SpeedGate, motion, triangle
+from tactometry.session.request import Press, Slide
 
 steps_s = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.0200001, 0.05, 0.0, -0.01, -1.0, math.nan])
 forces_n = st.sampled_from([0.0, 0.79, 0.8, 1.0, 1.2, 1.21, 5.0, -1.0, math.nan, math.inf])

@@ -9,13 +9,13 @@ from click.testing import CliRunner
 from scipy.special import ndtr
 from scipy.stats import binom, norm
 
-from tactometry.analysis.cell_goodness import P_COLUMNS, TESTS, goodness_table, goodness_warnings
-from tactometry.analysis.counts import normalised
-from tactometry.analysis.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
-from tactometry.analysis.mode import find_mode
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.prior import Prior
-from tactometry.analysis.threshold import fit
+from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table, goodness_warnings
+from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.threshold.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
+from tactometry.analysis.threshold.mode import find_mode
+from tactometry.analysis.threshold.prior import Prior
 from tactometry.cli.analyse import command
 from tactometry.psychometric import SHAPES
 

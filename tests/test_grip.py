@@ -5,8 +5,8 @@ import time
 import numpy as np
 import pytest
 
-from tactometry.force_gate import ForceGate
-from tactometry.rigs.grip import SILENT_S, Grip
+from tactometry.gates.force import ForceGate
+from tactometry.rigs.touch.applied_force import SILENT_S, Grip
 
 NOTHING = np.empty(0)
 

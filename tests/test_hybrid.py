@@ -7,14 +7,14 @@ import pytest
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
 from tactometry.stimuli.electrovibration import AmplitudeModulated
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
 from tactometry.stimuli.hybrid import Hybrid, HybridSensation
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.sensation import TimeReversalSensation
-from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SETUP = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
 FOCUS = FocusTrain(SETUP, f_max_hz=20e3)

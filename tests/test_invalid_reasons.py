@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from memory import Memory
 
-from tactometry.force_gate import Compliance
-from tactometry.judgement import broken
+from tactometry.gates.force import Compliance
+from tactometry.gates.speed import Motion
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
-from tactometry.protocols.task import Outcome, Reply, reply
-from tactometry.request import Adjusted, Chosen, Touched
+from tactometry.protocols.tasks.task import Outcome, Reply, reply
+from tactometry.rigs.judgement import broken
 from tactometry.rigs.simulated import SimulatedRig
-from tactometry.rows import defects
-from tactometry.run import run
-from tactometry.speed_gate import Motion
-from tactometry.trial import REASON_WORDS, REASONS, Trial, validity
+from tactometry.session.request import Adjusted, Chosen, Touched
+from tactometry.session.run import run
+from tactometry.trials.row_rules import defects
+from tactometry.trials.trial import REASON_WORDS, REASONS, Trial, validity
 
 GATED = Sliding(0.2, 1.0, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05, tolerance=0.2, speed_tolerance=0.1)
 

@@ -15,13 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tutorial_session import EXPERIMENT, TOML, journal_of, live
 
-from tactometry.dataset import Session, trials_csv
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
-from tactometry.experiments.recording import Who, record, simulated
-from tactometry.journal import encode_entry, read
-from tactometry.open_journal import Journal
-from tactometry.request import Choose, Chosen, Done, Record, Wait
-from tactometry.trial import Trial
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.records.data_set import Session, trials_csv
+from tactometry.records.journal import encode_entry, read
+from tactometry.records.open_journal import Journal
+from tactometry.session.request import Choose, Chosen, Done, Record, Wait
+from tactometry.trials.trial import Trial
 
 
 def files(root):
@@ -101,7 +101,7 @@ def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_
 
 def test_a_second_process_is_refused(lived):
     script = (
-        "import sys; from pathlib import Path; from tactometry.open_journal import Journal\n"
+        "import sys; from pathlib import Path; from tactometry.records.open_journal import Journal\n"
         "try: Journal(Path(sys.argv[1]), resume=True)\n"
         "except Exception as error: print(type(error).__name__, error)"
     )
@@ -157,8 +157,8 @@ FILL_DISK = """
 import sys
 from pathlib import Path
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.simulating import Simulation, simulate
-from tactometry.experiments.study import load
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.study_file import load
 
 disk = Path(sys.argv[1])
 try:
@@ -203,7 +203,7 @@ def test_a_number_that_is_not_finite_is_not_written(tmp_path):
 def test_any_trial_reads_back_as_it_was(factors, level, response):
     import msgspec
 
-    from tactometry.journal import decode_entry
+    from tactometry.records.journal import decode_entry
 
     trial = Trial(1, 1, factors, "staircase", level, "V", "yes_no", response)
     line = encode_entry(Record(trial), Done(0.5))
@@ -213,7 +213,7 @@ def test_any_trial_reads_back_as_it_was(factors, level, response):
 def test_choices_keep_their_type():
     import msgspec
 
-    from tactometry.journal import decode_entry
+    from tactometry.records.journal import decode_entry
 
     entry = (Choose("felt", (0, 1), ("no", "yes")), Chosen(1, 0.5, 0.25, "2026-01-01T00:00:00+00:00"))
     assert decode_entry(msgspec.json.decode(encode_entry(*entry))) == entry
@@ -239,7 +239,7 @@ def test_the_catalogue_names_every_built_in_study():
 
 
 def test_streams_differ_by_use():
-    from tactometry.streams import stream
+    from tactometry.experiments.study.random_streams import stream
 
     draws = {tuple(stream(1, *keys).integers(2**60, size=2)) for keys in [("a",), ("b",), ("a", 1), ("a", 1, 2), ()]}
     assert len(draws) == 5

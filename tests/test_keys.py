@@ -4,16 +4,16 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from tactometry.arguments.require import positive
+from tactometry.config.strict import build
+from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.cells import STIMULI, TOUCHES, merged
-from tactometry.experiments.key_tables import pages, procedure_tables, study_tables
-from tactometry.experiments.keys import Key, Table, keys_of
-from tactometry.experiments.procedures import PROCEDURES
-from tactometry.experiments.study import builtin
-from tactometry.experiments.tasks import TASKS
-from tactometry.require import positive
-from tactometry.strict import build
-from tactometry.toml import read_table
+from tactometry.experiments.study.cells import STIMULI, TOUCHES, merged
+from tactometry.experiments.study.key_tables import pages, procedure_tables, study_tables
+from tactometry.experiments.study.keys import Key, Table, keys_of
+from tactometry.experiments.study.procedure_table import PROCEDURES
+from tactometry.experiments.study.study_file import builtin
+from tactometry.experiments.study.task_table import TASKS
 
 TABLES = {**dict(study_tables()), **dict(procedure_tables())}
 
@@ -95,7 +95,7 @@ def test_a_session_that_may_last_no_time_is_refused():
 
 
 def test_a_unit_of_another_dimension_is_refused_where_the_unit_is_a_ratio():
-    from tactometry.quantity import as_si
+    from tactometry.config.quantity import as_si
 
     assert as_si({"rate_per_s": "3 s", "moment_n_per_v": "1 V"}, "") == {"rate_per_s": "3 s", "moment_n_per_v": "1 V"}
     with pytest.raises(InvalidParameter, match=r"^setup\.moment_n_per_v: found '1 V', expected a number"):

@@ -32,7 +32,11 @@ def start():
     """Starts the command line in a real process of its own."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(
-        ["tactometry.experiments.simulating", "tactometry.cli.run", "tactometry.stimuli.electrovibration.sensation"]
+        [
+            "tactometry.experiments.sessions.simulation",
+            "tactometry.cli.run",
+            "tactometry.stimuli.electrovibration.sensation",
+        ]
     )
 
     def started(arguments, terminal=None):

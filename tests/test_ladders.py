@@ -11,13 +11,13 @@ import pytest
 from conftest import SOAK
 
 from tactometry.cli import main
+from tactometry.experiments.cost.figures import error_against_price, frontier
+from tactometry.experiments.cost.measure import cheapest, climb
+from tactometry.experiments.cost.page import digit
+from tactometry.experiments.cost.peers import RECORD, peers_of, recorded_on
+from tactometry.experiments.cost.problem import Problem, Rung
+from tactometry.experiments.cost.report import answers, label, table
 from tactometry.experiments.ladders import LADDERS
-from tactometry.experiments.ladders.figures import error_against_price, frontier
-from tactometry.experiments.ladders.measure import cheapest, climb
-from tactometry.experiments.ladders.page import digit
-from tactometry.experiments.ladders.peers import RECORD, peers_of, recorded_on
-from tactometry.experiments.ladders.problem import Problem, Rung
-from tactometry.experiments.ladders.report import answers, label, table
 from tactometry.target import resolve
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "cost.md"

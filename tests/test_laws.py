@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from memory import Memory
 
 from tactometry.errors import Diverged, InvalidParameter
-from tactometry.journal import decode_entry, encode_entry
-from tactometry.protocols.procedure import Ending
-from tactometry.request import Record
-from tactometry.rigs.replay import Replay
-from tactometry.run import replay, run
+from tactometry.protocols.procedures.procedure import Ending
+from tactometry.records.journal import decode_entry, encode_entry
+from tactometry.session.replay import Replay
+from tactometry.session.request import Record
+from tactometry.session.run import replay, run
 
 seeds = st.integers(0, 2**32 - 1)
 per_stimulus = pytest.mark.parametrize("stimulus", catalogue.STIMULI.values(), ids=catalogue.STIMULI)

@@ -7,13 +7,13 @@ import pytest
 from learnt_file import PROVENANCE, true_responses, write_responses
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.bench_file import Learnt, parse_bench
-from tactometry.experiments.learnt_bank import bank_of, learnt_facts
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.bench.bench_file import Learnt, parse_bench
+from tactometry.experiments.bench.learnt_stimuli import bank_of, learnt_facts
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.focusing import emitted
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.limits import LONGEST_SIGNAL_S, Exposure, Limits
-from tactometry.load import Load
+from tactometry.safety.limits import LONGEST_SIGNAL_S, Exposure, Limits
+from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
 RATE_HZ = 1000.0

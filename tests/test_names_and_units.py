@@ -50,7 +50,7 @@ BARE = {
     "phases": "positions in a cycle, 0 to 1",
     "width_in": "of a figure, in inches, which matplotlib takes",
 }
-DRAWN = ("tactometry/rigs/layout.py", "tactometry/rigs/page.py", "tactometry/rigs/window.py")
+DRAWN = ("tactometry/rigs/pages/layout.py", "tactometry/rigs/pages/page.py", "tactometry/rigs/window.py")
 ON_SCREEN = frozenset(("width", "length", "radius", "position"))  # PsychoPy's unit: heights of the window
 
 

@@ -11,8 +11,8 @@ from command_line import call
 from test_sittings import SOUND, sit
 
 from tactometry.analysis.pipeline import analysed
-from tactometry.analysis.report import render
-from tactometry.analysis.table import read_trials
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.page import render
 
 RECORDED = Path(__file__).with_name("recorded")
 LINE = "Simulated participants, no people (seed 1)."

@@ -15,19 +15,19 @@ from command_line import call
 from test_device_sensors import available
 from tutorial_session import EXPERIMENT, TOML
 
-from tactometry.dataset import prepare
-from tactometry.devices.file_output import FileSettings
-from tactometry.devices.gain import Gain
-from tactometry.devices.packed_output import PackedSettings
-from tactometry.devices.reader import Reader
-from tactometry.devices.recorded import RecordedSettings
-from tactometry.devices.serial_line import SerialSettings
-from tactometry.devices.touch_input import TouchSettings
+from tactometry.devices.outputs.file import FileSettings
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.outputs.packed import PackedSettings
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.recorded import RecordedSettings
+from tactometry.devices.sensors.serial_line import SerialSettings
+from tactometry.devices.sensors.touch_screen import TouchSettings
 from tactometry.errors import DeviceFailed, InvalidFile
-from tactometry.experiments.bench_file import load_bench
-from tactometry.experiments.checking import _guarded, exit_status
-from tactometry.experiments.study import load
-from tactometry.limits import Limits
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.bench.preflight import _guarded, exit_status
+from tactometry.experiments.study.study_file import load
+from tactometry.records.data_set import prepare
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 NOBODY = 65534
@@ -200,7 +200,7 @@ def in_sentences(capsys, *words):
 def loaded():
     """Everything that the commands import: another user may not read the environment."""
     import tactometry.analysis.pipeline
-    import tactometry.experiments.exporting
+    import tactometry.experiments.data_sets.export
 
     del tactometry
 

@@ -11,7 +11,7 @@ import numpy as np
 
 import tactometry.protocols as room
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.procedures import PROCEDURES
+from tactometry.experiments.study.procedure_table import PROCEDURES
 from tactometry.protocols import (
     FunctionModel,
     Inquiry,
@@ -26,7 +26,7 @@ from tactometry.protocols import (
     psi,
     williams_square,
 )
-from tactometry.protocols.practice import Practice
+from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import load as load_form
 
 HOSTILE = {

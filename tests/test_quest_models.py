@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel
-from tactometry.protocols.quest_plus_settings import spaced
+from tactometry.protocols.bayesian.settings import spaced
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = tuple(np.linspace(-5, 45, 26))

@@ -10,9 +10,9 @@ from scipy.stats import norm
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.contact import Contact
-from tactometry.experiments.simulating import Simulation, simulate
-from tactometry.experiments.study import builtin, parse
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
 
 N = 1000 if os.environ.get("TACTOMETRY_SOAK") == "1" else 200
 AT_1E_4 = 3.72

@@ -8,9 +8,9 @@ from command_line import call
 from own_form import OWN_FORM
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.rehearsal import rehearse
-from tactometry.experiments.study import builtin, parse
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.rehearsal import rehearse
+from tactometry.experiments.study.study_file import builtin, parse
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
 BLOCK = '[texts]\nblock = "{frequency_hz:.1f} Hz"\n'

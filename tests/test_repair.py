@@ -10,11 +10,11 @@ from hard_cases import exact_case
 from tutorial_session import journal_of
 
 from tactometry.errors import DeviceFailed, SessionInUse
-from tactometry.event import Event
-from tactometry.files import drafts
-from tactometry.journal import encode_event, read
-from tactometry.open_journal import Journal
-from tactometry.request import Done, Wait
+from tactometry.files.durable import drafts
+from tactometry.records.journal import encode_event, read
+from tactometry.records.open_journal import Journal
+from tactometry.session.event import Event
+from tactometry.session.request import Done, Wait
 
 TOLD = tuple(
     Event("remark", float(n), facts={"text": text})
@@ -110,7 +110,7 @@ def test_a_repaired_journal_is_locked_and_read_by_who_comes_then(cut_off):
 
 def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off, monkeypatch):
     """Who waited with the old file in hand locks the new one."""
-    from tactometry import open_journal as module
+    from tactometry.records import open_journal as module
 
     lock, content = module._lock, cut_off.read_bytes()
 

@@ -8,20 +8,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tactometry.analysis.captions import figure_text, means_sentence
-from tactometry.analysis.decibels import as_amplitudes
 from tactometry.analysis.figures.axes import shift
 from tactometry.analysis.figures.group import threshold_figure
-from tactometry.analysis.findings import Outcome
+from tactometry.analysis.figures.style import COLOURS, look
+from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import Analysis, analysed
-from tactometry.analysis.report import render, unbroken
-from tactometry.analysis.report_figures import figures_of
-from tactometry.analysis.study_text import procedure_text, study_text
-from tactometry.analysis.style import COLOURS, look
-from tactometry.analysis.table import read_trials
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.captions import figure_text, means_sentence
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import render, unbroken
+from tactometry.analysis.report.study_text import procedure_text, study_text
+from tactometry.analysis.wording.decibels import as_amplitudes
 from tactometry.cli.analyse import summary_text
-from tactometry.experiments.study import FOLDER
-from tactometry.toml import read_table
+from tactometry.config.toml import read_table
+from tactometry.experiments.study.study_file import FOLDER
 
 RECORDED = Path(__file__).with_name("recorded")
 STUDIES = sorted(path.stem for path in FOLDER.glob("*.toml"))

@@ -10,12 +10,12 @@ import pytest
 from command_line import call
 from tutorial_session import EXPERIMENT, STUDY, TOML, journal_of, live
 
-from tactometry.agreement import disagreement
-from tactometry.dataset import prepare
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.recording import Who
-from tactometry.experiments.validation import validate
-from tactometry.files import drafts
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import Who
+from tactometry.files.durable import drafts
+from tactometry.records.agreement import disagreement
+from tactometry.records.data_set import prepare
 
 
 def trials_of(root):
@@ -156,7 +156,7 @@ def test_a_row_of_another_session_or_study_than_its_file_s_is_told(lived, column
 
 
 def test_a_journal_of_other_numbers_does_not_go_on(lived, tmp_path):
-    from tactometry.experiments.recording import record, simulated
+    from tactometry.experiments.sessions.recording import record, simulated
 
     other = TOML.replace(b"trial_s = 5.0", b"trial_s = 6.0")
     (lived / "study.toml").write_bytes(other)

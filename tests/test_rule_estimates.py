@@ -12,17 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.rule_estimate import COLUMNS, reversals
-from tactometry.dataset import sessions
-from tactometry.experiments.simulating import Simulation, simulate
-from tactometry.experiments.study import load, parse
-from tactometry.experiments.wiring import wire
-from tactometry.journal import read
-from tactometry.protocols.quest import Quest
-from tactometry.protocols.quest_plus import QuestPlus
-from tactometry.protocols.shared_quest_plus import SharedTrack
-from tactometry.protocols.staircase import Staircase
-from tactometry.run import replay
+from tactometry.analysis.tasks.rule_estimate import COLUMNS, reversals
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
+from tactometry.protocols.bayesian.quest import Quest
+from tactometry.protocols.bayesian.quest_plus import QuestPlus
+from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
+from tactometry.protocols.procedures.staircase import Staircase
+from tactometry.records.data_set import sessions
+from tactometry.records.journal import read
+from tactometry.session.run import replay
 
 RECORDED = Path(__file__).with_name("recorded")
 TUTORIAL = load("tutorial")[1].decode()

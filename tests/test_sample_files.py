@@ -14,12 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import wavfile
 
-from tactometry.devices.file_output import read_signal
-from tactometry.devices.recorded import RecordedSettings
+from tactometry.devices.outputs.file import read_signal
+from tactometry.devices.sensors.recorded import RecordedSettings
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
-from tactometry.files import LARGEST_BYTES
-from tactometry.stimuli.time_reversal.learning import read_provenance
-from tactometry.stimuli.time_reversal.measured import read
+from tactometry.files.durable import LARGEST_BYTES
+from tactometry.stimuli.time_reversal.responses.learning import read_provenance
+from tactometry.stimuli.time_reversal.responses.measured import read
 
 SAMPLES = np.random.default_rng(0).normal(size=(1, 3, 50))
 
@@ -207,7 +207,7 @@ def test_an_npz_file_that_claims_more_than_it_holds_is_refused(tmp_path, content
 
 
 def test_a_bomb_is_refused_before_it_goes_off(tmp_path, monkeypatch):
-    monkeypatch.setattr("tactometry.sample_files.LARGEST_BYTES", 10**6)
+    monkeypatch.setattr("tactometry.files.samples.LARGEST_BYTES", 10**6)
     content = archive(bytes(10**8))
     assert len(content) < 10**6
     assert refusal(tmp_path, "x.npz", content) == (
@@ -319,7 +319,7 @@ def test_an_hdf5_file_holds_its_own_samples_and_no_more_than_is_read(tmp_path, h
 
 def test_an_hdf5_file_that_its_library_never_comes_back_from_is_given_up(tmp_path, hdf5, monkeypatch):
     """The size of a text in the heap of the file: the library follows it in a circle."""
-    monkeypatch.setattr("tactometry.hdf5_file.READ_WITHIN_S", 3.0)
+    monkeypatch.setattr("tactometry.files.hdf5.READ_WITHIN_S", 3.0)
     content = hdf5(whole).read_bytes()
     assert refusal(tmp_path, "x.h5", content) is None
     begin_s = time.perf_counter()
@@ -330,7 +330,7 @@ def test_an_hdf5_file_that_its_library_never_comes_back_from_is_given_up(tmp_pat
 
 @pytest.mark.skipif(find_spec("h5py") is None, reason="no h5py: extra hdf5")
 def test_damaged_bytes_of_an_hdf5_file_are_one_sentence_or_samples(tmp_path, hdf5, monkeypatch):
-    monkeypatch.setattr("tactometry.hdf5_file.READ_WITHIN_S", 3.0)
+    monkeypatch.setattr("tactometry.files.hdf5.READ_WITHIN_S", 3.0)
     content, rng = hdf5(whole).read_bytes(), np.random.default_rng()
     for _ in range(10):
         damaged = bytearray(content)

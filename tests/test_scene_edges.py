@@ -11,8 +11,9 @@ from scene_cases import effect, screen, small_screen
 from test_scene_time_reversal import LOSSY, error_of, run
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal import plate, ritz
-from tactometry.stimuli.time_reversal import screen as screens
+from tactometry.stimuli.time_reversal.plate import plate
+from tactometry.stimuli.time_reversal.rectangle import ritz
+from tactometry.stimuli.time_reversal.screen import screen as screens
 
 BOUNDARIES = ("CCCC", "CFFF")
 """Of which there is no solution of another origin here: their own polynomials of more degrees, whose frequencies

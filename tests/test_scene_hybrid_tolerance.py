@@ -25,16 +25,16 @@ from tactometry.stimuli.scenes.effect import Touch
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.finger import Finger
-from tactometry.stimuli.time_reversal.focusing import drive, emitted
-from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.load import loaded_responses
-from tactometry.stimuli.time_reversal.quantiser import OneBit
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import border
+from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
+from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
+from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.load import loaded_responses
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 REST, SLIDE = Touch(2.0), Touch(1.0, 0.05, 0.09, 0.06)

@@ -27,20 +27,20 @@ from tactometry.signal import Signal
 from tactometry.stimuli.scenes.effect import Touch
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.stimuli.scenes.time_reversal.truncation import cut, n_frequencies, n_modes
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.energy import deformation_energy_j
-from tactometry.stimuli.time_reversal.field import field
-from tactometry.stimuli.time_reversal.finger import Finger
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.load import loaded_responses
-from tactometry.stimuli.time_reversal.quantiser import OneBit
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import border
+from tactometry.stimuli.time_reversal.field.energy import deformation_energy_j
+from tactometry.stimuli.time_reversal.field.field import field
+from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
+from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.load import loaded_responses
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)

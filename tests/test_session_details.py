@@ -10,21 +10,21 @@ import pytest
 from memory import Memory
 from tutorial_session import EXPERIMENT, journal_of, live
 
-from tactometry.dataset import cell
+from tactometry.config.quantity import si
 from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.recording import Who
-from tactometry.files import write_atomically
-from tactometry.journal import checksum, encode, read
-from tactometry.limits import Limits
+from tactometry.experiments.sessions.recording import Who
+from tactometry.files.durable import write_atomically
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.open_journal import Journal
 from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.block import catch_schedule, run_block
-from tactometry.quantity import si
-from tactometry.request import Done, Record, Slide, Touched, Wait
-from tactometry.rigs.replay import Replay
+from tactometry.records.data_set import cell
+from tactometry.records.journal import checksum, encode, read
+from tactometry.records.open_journal import Journal
 from tactometry.rigs.simulated import SimulatedRig
-from tactometry.run import replay, run
+from tactometry.safety.limits import Limits
+from tactometry.session.replay import Replay
+from tactometry.session.request import Done, Record, Slide, Touched, Wait
+from tactometry.session.run import replay, run
 from tactometry.signal import Signal
 
 

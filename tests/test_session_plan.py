@@ -12,18 +12,18 @@ from memory import Memory
 from own_form import OWN_FORM
 
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.experiments.planning import duration_s, plan
-from tactometry.experiments.recording import Who, record, simulated
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.session_plan import session_cells
-from tactometry.experiments.simulating import Simulation, simulate
-from tactometry.experiments.study import builtin, load, parse
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.dry_run import duration_s, plan
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.session_plan import session_cells
+from tactometry.experiments.study.study_file import builtin, load, parse
 from tactometry.protocols.order import ORDERS, Crossing, n_orders, nth_permutation
-from tactometry.protocols.practice import Practice
-from tactometry.request import Show
-from tactometry.run import run
+from tactometry.protocols.procedures.practice import Practice
+from tactometry.session.request import Show
+from tactometry.session.run import run
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 LEVELS = "levels = [10, 18, 26, 34]                       # dB re 1 V peak\nrepeats = 4"

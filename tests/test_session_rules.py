@@ -13,26 +13,26 @@ import pytest
 from memory import Memory
 from tutorial_session import EXPERIMENT, STUDY, TOML, live
 
-from tactometry.dataset import Session
+from tactometry.config.quantity import si
 from tactometry.errors import Diverged, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench_file import BenchFile
-from tactometry.experiments.planning import duration_s, plan
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.simulating import Simulation
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
-from tactometry.force_gate import ForceGate
-from tactometry.limits import Limits
+from tactometry.experiments.bench.bench_file import BenchFile
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.simulation import Simulation
+from tactometry.experiments.study.dry_run import duration_s, plan
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
+from tactometry.gates.force import ForceGate
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.open_journal import Journal
-from tactometry.open_session import OpenSession
 from tactometry.protocols import Staircase, counterbalanced
-from tactometry.quantity import si
-from tactometry.request import Play, Slide, Wait
+from tactometry.records.data_set import Session
+from tactometry.records.open_journal import Journal
+from tactometry.records.open_session import OpenSession
 from tactometry.rigs.console import Console
 from tactometry.rigs.texts import texts_in
-from tactometry.run import run
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Play, Slide, Wait
+from tactometry.session.run import run
 from tactometry.signal import Signal
 
 N_DRAWS = 20_000

@@ -9,16 +9,16 @@ from pathlib import Path
 import pytest
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
-from tactometry.dataset import Session
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.recording import RigKind, Who, record, simulated
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
-from tactometry.journal import read
-from tactometry.request import Record
-from tactometry.sittings import differences, heads
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import RigKind, Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
+from tactometry.records.data_set import Session
+from tactometry.records.journal import read
+from tactometry.records.sittings import differences, heads
+from tactometry.session.request import Record
 
 RECORDED = Path(__file__).with_name("recorded")
 SOUND = {"output": "audio x", "output_volts_per_unit": 200.0, "output_n_underruns": 3, "utc_minus_clock_s": 1.0}
@@ -150,7 +150,7 @@ def test_a_session_that_an_older_version_began_goes_on_in_its_form(repeated):
 
 
 def test_a_new_session_beside_older_ones_has_the_new_columns(repeated, capsys):
-    from tactometry.analysis.table import read_trials
+    from tactometry.analysis.reading.trials import read_trials
 
     given = older(repeated)
     sit(repeated, SOUND, resume=True, **given)
@@ -163,7 +163,7 @@ def test_a_new_session_beside_older_ones_has_the_new_columns(repeated, capsys):
 
 
 def test_a_journal_of_a_format_that_is_yet_to_come_is_refused(lived):
-    from tactometry.journal import encode
+    from tactometry.records.journal import encode
 
     head, *_ = journal_of(lived).read_bytes().splitlines(keepends=True)
     values = {name: value for name, value in json.loads(head).items() if name != "crc32"}

@@ -14,10 +14,10 @@ from test_device_sensors import Emulator
 from test_device_session import BENCH, needed, study_in  # noqa: F401  # fixture
 from test_window_session import any_keys, sit, tactometry
 
-from tactometry.devices.audio import AudioOutput, AudioSettings
-from tactometry.devices.course import Course
-from tactometry.devices.gain import Gain
-from tactometry.experiments.validation import validate
+from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
+from tactometry.devices.outputs.frame_feed import Course
+from tactometry.devices.outputs.gain import Gain
+from tactometry.experiments.data_sets.validation import validate
 
 N_TRIES = 3
 """A busy computer may be late to hold the server up, or tear a stimulus by itself."""

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from memory import Memory
 
+from tactometry.analysis.tasks.interval_bias import interval_bias
 from tactometry.errors import InvalidParameter
-from tactometry.interval_bias import interval_bias
 from tactometry.protocols import (
     AdjustmentTask,
     Block,
@@ -26,12 +26,12 @@ from tactometry.protocols import (
     Track,
 )
 from tactometry.protocols.block import run_block
-from tactometry.protocols.rating import filled_in, pages
-from tactometry.protocols.task import Alternative, Outcome, Presentation
+from tactometry.protocols.tasks.rating import filled_in, pages
+from tactometry.protocols.tasks.task import Alternative, Outcome, Presentation
 from tactometry.questionnaire import load
-from tactometry.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
 from tactometry.rigs.simulated import ANSWERS
-from tactometry.run import run
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
+from tactometry.session.run import run
 
 AT_1E_4 = 3.89
 FULL = load("attrakdiff")

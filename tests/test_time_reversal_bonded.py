@@ -7,14 +7,14 @@ import pytest
 from scipy.linalg import eigh
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener, bonded_loads
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.load import Load, Receptances, loaded_receptance, loaded_responses
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.responses import values_at
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener, bonded_loads
+from tactometry.stimuli.time_reversal.responses.load import Load, Receptances, loaded_receptance, loaded_responses
+from tactometry.stimuli.time_reversal.responses.responses import values_at
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch, PointForce, border
 
 F_MAX_HZ = 2e3
 AT, SEEN = (0.07, 0.05), (0.2, 0.13)

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.special import j0
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import (
+from tactometry.stimuli.time_reversal.design.closed_forms import (
     RECTANGLE_KURTOSIS,
     Reverberation,
     analogue_amplitude_ratio,
@@ -26,21 +25,22 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.dispersion import wavelength_m, wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.field import field, grid
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.merit import (
+from tactometry.stimuli.time_reversal.field.field import field, grid
+from tactometry.stimuli.time_reversal.field.merit import (
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
 )
-from tactometry.stimuli.time_reversal.pattern import Pattern, focus_samples, pattern_drive
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import border
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.plate.dispersion import wavelength_m, wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 RATE_HZ, BAND, TAU_S, T_S = 100e3, Band(500.0, 25e3), 3e-3, 6e-3
 FOCI = [(0.121, 0.093), (0.187, 0.067), (0.081, 0.141)]

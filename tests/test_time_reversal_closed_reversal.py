@@ -9,19 +9,19 @@ from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import (
+from tactometry.stimuli.time_reversal.field.field import field, modal_amplitudes, modal_history
+from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal, overlap
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import (
     Attenuation,
     tau_from_damping_ratio_s,
     tau_from_loss_factor_s,
 )
-from tactometry.stimuli.time_reversal.closed_reversal import ClosedReversal, overlap
-from tactometry.stimuli.time_reversal.field import field, modal_amplitudes, modal_history
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.modes import values
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.transducer import PointForce
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 T_S = 8e-3
 

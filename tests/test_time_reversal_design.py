@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from tactometry.cli.design import command
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import resolution_m
-from tactometry.stimuli.time_reversal.design import (
+from tactometry.stimuli.time_reversal.design.closed_forms import resolution_m
+from tactometry.stimuli.time_reversal.design.guide import (
     OFF,
     Design,
     Target,
@@ -24,18 +23,19 @@ from tactometry.stimuli.time_reversal.design import (
     recommend,
     thickness_for_m,
 )
-from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.field import field, grid
-from tactometry.stimuli.time_reversal.finger import Emission
-from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.merit import contrast_whole_of
-from tactometry.stimuli.time_reversal.pattern import Pattern, focus_samples, pattern_drive
-from tactometry.stimuli.time_reversal.plate_file import read_plate
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.transducer import border
-from tactometry.stimuli.time_reversal.variability import resolution_per_focus_m
+from tactometry.stimuli.time_reversal.field.field import field, grid
+from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
+from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
+from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
+from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 BAND, TAU_S = Band(20e3, 60e3), 3.5e-3
 POINTS = [(0.121, 0.093), (0.2, 0.143), (0.071, 0.062)]

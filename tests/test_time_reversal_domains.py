@@ -10,8 +10,7 @@ from scipy.io import wavfile
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import (
+from tactometry.stimuli.time_reversal.design.closed_forms import (
     Reverberation,
     analogue_amplitude_ratio,
     contrast_far,
@@ -24,15 +23,13 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.contactor import Contactor
-from tactometry.stimuli.time_reversal.energy import average_power_w, bridge_power_w, capacitance_f, switched_power_w
-from tactometry.stimuli.time_reversal.estimation import rigidity_ratio_from_modes
-from tactometry.stimuli.time_reversal.finger import Emission, amplitude_ratio_elsewhere
-from tactometry.stimuli.time_reversal.focusing import drive
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.measured import read
-from tactometry.stimuli.time_reversal.merit import (
+from tactometry.stimuli.time_reversal.field.energy import (
+    average_power_w,
+    bridge_power_w,
+    capacitance_f,
+    switched_power_w,
+)
+from tactometry.stimuli.time_reversal.field.merit import (
     area_m2,
     contrast_far_of,
     contrast_temporal_of,
@@ -42,15 +39,23 @@ from tactometry.stimuli.time_reversal.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.pattern import Exponential, Pattern, burst_s, pattern_drive
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.sound import noise
-from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.transducer import border
+from tactometry.stimuli.time_reversal.field.sound import noise
+from tactometry.stimuli.time_reversal.finger.contactor import Contactor
+from tactometry.stimuli.time_reversal.finger.finger import Emission, amplitude_ratio_elsewhere
+from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.responses.material_constants import rigidity_ratio_from_modes
+from tactometry.stimuli.time_reversal.responses.measured import read
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
 
 FOCUS = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
 LINE, BUMP = np.arange(5.0), np.array([0.0, 1.0, 4.0, 1.0, 0.0])

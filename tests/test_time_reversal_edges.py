@@ -30,21 +30,21 @@ from tactometry.stimuli.time_reversal import (
     loaded_responses,
     n_held,
 )
-from tactometry.stimuli.time_reversal.bonded import bonded_loads
-from tactometry.stimuli.time_reversal.closed_forms import repetition_amplitude_ratio
-from tactometry.stimuli.time_reversal.closed_reversal import overlap
-from tactometry.stimuli.time_reversal.design import Design, amplitude_over_reversal
-from tactometry.stimuli.time_reversal.dispersion import (
+from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
+from tactometry.stimuli.time_reversal.design.guide import Design, amplitude_over_reversal
+from tactometry.stimuli.time_reversal.finger.finger import amplitude_ratio_at_focus
+from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
+from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_angular_frequency_rad_per_s,
     mindlin_group_velocity_m_per_s,
     mindlin_phase_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,
 )
-from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
-from tactometry.stimuli.time_reversal.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.pattern import Table, focus_samples
+from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.bonded_patches import bonded_loads
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)

@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.closed_forms import Reverberation, resolution_m
-from tactometry.stimuli.time_reversal.figures import drives, prototype, theory
-from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
-from tactometry.stimuli.time_reversal.figures.style import save
-from tactometry.stimuli.time_reversal.finger import Emission
-from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.force_loss import LossRow
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.pattern import PATTERNS
-from tactometry.stimuli.time_reversal.quantiser import SigmaDelta
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.variability import (
+from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation, resolution_m
+from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
+from tactometry.stimuli.time_reversal.field.variability import (
     amplitude_by_subset_m,
     amplitude_over_count_m,
     contributions_m,
     resolution_per_focus_m,
 )
+from tactometry.stimuli.time_reversal.figures import drives, prototype, theory
+from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
+from tactometry.stimuli.time_reversal.figures.style import save
+from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
+from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 SMALL = Emission(Band(500.0, 12e3), 4e-3, 50e3)
 SHORT = {

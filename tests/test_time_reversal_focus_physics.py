@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import (
+from tactometry.stimuli.time_reversal.design.closed_forms import (
     RECTANGLE_KURTOSIS,
     Reverberation,
     analogue_amplitude_ratio,
@@ -21,24 +20,25 @@ from tactometry.stimuli.time_reversal.closed_forms import (
     one_bit_amplitude_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.design import Design, Transducers
-from tactometry.stimuli.time_reversal.dispersion import (
+from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
+from tactometry.stimuli.time_reversal.field.field import field, grid, movie
+from tactometry.stimuli.time_reversal.field.merit import MINUS_3_DB, area_m2, contrast_whole_of, temporal_width_s
+from tactometry.stimuli.time_reversal.field.sound import noise
+from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
+from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,
     wavelength_m,
 )
-from tactometry.stimuli.time_reversal.field import field, grid, movie
-from tactometry.stimuli.time_reversal.finger import Emission
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.merit import MINUS_3_DB, area_m2, contrast_whole_of, temporal_width_s
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.sound import noise
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import PointForce, border
-from tactometry.stimuli.time_reversal.variability import resolution_per_focus_m
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 FOCI = [(x, y) for x in (0.073, 0.121, 0.167, 0.219) for y in (0.067, 0.103, 0.141)]
 WIDE, LOW, HIGH = Band(500.0, 60e3), Band(5e3, 15e3), Band(20e3, 60e3)

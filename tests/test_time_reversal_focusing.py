@@ -11,20 +11,17 @@ from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.field import field, grid, modal_amplitudes, modal_history, movie
-from tactometry.stimuli.time_reversal.focusing import (
+from tactometry.stimuli.time_reversal.field.field import field, grid, modal_amplitudes, modal_history, movie
+from tactometry.stimuli.time_reversal.focusing.focusing import (
     drive,
     emitted,
     focus_amplitude,
     focus_amplitudes,
     reversed_waveform,
 )
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.spectrum import (
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.filtering import (
     Band,
     Butterworth,
     Hold,
@@ -33,7 +30,10 @@ from tactometry.stimuli.time_reversal.spectrum import (
     inaudible,
     through,
 )
-from tactometry.stimuli.time_reversal.transducer import PointForce
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 FOCUS = (0.12, 0.09)
 F_MAX_HZ = 25e3
@@ -163,7 +163,7 @@ def test_field_at_the_focus_is_the_amplitude_and_its_peak(learnt):
 
 @pytest.mark.parametrize("boundary", ["SSSS", "FFFF"])
 def test_matrix_product_field_is_the_sum_over_modes(boundary):
-    from tactometry.stimuli.time_reversal.modes import values
+    from tactometry.stimuli.time_reversal.plate.modes import values
 
     modes = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary).modes(8e3)
     amplitude = np.random.default_rng().normal(size=(2, len(modes.frequency_hz)))

@@ -7,20 +7,20 @@ import pytest
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
-from tactometry.protocols.measurement import Measurement, level_of
-from tactometry.protocols.task import Presentation
-from tactometry.protocols.touch import Pressing
-from tactometry.request import Enter, Press, Rated, Record, Touched
-from tactometry.stimuli.time_reversal.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger import Finger
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.focusing import emitted
-from tactometry.stimuli.time_reversal.load import loaded_responses
-from tactometry.stimuli.time_reversal.reading import FocusReading, displacement_at_focus_m
-from tactometry.stimuli.time_reversal.sensation import loaded_displacement
-from tactometry.stimuli.time_reversal.setup import Setup
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
+from tactometry.protocols.tasks.measurement import Measurement, level_of
+from tactometry.protocols.tasks.task import Presentation
+from tactometry.protocols.tasks.touch import Pressing
+from tactometry.session.request import Enter, Press, Rated, Record, Touched
+from tactometry.stimuli.time_reversal.finger.contactor import Contactor
+from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.responses.load import loaded_responses
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.stimulus.sensation import loaded_displacement
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading, displacement_at_focus_m
 
 SMALL = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
 TOUCH = Pressing(duration_s=0.5, force_n=2.0, hold_s=0.5, timeout_s=10.0)

@@ -16,25 +16,25 @@ from scipy.sparse.linalg import eigsh, splu
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.decay import tau_estimate
-from tactometry.stimuli.time_reversal.field import field
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.legendre import families
-from tactometry.stimuli.time_reversal.measured import inspect
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.modes import RitzModes, values
-from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.propagator import run_impulses
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.ritz import degrees, ellipse, pencil, solve
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.sigma_delta import modulate
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import PointForce
+from tactometry.stimuli.time_reversal.field.field import field
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.modes import RitzModes, values
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.rectangle.legendre import families
+from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, ellipse, pencil, solve
+from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.measured import inspect
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 SOURCE, POINT = (0.05, 0.06), (0.121, 0.093)
 RATE_HZ, F_MAX_HZ, TAU_S = 20e3, 2.4e3, 3e-3

@@ -50,14 +50,14 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalSensation,
     TimeReversalStimulus,
 )
-from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.decay import Estimate
-from tactometry.stimuli.time_reversal.design import Transducers
-from tactometry.stimuli.time_reversal.learning import Excitation
-from tactometry.stimuli.time_reversal.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
-from tactometry.stimuli.time_reversal.reading import FocusReading
-from tactometry.stimuli.time_reversal.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.spectrum import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.design.guide import Transducers
+from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
+from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
+from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
+from tactometry.stimuli.time_reversal.responses.decay import Estimate
+from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.responses.learning import Excitation
+from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
 HOSTILE: Mapping[str, Any] = {
     "None": None,
@@ -75,7 +75,18 @@ HOSTILE: Mapping[str, Any] = {
     "complex": 1 + 1j,
 }
 
-INNER = frozenset({"axis", "legendre", "mindlin", "modal_sum", "modal_time", "propagator", "ritz", "sigma_delta"})
+INNER = frozenset(
+    {
+        "rectangle.axis",
+        "rectangle.legendre",
+        "plate.mindlin",
+        "oscillators.modal_sum",
+        "oscillators.oscillators",
+        "oscillators.propagator",
+        "rectangle.ritz",
+        "focusing.sigma_delta",
+    }
+)
 """Numerical kernels: their arguments are arrays that the public functions make."""
 
 
@@ -90,19 +101,22 @@ class Call:
 def constructors() -> Iterator[tuple[str, object]]:
     """Sound instances, whose fields are the arguments of their classes."""
     yield from {
-        "attenuation": Attenuation(3e-3, 0.1), "bonded": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
-        "closed_forms": ROOM, "contactor": Contactor("soft"), "decay": Estimate(1.0, 0.5, 2.0),
-        "design": (Transducers(8), Target(contrast=3.0), DESIGN), "finger": (Finger(0.1, 0.1), EMISSION),
-        "focus_train": TRAIN, "glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
-        "learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "load": Load(0.1, 0.1, 10.0),
-        "pattern": (Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05)),
-        "plate": PLATE, "quantiser": (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0)),
-        "reading": FocusReading(SETUP), "responses": RESPONSES, "screen": SCREEN,
-        "sensation": TimeReversalSensation(SETUP), "setup": SETUP,
-        "sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
-        "spectrum": (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
-        "stimulus": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
-        "thickness": SHEETS[0], "transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
+        "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
+        "design.closed_forms": ROOM, "finger.contactor": Contactor("soft"), "responses.decay": Estimate(1.0, 0.5, 2.0),
+        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN), "finger.finger": (Finger(0.1, 0.1), EMISSION),
+        "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
+        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": Load(0.1, 0.1, 10.0),
+        "focusing.pattern": (
+            Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
+        ),
+        "plate.plate": PLATE, "focusing.quantiser": (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0)),
+        "stimulus.vibrometer": FocusReading(SETUP), "responses.responses": RESPONSES, "screen.screen": SCREEN,
+        "stimulus.sensation": TimeReversalSensation(SETUP), "stimulus.setup": SETUP,
+        "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
+        "responses.filtering": (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
+        "stimulus.family": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
+        "design.thickness": SHEETS[0],
+        "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
 
 
@@ -135,13 +149,14 @@ def known(tmp_path_factory):
 
 def public_names() -> Iterator[str]:
     """Dotted names of the functions, of the classes that a person makes, and of their methods."""
-    for info in pkgutil.iter_modules(room.__path__):
-        if info.name in INNER or info.ispkg:
+    for info in pkgutil.walk_packages(room.__path__, f"{room.__name__}."):
+        inner = info.name.removeprefix(f"{room.__name__}.")
+        if inner in INNER or inner.startswith("figures") or info.ispkg:
             continue
-        module = importlib.import_module(f"{room.__name__}.{info.name}")
+        module = importlib.import_module(info.name)
         for name, thing in vars(module).items():
             if not name.startswith("_") and getattr(thing, "__module__", None) == module.__name__:
-                yield from _names(f"{info.name}.{name}", thing)
+                yield from _names(f"{inner}.{name}", thing)
 
 
 def _names(dotted: str, thing: object) -> Iterator[str]:
@@ -155,18 +170,20 @@ def _names(dotted: str, thing: object) -> Iterator[str]:
 
 
 INFINITE = (
-    "sound.a_weighting_db",
-    "sound.NoiseSpectrum",
-    "sound.noise",
-    "finger.absorbing_tau_s",
-    "decay.mean_estimate",
+    "field.sound.a_weighting_db",
+    "field.sound.NoiseSpectrum",
+    "field.sound.noise",
+    "finger.finger.absorbing_tau_s",
+    "responses.decay.mean_estimate",
 )
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""
 
 RESULTS = frozenset(
     {
-        "closed_reversal.ClosedReversal", "decay.Decay", "design.Guide", "force_loss.LossRow", "load.Receptances",
-        "measured.Findings", "modes.RitzModes", "modes.SeparableModes",
+        "focusing.closed_reversal.ClosedReversal", "responses.decay.Decay", "design.guide.Guide",
+        "finger.force_loss.LossRow",
+        "responses.load.Receptances",
+        "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",
     }
 )  # fmt: skip
 """Classes that functions return and nobody else makes."""

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.learning import (
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.learning import (
     as_displacement,
     deconvolved,
     delay_s,
@@ -18,10 +19,9 @@ from tactometry.stimuli.time_reversal.learning import (
     sweep,
     write_learnt,
 )
-from tactometry.stimuli.time_reversal.measured import read
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.measured import read
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 RATE_HZ, DURATION_S, F_MAX_HZ = 150e3, 7e-3, 60e3
 BAND = Band(20e3, 60e3)

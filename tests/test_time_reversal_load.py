@@ -12,10 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.contactor import Contactor
-from tactometry.stimuli.time_reversal.drift import warmed
-from tactometry.stimuli.time_reversal.finger import (
+from tactometry.stimuli.time_reversal.finger.contactor import Contactor
+from tactometry.stimuli.time_reversal.finger.finger import (
     Emission,
     Finger,
     absorbing_tau_s,
@@ -25,15 +23,23 @@ from tactometry.stimuli.time_reversal.finger import (
     contact_is_lost,
     ejection_force_n,
 )
-from tactometry.stimuli.time_reversal.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.force_loss import force_loss
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.load import Load, Receptances, contour, loaded_receptance, loaded_responses
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import PointForce, border
+from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.load import (
+    Load,
+    Receptances,
+    contour,
+    loaded_receptance,
+    loaded_responses,
+)
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.temperature import warmed
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 MASS_KG, N_MODES = 0.15, 80
 FOCUS = (0.121, 0.093)
@@ -160,7 +166,7 @@ def test_mean_driving_point_mobility_is_that_of_the_infinite_plate():
     modes = A4_SCREEN.modes(40e3)
     oscillators = Oscillators(modes.angular_frequency_rad_per_s, np.full(len(modes.m), 1 / 3e-3))
     s = 2j * np.pi * np.linspace(2e3, 25e3, 600)
-    from tactometry.stimuli.time_reversal.modes import values
+    from tactometry.stimuli.time_reversal.plate.modes import values
 
     receptances = Receptances.of(oscillators, A4_SCREEN.mass_kg, s)
     points = values(modes, [0.12, 0.187, 0.081], [0.093, 0.067, 0.141])
@@ -179,8 +185,8 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
     """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
     before.
     """
-    from tactometry.stimuli.time_reversal.modes import values
-    from tactometry.stimuli.time_reversal.propagator import transition
+    from tactometry.stimuli.time_reversal.oscillators.propagator import transition
+    from tactometry.stimuli.time_reversal.plate.modes import values
 
     one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
     at = (0.2, 0.13)

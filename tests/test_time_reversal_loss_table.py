@@ -7,8 +7,8 @@ from scipy.stats import t as student
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.errors import InvalidFile
-from tactometry.experiments.loss_rows import measured_losses
-from tactometry.experiments.study import builtin
+from tactometry.experiments.data_sets.force_loss import measured_losses
+from tactometry.experiments.study.study_file import builtin
 from tactometry.stimuli.time_reversal.figures.prototype import loss_over_force
 
 LOSS = {("finger", "F", 2.0): 0.30, ("finger", "P1", 2.0): 0.06, ("soft 5 mm", "F", 2.0): 0.1}

@@ -8,26 +8,27 @@ import pytest
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import ALPHA, resolution_m
-from tactometry.stimuli.time_reversal.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
-from tactometry.stimuli.time_reversal.dispersion import wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.estimation import (
-    alpha_from_resolutions,
-    rigidity_ratio_from_dispersion,
-    rigidity_ratio_from_modes,
-    youngs_modulus_pa,
-)
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.interpolation import (
+from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
+from tactometry.stimuli.time_reversal.focusing.interpolation import (
     estimator,
     expected_amplitude_ratio,
     interpolated,
     one_bit_amplitude_ratio_expected,
 )
-from tactometry.stimuli.time_reversal.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.measured import (
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, normalised
+from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.material_constants import (
+    alpha_from_resolutions,
+    rigidity_ratio_from_dispersion,
+    rigidity_ratio_from_modes,
+    youngs_modulus_pa,
+)
+from tactometry.stimuli.time_reversal.responses.measured import (
     aligned,
     inspect,
     read,
@@ -35,12 +36,11 @@ from tactometry.stimuli.time_reversal.measured import (
     trimmed,
     write_npz,
 )
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, normalised
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.transducer import border
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import border
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
 
 RATE_HZ = 60000.0
 SCREEN = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 16)), Attenuation(3e-3))

@@ -7,8 +7,7 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.energy import (
+from tactometry.stimuli.time_reversal.field.energy import (
     average_power_w,
     bridge_power_w,
     capacitance_f,
@@ -16,9 +15,7 @@ from tactometry.stimuli.time_reversal.energy import (
     kinetic_energy_j,
     switched_power_w,
 )
-from tactometry.stimuli.time_reversal.focusing import drive
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.merit import (
+from tactometry.stimuli.time_reversal.field.merit import (
     MINUS_3_DB,
     area_m2,
     contrast_far_of,
@@ -29,10 +26,7 @@ from tactometry.stimuli.time_reversal.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.sound import (
+from tactometry.stimuli.time_reversal.field.sound import (
     NoiseSpectrum,
     a_weighting_db,
     coincidence_frequency_hz,
@@ -40,8 +34,14 @@ from tactometry.stimuli.time_reversal.sound import (
     radiation_efficiency,
     velocity_spectrum,
 )
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited, inaudible
-from tactometry.stimuli.time_reversal.transducer import PointForce
+from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited, inaudible
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 X = np.linspace(-0.05, 0.05, 401)
 SIGMA = 6e-3

@@ -6,10 +6,10 @@ from numpy.polynomial import legendre
 from scipy.linalg import block_diag, eigh
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.dispersion import mindlin_angular_frequency_rad_per_s
-from tactometry.stimuli.time_reversal.mindlin import frequencies_rad_per_s
-from tactometry.stimuli.time_reversal.modes import values
-from tactometry.stimuli.time_reversal.ritz import solve
+from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_angular_frequency_rad_per_s
+from tactometry.stimuli.time_reversal.plate.mindlin import frequencies_rad_per_s
+from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.rectangle.ritz import solve
 
 KAPPA = 5 / 6
 N = 28

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mpmath import cos as mp_cos
 from mpmath import cosh, exp, mp, mpf, sin, sinh, sqrt
 
-from tactometry.stimuli.time_reversal.modal_time import Oscillators, unit_phasor
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, unit_phasor
 
 RATE_HZ = 100e3
 

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.limits import Limits
+from tactometry.safety.limits import Limits
 from tactometry.signal import Stimulus
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.pattern import (
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.pattern import (
     PATTERNS,
     Exponential,
     Pattern,
@@ -23,10 +23,10 @@ from tactometry.stimuli.time_reversal.pattern import (
     focus_samples,
     pattern_drive,
 )
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.stimulus import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
 
 RATE_HZ = 60e3
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.dispersion import (
+from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
@@ -17,8 +17,8 @@ from tactometry.stimuli.time_reversal.dispersion import (
     wavelength_m,
     wavenumber_rad_per_m,
 )
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.statics import bending_stress_pa, deflection_m
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
 
 CENTRE = (0.1485, 0.105)
 
@@ -132,7 +132,7 @@ def test_deflection_is_reciprocal_and_zero_on_the_edge():
 
 
 def test_ritz_deflection_meets_levys_series_away_from_the_force():
-    from tactometry.stimuli.time_reversal import statics
+    from tactometry.stimuli.time_reversal.plate import statics
 
     x, y = np.array([0.2, 0.25]), np.array([0.1, 0.05])
     ritz = statics._ritz(A4_SCREEN, (0.1, 0.08), x, y)

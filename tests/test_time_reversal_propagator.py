@@ -8,8 +8,8 @@ from hard_cases import hard_case
 from mpmath import expm as mp_expm
 from mpmath import matrix, mp, mpf
 
-from tactometry.stimuli.time_reversal.modal_time import Oscillators
-from tactometry.stimuli.time_reversal.propagator import linear_input, run_impulses, run_linear, transition
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.oscillators.propagator import linear_input, run_impulses, run_linear, transition
 
 STEP_S = 1e-5
 CASES = {

@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.stimuli.time_reversal.quantiser import (
+from tactometry.stimuli.time_reversal.focusing.quantiser import (
     Analogue,
     OneBit,
     PulseWidth,
     SigmaDelta,
     transitions_per_s,
 )
-from tactometry.stimuli.time_reversal.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
 
 N = 1 << 16
 

@@ -12,14 +12,14 @@ from scipy.special import j1
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.load import Receptances
-from tactometry.stimuli.time_reversal.modes import laplacians, values
-from tactometry.stimuli.time_reversal.responses import Responses, impulse_responses, samples_in
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import Disc, Patch, PointForce, border
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.plate.modes import laplacians, values
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.load import Receptances
+from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses, samples_in
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch, PointForce, border
 
 FAST = {"rate_hz": 50e3, "duration_s": 4e-3, "f_max_hz": 5e3}
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.axis import LegendreAxis
-from tactometry.stimuli.time_reversal.legendre import families
-from tactometry.stimuli.time_reversal.modes import laplacians, values
-from tactometry.stimuli.time_reversal.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.plate.modes import laplacians, values
+from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis
+from tactometry.stimuli.time_reversal.rectangle.legendre import families
+from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
 
 TABLE = Path(__file__).resolve().parents[1].parent / "shared" / "science" / "plate_frequency_parameters.csv"
 NU = 0.3

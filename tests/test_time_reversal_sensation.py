@@ -7,27 +7,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
-from tactometry.stimuli.time_reversal.finger import Finger
-from tactometry.stimuli.time_reversal.focus_train import FocusTrain, measured
-from tactometry.stimuli.time_reversal.focusing import drive as reversed_drive
-from tactometry.stimuli.time_reversal.focusing import emitted
-from tactometry.stimuli.time_reversal.load import Load, loaded_responses
-from tactometry.stimuli.time_reversal.pattern import PATTERNS, focus_samples
-from tactometry.stimuli.time_reversal.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.sensation import (
+from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, measured
+from tactometry.stimuli.time_reversal.stimulus.sensation import (
     TimeReversalSensation,
     events,
     felt_amplitude_m,
     loaded_displacement,
 )
-from tactometry.stimuli.time_reversal.setup import Setup
-from tactometry.stimuli.time_reversal.spectrum import Band, band_limited
-from tactometry.stimuli.time_reversal.transducer import MOMENT_N_PER_V
-from tactometry.strict import build
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SMALL = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
 FAINTEST_N = 1e-12

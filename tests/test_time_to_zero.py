@@ -14,18 +14,18 @@ import pytest
 from sampled import Sampled
 from test_device_audio import heard_part, server, sink, wait_for  # noqa: F401  # fixtures
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import with_ramps
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import with_ramps
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import Stopped
-from tactometry.limits import Limits
-from tactometry.load import Load
-from tactometry.request import Press
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.emitter import RAMP_S
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+from tactometry.session.request import Press
 
 RATE_HZ = 48_000.0
 N_HEARD = 4800

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tactometry.analysis.column_map import read_column_map
 from tactometry.analysis.plan import read_plan
+from tactometry.analysis.reading.column_map import read_column_map
+from tactometry.config.toml import LARGEST_FILE
 from tactometry.errors import InvalidFile, TactometryError
-from tactometry.experiments.bench_file import load_bench
-from tactometry.experiments.study import parse
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.study.study_file import parse
 from tactometry.questionnaire import parse as parse_questionnaire
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.time_reversal.plate_file import read_plate
-from tactometry.toml import LARGEST_FILE
+from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
 
 READERS: dict[str, Callable[[Path], object]] = {
     "a bench file": load_bench,

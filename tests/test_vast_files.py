@@ -9,12 +9,12 @@ import time
 import pytest
 from command_line import call
 
+from tactometry.config.toml import LARGEST_FILE, LONGEST_LIST, table_of
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, nearest
-from tactometry.experiments.planning import check_duration, duration_s, plan
-from tactometry.experiments.study import builtin, parse
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
 from tactometry.protocols import ConstantStimuli, ParameterGrid, QuestPlus
-from tactometry.toml import LARGEST_FILE, LONGEST_LIST, table_of
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 LEVELS = "levels = [10, 18, 26, 34] "

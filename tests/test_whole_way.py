@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from command_line import call
 
-from tactometry.experiments.study import builtin
+from tactometry.experiments.study.study_file import builtin
 
 SMALLER = {
     "electrovibration-threshold": {

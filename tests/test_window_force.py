@@ -11,17 +11,17 @@ from conftest import LONGEST_WAIT_S
 from hard_cases import exact_case
 from sampled import Sampled
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.reader import Block, Reader
-from tactometry.devices.streamed import streamed_force
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Block, Reader
+from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import LimitExceeded, Stopped
-from tactometry.limits import Limits
-from tactometry.request import Adjust, Play, Press, Record, Slide, Wait
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.page import Text
+from tactometry.rigs.pages.page import Text
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Adjust, Play, Press, Record, Slide, Wait
 from tactometry.stimuli.electrovibration import Sine
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)

@@ -9,21 +9,21 @@ from command_line import call
 from learnt_file import write_responses
 from screens import entry_page, form_page
 
-from tactometry.devices.output import with_ramps
+from tactometry.devices.outputs.output import with_ramps
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.bench_file import RAMP_S, Learnt
-from tactometry.experiments.learnt_bank import bank_of
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.study import load as load_study
-from tactometry.experiments.validation import validate
-from tactometry.experiments.wiring import wire
-from tactometry.journal import read
-from tactometry.protocols.rating import pages
+from tactometry.experiments.bench.bench_file import RAMP_S, Learnt
+from tactometry.experiments.bench.learnt_stimuli import bank_of
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load as load_study
+from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
-from tactometry.request import Enter, Press, Show
-from tactometry.rigs import form
+from tactometry.records.journal import read
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.pages import form
 from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Enter, Press, Show
 
 ROOT = Path(__file__).resolve().parents[1]
 HAPTIC = load("attrakdiff-haptic")

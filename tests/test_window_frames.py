@@ -9,9 +9,9 @@ from conftest import Watched
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactometry.experiments.checking import _period
-from tactometry.rigs.frames import PERIOD_WITHOUT_BLANK_S, Pacer, Rhythm, nominal_rate_hz, rhythm_of, timing_of
-from tactometry.rigs.page import Page
+from tactometry.experiments.bench.preflight import _period
+from tactometry.rigs.frame_timing import PERIOD_WITHOUT_BLANK_S, Pacer, Rhythm, nominal_rate_hz, rhythm_of, timing_of
+from tactometry.rigs.pages.page import Page
 
 rates_hz = st.sampled_from([30.0, 50.0, 59.94, 60.0, 75.0, 120.0, 144.0, 240.0])
 

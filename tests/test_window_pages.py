@@ -13,13 +13,13 @@ from PIL import Image
 from screens import all_pages
 
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
-from tactometry.limits import Limits
-from tactometry.request import Adjust, Choose, Play, Press, Rate, Record, Show, Slide, Wait
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.page import KeyDown, Page
+from tactometry.rigs.pages.page import KeyDown, Page
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Adjust, Choose, Play, Press, Rate, Record, Show, Slide, Wait
 from tactometry.stimuli.electrovibration import Sine
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
 FELT = Choose("felt", (0, 1), ("no", "yes"))

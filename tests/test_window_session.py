@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from hard_cases import exact_case
 
-from tactometry.experiments.replaying import replay_data_set
-from tactometry.experiments.study import load
-from tactometry.experiments.validation import validate
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import load
 
 LONGEST_S = 240
 PAUSE_S = 0.03

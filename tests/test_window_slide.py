@@ -6,13 +6,13 @@ from dataclasses import replace
 import pytest
 from sampled import Sampled
 
-from tactometry.devices.calibration import ForceCalibration
-from tactometry.devices.reader import Reader
-from tactometry.devices.streamed import streamed_force, streamed_position
-from tactometry.request import Slide
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.gates.speed import triangle
 from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
 from tactometry.rigs.texts import texts_in
-from tactometry.speed_gate import triangle
+from tactometry.session.request import Slide
 from tactometry.stimuli.electrovibration import Sine
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.6, ramp_s=0.02, level_unit="V")

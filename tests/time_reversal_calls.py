@@ -56,12 +56,12 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalSensation,
     TimeReversalStimulus,
 )
-from tactometry.stimuli.time_reversal.bonded import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.decay import Estimate
-from tactometry.stimuli.time_reversal.design import Transducers
-from tactometry.stimuli.time_reversal.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
-from tactometry.stimuli.time_reversal.reading import FocusReading
-from tactometry.stimuli.time_reversal.spectrum import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.design.guide import Transducers
+from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
+from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
+from tactometry.stimuli.time_reversal.responses.decay import Estimate
+from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
@@ -71,18 +71,18 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
     heard = {"responses": RESPONSES}
     driven = {"screen": SCREEN, "signal": SIGNAL, **LOW}
     return {
-        "attenuation": {
+        "screen.attenuation": {
             "Attenuation.rate_per_s": {"self": Attenuation(3e-3), "frequency_hz": [1e3]},
             "tau_from_damping_ratio_s": {"damping_ratio": 0.01, "frequency_hz": 1e3},
             "tau_from_loss_factor_s": {"loss_factor": 0.01, "frequency_hz": 1e3},
         },
-        "bonded": {
+        "responses.bonded_patches": {
             "Stiffener.weights": {"self": Stiffener(0.1, 0.1, 1.0), "screen": SCREEN, **LOW},
             "Stiffener.dynamic_stiffness": {"self": Stiffener(0.1, 0.1, 1.0), "s": S},
             "Ceramic.added_rigidity_n_m": {"self": Ceramic(), "plate": PLATE},
             "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True, "n_parts": 1},
         },
-        "closed_forms": {
+        "design.closed_forms": {
             "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "contrast_whole": {"room": ROOM},
@@ -96,23 +96,23 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
             "mistuned_amplitude_ratio": {"relative_shift": 1e-3, "band": BAND, "tau_s": 3e-3},
         },
-        "closed_reversal": {
+        "focusing.closed_reversal": {
             "ClosedReversal.of": {"plate": PLATE, "attenuation": Attenuation(3e-3), "reversal_s": 5e-3, **LOW},
             "ClosedReversal.modal_amplitudes": {"self": CLOSED, "sources": WEIGHTS, "focus": WEIGHTS[:, 0]},
             "overlap": {"oscillators": SCREEN.oscillators(1e3), "reversal_s": 5e-3},
         },
-        "contactor": {
+        "finger.contactor": {
             "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
         },
-        "decay": {
+        "responses.decay": {
             "schroeder_db": {"response": CLICK},
             "tau_s": {"response": DECAYING[0, 0], "rate_hz": 2e3},
             "tau_estimate": {"responses": RESPONSES},
             "decay_of": {"energy": np.exp(-np.arange(32.0) / 5)},
             "mean_estimate": {"values": LINE, "confidence": 0.95},
         },
-        "design": {
+        "design.guide": {
             "one_bit_amplitude_m": {"design": DESIGN},
             "recommend": {
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3,
@@ -124,7 +124,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "thickness_for_m": {"plate": PLATE, "band": BAND, "wanted_resolution_m": 1e-2},
             "wavelength_to_patch": {**on_plate, "side_m": 1e-2},
         },
-        "dispersion": {
+        "plate.dispersion": {
             "wavenumber_rad_per_m": on_plate,
             "wavelength_m": on_plate,
             "phase_velocity_m_per_s": on_plate,
@@ -137,8 +137,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "mindlin_group_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
-        "drift": {"warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5}},
-        "energy": {
+        "screen.temperature": {"warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5}},
+        "field.energy": {
             "deformation_energy_j": {**driven, "sample": 7},
             "kinetic_energy_j": {**driven, "sample": 7},
             "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
@@ -146,20 +146,20 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "bridge_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
             "average_power_w": {"power_w": 1.0, "duration_s": 1e-3, "repetition_hz": 100.0},
         },
-        "estimation": {
+        "responses.material_constants": {
             "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
             "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
             "alpha_from_resolutions": {"resolution_m": [1e-2, 2e-2], "f_mean_hz": [2e4, 5e3], "plate": PLATE},
             "youngs_modulus_pa": {"rigidity_ratio": Estimate(3.0, 2.9, 3.1), "plate": PLATE},
         },
-        "field": {
+        "field.field": {
             "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
             "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
             "field": {**driven, "sample": 7, "at_m": GRID},
             "movie": {**driven, "samples": [3, 7], "at_m": GRID},
             "modal_history": {**driven, "samples": [3, 7]},
         },
-        "finger": {
+        "finger.finger": {
             "Finger.load": {"self": Finger(0.1, 0.1)},
             "Finger.weights": {"self": Finger(0.1, 0.1), "screen": SCREEN, **LOW},
             "Finger.dynamic_stiffness": {"self": Finger(0.1, 0.1), "s": S},
@@ -176,12 +176,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "contact_is_lost": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "force_n": 2.0, "pulp_mass_kg": 1e-4},
             "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
         },
-        "focus_train": {
+        "stimulus.focus_train": {
             "FocusTrain.at": {"self": TRAIN, "level": -60.0},
             "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
             "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
         },
-        "focusing": {
+        "focusing.focusing": {
             "reversed_waveform": {
                 "foci": RESPONSES, "reversal_s": 0.2, "weights": [1.0, -1.0], "window": np.ones(400),
             },
@@ -193,19 +193,19 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "focus_amplitudes": {"signal": SIGNAL, **heard},
             "focus_amplitude": {"signal": SIGNAL, **heard, "point": 1},
         },
-        "force_loss": {
+        "finger.force_loss": {
             "force_loss": {
                 "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
                 "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
             }
         },
-        "glass": {
+        "plate.glass": {
             "Glass.plate": {
                 "self": Glass("x", 64e9, 0.2, 2230.0, "here"), "length_m": 0.2, "width_m": 0.1, "thickness_m": 1e-3,
                 "boundary": "SSSS",
             }
         },
-        "interpolation": {
+        "focusing.interpolation": {
             "interpolated": {
                 "calibrated": RESPONSES, "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "noise_share": 1e-4,
             },
@@ -217,12 +217,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
             "one_bit_amplitude_ratio_expected": {"share": 0.5},
         },
-        "inverse_filter": {
+        "focusing.inverse_filter": {
             "inverse_filter_waveform": {
                 "points": RESPONSES, "wanted": [1.0, 0.0], "band": BAND, "reversal_s": 0.1, "regularisation": 0.01,
             }
         },
-        "learning": {
+        "responses.learning": {
             "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
             "sequence": {"order": 4, "rate_hz": 2e3},
             "deconvolved": {"played": CLICK, "recorded": CLICK, "n_samples": 9, "regularisation": 1e-6},
@@ -235,7 +235,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "write_learnt": {**heard, "path": folder / "learnt.npz", "provenance": {"who": "me"}},
             "read_provenance": {"path": npz},
         },
-        "load": {
+        "responses.load": {
             "Load.weights": {"self": Load(0.1, 0.1), "screen": SCREEN, **LOW},
             "Load.dynamic_stiffness": {"self": Load(0.1, 0.1, 9.0), "s": S},
             "Receptances.of": {"oscillators": SCREEN.oscillators(1e3), "mass_kg": 0.15, "s": S},
@@ -254,11 +254,11 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [Load(0.1, 0.1, 9.0)], **SAMPLING},
             "contour": {"n_samples": 9, "rate_hz": 2e3},
         },
-        "low_pass": {
+        "design.low_pass": {
             name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
             for name in ("passed", "passed_hz", "effective_hz", "weighted_width_m")
         },
-        "measured": {
+        "responses.measured": {
             "read": {"paths": [npz], "full_scale": 1.0, "quantity": "velocity"},
             "write_npz": {**heard, "path": folder / "kept.npz"},
             "trimmed": {**heard, "start_s": 0.01, "duration_s": 0.1},
@@ -266,7 +266,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "inspect": {**heard, "snr_db": 20.0},
             "reciprocity_error": {"there": LINE, "back": BUMP},
         },
-        "merit": {
+        "field.merit": {
             "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
             "contrast_far_of": {
                 "amplitude_m": 4.0, "field_m": FIELD, "grid_m": (LINE, LINE), "focus_m": (2.0, 2.0), "radius_m": 1.0,
@@ -283,7 +283,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "area_density_kg_per_m2": 2.4, "frequency_hz": 1e4, "amplitude_m": 1e-5, "resolution_m": 1e-2,
             },
         },
-        "modes": {
+        "plate.modes": {
             "values": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
             "laplacians": {"modes": MODAL, "x_m": [0.1], "y_m": [0.1]},
             "modes_of": {"plate": PLATE, "f_max_hz": 1e3, "shear_factor": 0.8},
@@ -297,7 +297,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 }.items()
             },
         },
-        "pattern": {
+        "focusing.pattern": {
             **{
                 f"{type(envelope).__name__}.at": {"self": envelope, "position": np.array([0.0, 0.5])}
                 for envelope in (Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)))
@@ -309,15 +309,15 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "focus_samples": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3, "n_reversal": 9},
             "burst_s": {"weight": 0.5, "reversal_s": 7e-3, "tau_s": 3.5e-3},
         },
-        "plate": {
+        "plate.plate": {
             "Plate.contains": {"self": PLATE, "x_m": 0.1, "y_m": 0.1},
             "Plate.check_holds": {"self": PLATE, "name": "at_m", "at_m": (0.1, 0.1)},
             "Plate.modes": {"self": PLATE, "shear_factor": 0.8, **LOW},
             "Plate.frequencies_hz": {"self": PLATE, **LOW},
             "Plate.mode_count": {"self": PLATE, "frequency_hz": 1e3},
         },
-        "plate_file": {"read_plate": {"path": toml}},
-        "quantiser": {
+        "plate.plate_file": {"read_plate": {"path": toml}},
+        "focusing.quantiser": {
             **{
                 f"{type(rule).__name__}.quantise": {"self": rule, "waveform": FIELD, "rate_hz": 2e3}
                 for rule in (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0))
@@ -325,11 +325,11 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "normalised": {"waveform": FIELD, "per_channel": True},
             "transitions_per_s": {"values": np.sign(FIELD - 2), "rate_hz": 2e3},
         },
-        "reading": {
+        "stimulus.vibrometer": {
             "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
             "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [Load(0.1, 0.1, 9.0)]},
         },
-        "responses": {
+        "responses.responses": {
             "Responses.at_point": {"self": RESPONSES, "index": 1},
             "Responses.of_channels": {"self": RESPONSES, "channels": [1]},
             "impulse_responses": {
@@ -339,8 +339,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "chunks": {"n_samples": 9, "size": 4},
             "values_at": {"screen": SCREEN, "points": POINTS, **LOW},
         },
-        "screen": {f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")},
-        "sensation": {
+        "screen.screen": {
+            f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")
+        },
+        "stimulus.sensation": {
             **{
                 f"TimeReversalSensation.{name}": {
                     "self": TimeReversalSensation(SETUP), "signal": AT_SETUP, "contact": Contact(2.0),
@@ -351,15 +353,17 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},
             "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},
         },
-        "setup": {"Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP}},
-        "sound": {
+        "stimulus.setup": {
+            "Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP},
+        },
+        "field.sound": {
             "a_weighting_db": {"frequency_hz": [1e3]},
             "coincidence_frequency_hz": {"plate": PLATE, "sound_speed_m_per_s": 343.0},
             "radiation_efficiency": on_plate,
             "noise": {**driven, "distance_m": 0.3, "duration_s": 0.1},
             "velocity_spectrum": driven,
         },
-        "spectrum": {
+        "responses.filtering": {
             **{
                 f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
                 for gain in (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3))
@@ -368,22 +372,22 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "band_limited": {**heard, "band": BAND},
             "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
         },
-        "statics": {
+        "plate.statics": {
             "deflection_m": {"plate": PLATE, "force_n": 2.0, "at_m": (0.1, 0.1), "x_m": [0.1], "y_m": [0.1]},
             "bending_stress_pa": {"plate": PLATE, "force_n": 2.0, "contact_m": 0.01},
         },
-        "stimulus": {
+        "stimulus.family": {
             f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
             for name in ("at", "voltage_v")
         },
-        "thickness": {
+        "design.thickness": {
             "sheets": {
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),
                 "thicknesses_m": [1e-3],
             },
             "recommended": {"among": SHEETS, "thickness_m": 1e-3},
         },
-        "transducer": {
+        "screen.transducer": {
             **{
                 f"{type(source).__name__}.{name}": {"self": source, **arguments}
                 for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01))
@@ -395,7 +399,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "modal_forces": {"modes": MODAL, "sources": SCREEN.sources},
             "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012},
         },
-        "variability": {
+        "field.variability": {
             "contributions_m": {**heard, "voltage_v": 30.0},
             "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
             "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},

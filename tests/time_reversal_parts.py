@@ -18,10 +18,10 @@ from tactometry.stimuli.time_reversal import (
     Target,
     border,
 )
-from tactometry.stimuli.time_reversal.closed_forms import Reverberation
-from tactometry.stimuli.time_reversal.design import Design, Transducers
-from tactometry.stimuli.time_reversal.load import Receptances
-from tactometry.stimuli.time_reversal.thickness import sheets
+from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
+from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
+from tactometry.stimuli.time_reversal.design.thickness import sheets
+from tactometry.stimuli.time_reversal.responses.load import Receptances
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
 SCREEN = Screen(PLATE, border(PLATE, 2), Attenuation(3e-3))

@@ -1,8 +1,8 @@
 """Sessions of the tutorial with a simulated participant, which many tests record and then spoil."""
 
-from tactometry.experiments.recording import Who, record, simulated
-from tactometry.experiments.study import load
-from tactometry.experiments.wiring import wire
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
 
 STUDY, TOML = load("tutorial")
 EXPERIMENT = wire(STUDY, "tutorial")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from tactometry.analysis.figures.axes import Axis, panels, series
-from tactometry.analysis.style import Drawing, shades
+from tactometry.analysis.figures.style import Drawing, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.figures.axes import Axis, place, series
-from tactometry.analysis.style import Drawing, drawn, house_style, look, new_figure
+from tactometry.analysis.figures.style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

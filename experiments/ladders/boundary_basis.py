@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.ladders.plate_modes import largest
-from tactometry.experiments.ladders.problem import Problem, Rung
-from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
 
 F_MAX_HZ = 4e3
 PLATE = Plate(0.2, 0.14, 1e-3, 70e9, 0.3, 2500.0, "SFSF")

@@ -4,9 +4,9 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.electrovibration import DryFriction, Finger, Sine, Skin, StickSlip, Travel, stick_slip
-from tactometry.stimuli.electrovibration.force import force_form
+from tactometry.stimuli.electrovibration.attraction.force import force_form
 
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
 N_SAMPLES = (20, 200, 2_000, 20_000)

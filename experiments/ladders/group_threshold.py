@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold import fit_many
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.analysis.threshold.fitting import fit_many
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.psychometric import PsychometricFunction
 
 MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0

@@ -4,11 +4,11 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.analysis.hierarchical_table import Layout
-from tactometry.analysis.laplace import MixedModel, inner_mode
-from tactometry.analysis.quadrature import log_marginal_by_quadrature
-from tactometry.analysis.threshold_model import mixed_model
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.analysis.hierarchical.layout import Layout
+from tactometry.analysis.hierarchical.model import mixed_model
+from tactometry.analysis.mixed_models.laplace import MixedModel, inner_mode
+from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.psychometric import shape_named
 
 LEVELS = np.array([-6.0, -3.0, 0.0, 3.0, 6.0])

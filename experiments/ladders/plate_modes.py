@@ -5,9 +5,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.ladders.problem import Problem, Rung
-from tactometry.stimuli.time_reversal.plate import Plate
-from tactometry.stimuli.time_reversal.ritz import degrees, solve
+from tactometry.experiments.cost.problem import Problem, Rung
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
 
 F_MAX_HZ = 5e3
 SIDE_M = 0.2

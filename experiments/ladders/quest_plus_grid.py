@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.protocols import ParameterGrid, QuestPlus
 from tactometry.psychometric import PsychometricFunction
 

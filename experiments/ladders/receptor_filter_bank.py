@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.perception import Components, components
 from tactometry.stimuli.perception.channels import channel_levels_db
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,

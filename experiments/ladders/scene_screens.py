@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.scenes.file import SceneFile, load_scene

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.perception import Components, components, sensation_level_db
 
 FREQUENCIES_HZ = np.array([41.3, 87.7, 173.1, 311.9])

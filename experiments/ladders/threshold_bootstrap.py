@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import comb, ndtr, ndtri
 
-from tactometry.analysis.threshold import fit_many
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.analysis.threshold.fitting import fit_many
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.ladders.threshold_fit import threshold_prior, width_prior
 
 LEVELS, N_YES, N_TRIALS, RATE = np.array([-1.0, 0.0, 1.0]), np.array([3, 6, 10]), 12, 0.02
@@ -53,10 +53,10 @@ def _chances(threshold: Real, log_width: Real) -> Real:
 
 def _fitted_modes() -> tuple[Real, Real]:
     """Threshold and logarithm of the width of every answer, by the fit's own steps."""
-    from tactometry.analysis.counts import checked, normalised
-    from tactometry.analysis.likelihood import LOG_WIDTH, THRESHOLD
-    from tactometry.analysis.mode import find_mode
-    from tactometry.analysis.prior import Prior
+    from tactometry.analysis.threshold.counts import checked, normalised
+    from tactometry.analysis.threshold.likelihood import LOG_WIDTH, THRESHOLD
+    from tactometry.analysis.threshold.mode import find_mode
+    from tactometry.analysis.threshold.prior import Prior
     from tactometry.psychometric import shape_named
 
     counts = normalised(*checked(LEVELS, _answers(), N_TRIALS, positive=False))

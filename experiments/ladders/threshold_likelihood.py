@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from tactometry.analysis.threshold import fit
-from tactometry.experiments.ladders.problem import Problem, Rung
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.ladders.threshold_fit import LEVELS, N_CORRECT, N_TRIALS
 
 GUESS, LAPSE = 0.5, 0.02

@@ -2,11 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from tactometry.lazy import exports
+from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.amplitude_modulated import AmplitudeModulated
-    from tactometry.stimuli.electrovibration.contact_area import (
+    from tactometry.stimuli.electrovibration.attraction.contact_area import (
         ContactArea,
         PowerLawArea,
         Print,
@@ -15,11 +14,13 @@ if TYPE_CHECKING:
         ellipse_area_m2,
         power_law_of_prints,
     )
-    from tactometry.stimuli.electrovibration.corners import Corners
-    from tactometry.stimuli.electrovibration.dispersion import DispersiveLayer, periodic_voltages_v
-    from tactometry.stimuli.electrovibration.drive import charge_c, charge_c_at, current_a, current_a_at
-    from tactometry.stimuli.electrovibration.finger import Finger, Motion, sliding, sliding_many
-    from tactometry.stimuli.electrovibration.force import (
+    from tactometry.stimuli.electrovibration.attraction.drawn_current import (
+        charge_c,
+        charge_c_at,
+        current_a,
+        current_a_at,
+    )
+    from tactometry.stimuli.electrovibration.attraction.force import (
         LAWS,
         ForceForm,
         Law,
@@ -27,33 +28,37 @@ if TYPE_CHECKING:
         electrostatic_force_n_at,
         force_form,
     )
-    from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag, lagged_friction_n
-    from tactometry.stimuli.electrovibration.level import level_db_re_1v, peak_voltage_v
-    from tactometry.stimuli.electrovibration.offset import WithOffset
-    from tactometry.stimuli.electrovibration.periodic_force import periodic_force_n
-    from tactometry.stimuli.electrovibration.pieces import Pieces, straight
-    from tactometry.stimuli.electrovibration.played_texture import (
+    from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+    from tactometry.stimuli.electrovibration.attraction.periodic_force import periodic_force_n
+    from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
+    from tactometry.stimuli.electrovibration.motion.finger import Finger, Motion, sliding, sliding_many
+    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag, lagged_friction_n
+    from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, StickSlip, Travel, stick_slip
+    from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
+    from tactometry.stimuli.electrovibration.skin.dispersive_layer import DispersiveLayer, periodic_voltages_v
+    from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+    from tactometry.stimuli.electrovibration.skin.skin import Skin
+    from tactometry.stimuli.electrovibration.skin.solution import Solution
+    from tactometry.stimuli.electrovibration.skin.stack import Layer, Stack
+    from tactometry.stimuli.electrovibration.textures.played_texture import (
         PlayedTexture,
         PositionSensor,
         lateral_modulation_n,
         straight_path_m,
     )
-    from tactometry.stimuli.electrovibration.polarity import Polarity
-    from tactometry.stimuli.electrovibration.pulse_train import PulseTrain
-    from tactometry.stimuli.electrovibration.relaxation import Relaxations
-    from tactometry.stimuli.electrovibration.sampled import Sampled
-    from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
-    from tactometry.stimuli.electrovibration.sine import Sine
-    from tactometry.stimuli.electrovibration.skin import Skin
-    from tactometry.stimuli.electrovibration.solution import Solution
-    from tactometry.stimuli.electrovibration.square import Square
-    from tactometry.stimuli.electrovibration.stack import Layer, Stack
-    from tactometry.stimuli.electrovibration.step import Step
-    from tactometry.stimuli.electrovibration.sticking import DryFriction, StickSlip, Travel, stick_slip
-    from tactometry.stimuli.electrovibration.texture import Bump, Grating, Image, Noise, Region, Texture
-    from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
-    from tactometry.stimuli.electrovibration.triangle import Triangle
-    from tactometry.stimuli.electrovibration.velvet import Velvet
+    from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
+    from tactometry.stimuli.electrovibration.textures.velvet import Velvet
+    from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+    from tactometry.stimuli.electrovibration.waveforms.corners import Corners
+    from tactometry.stimuli.electrovibration.waveforms.level import level_db_re_1v, peak_voltage_v
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+    from tactometry.stimuli.electrovibration.waveforms.pulse_train import PulseTrain
+    from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
+    from tactometry.stimuli.electrovibration.waveforms.sine import Sine
+    from tactometry.stimuli.electrovibration.waveforms.square import Square
+    from tactometry.stimuli.electrovibration.waveforms.step import Step
+    from tactometry.stimuli.electrovibration.waveforms.trapezoid import Trapezoid
+    from tactometry.stimuli.electrovibration.waveforms.triangle import Triangle
 
 __all__ = [
     "LAWS",
@@ -122,34 +127,36 @@ __all__ = [
 ]
 
 _NAMES = {
-    "amplitude_modulated": "AmplitudeModulated",
-    "contact_area": "ContactArea PowerLawArea Print TableArea area_of_prints ellipse_area_m2 power_law_of_prints",
-    "corners": "Corners",
-    "dispersion": "DispersiveLayer periodic_voltages_v",
-    "drive": "charge_c charge_c_at current_a current_a_at",
-    "finger": "Finger Motion sliding sliding_many",
-    "force": "LAWS ForceForm Law electrostatic_force_n electrostatic_force_n_at force_form",
-    "friction": "CoulombFriction FrictionLag lagged_friction_n",
-    "level": "level_db_re_1v peak_voltage_v",
-    "offset": "WithOffset",
-    "periodic_force": "periodic_force_n",
-    "pieces": "Pieces straight",
-    "played_texture": "PlayedTexture PositionSensor lateral_modulation_n straight_path_m",
-    "polarity": "Polarity",
-    "pulse_train": "PulseTrain",
-    "relaxation": "Relaxations",
-    "sampled": "Sampled",
+    "waveforms.amplitude_modulated": "AmplitudeModulated",
+    "attraction.contact_area": (
+        "ContactArea PowerLawArea Print TableArea area_of_prints ellipse_area_m2 power_law_of_prints"
+    ),
+    "waveforms.corners": "Corners",
+    "skin.dispersive_layer": "DispersiveLayer periodic_voltages_v",
+    "attraction.drawn_current": "charge_c charge_c_at current_a current_a_at",
+    "motion.finger": "Finger Motion sliding sliding_many",
+    "attraction.force": "LAWS ForceForm Law electrostatic_force_n electrostatic_force_n_at force_form",
+    "motion.friction": "CoulombFriction FrictionLag lagged_friction_n",
+    "waveforms.level": "level_db_re_1v peak_voltage_v",
+    "attraction.offset": "WithOffset",
+    "attraction.periodic_force": "periodic_force_n",
+    "waveforms.pieces": "Pieces straight",
+    "textures.played_texture": "PlayedTexture PositionSensor lateral_modulation_n straight_path_m",
+    "attraction.polarity": "Polarity",
+    "waveforms.pulse_train": "PulseTrain",
+    "skin.relaxation": "Relaxations",
+    "waveforms.sampled": "Sampled",
     "sensation": "ElectrovibrationSensation",
-    "sine": "Sine",
-    "skin": "Skin",
-    "solution": "Solution",
-    "square": "Square",
-    "stack": "Layer Stack",
-    "step": "Step",
-    "sticking": "DryFriction StickSlip Travel stick_slip",
-    "texture": "Bump Grating Image Noise Region Texture",
-    "trapezoid": "Trapezoid",
-    "triangle": "Triangle",
-    "velvet": "Velvet",
+    "waveforms.sine": "Sine",
+    "skin.skin": "Skin",
+    "skin.solution": "Solution",
+    "waveforms.square": "Square",
+    "skin.stack": "Layer Stack",
+    "waveforms.step": "Step",
+    "motion.stick_slip": "DryFriction StickSlip Travel stick_slip",
+    "textures.texture": "Bump Grating Image Noise Region Texture",
+    "waveforms.trapezoid": "Trapezoid",
+    "waveforms.triangle": "Triangle",
+    "textures.velvet": "Velvet",
 }
 __getattr__, __dir__ = exports(__name__, _NAMES)

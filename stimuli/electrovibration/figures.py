@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from tactometry import require
-from tactometry.checked import checked
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
-from tactometry.stimuli.electrovibration.dispersion import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
-from tactometry.stimuli.electrovibration.force import LAWS, Law, electrostatic_force_n_at, force_form
-from tactometry.stimuli.electrovibration.pieces import Pieces
-from tactometry.stimuli.electrovibration.played_texture import share_along
-from tactometry.stimuli.electrovibration.sine import Sine
-from tactometry.stimuli.electrovibration.skin import Skin
-from tactometry.stimuli.electrovibration.step import Step
-from tactometry.stimuli.electrovibration.texture import Texture
-from tactometry.stimuli.electrovibration.trapezoid import Trapezoid
-from tactometry.stimuli.electrovibration.velvet import Velvet
+from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
+from tactometry.stimuli.electrovibration.attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
+from tactometry.stimuli.electrovibration.skin.skin import Skin
+from tactometry.stimuli.electrovibration.textures.played_texture import share_along
+from tactometry.stimuli.electrovibration.textures.texture import Texture
+from tactometry.stimuli.electrovibration.textures.velvet import Velvet
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+from tactometry.stimuli.electrovibration.waveforms.sine import Sine
+from tactometry.stimuli.electrovibration.waveforms.step import Step
+from tactometry.stimuli.electrovibration.waveforms.trapezoid import Trapezoid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,16 +8,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry import require
-from tactometry.checked import checked
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.contact_area import ContactArea, PowerLawArea
-from tactometry.stimuli.electrovibration.force import Law, electrostatic_force_n
-from tactometry.stimuli.electrovibration.friction import CoulombFriction, FrictionLag
-from tactometry.stimuli.electrovibration.polarity import Polarity
-from tactometry.stimuli.electrovibration.skin import Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import ContactArea, PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import Law, electrostatic_force_n
+from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
+from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag
+from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.perception.detection import Components, components, sensation_level_db
 
 Real = NDArray[np.float64]

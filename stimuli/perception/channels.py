@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.require import positive, positive_array
+from tactometry.arguments.require import positive, positive_array
 from tactometry.stimuli.perception.detection import Components
 
 NP_III, NP_I, P = 0, 1, 2

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal.windows import flattop
 
+from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
-from tactometry.require import positive
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
 
 FAINT = 1e-9

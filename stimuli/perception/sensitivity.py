@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.require import not_negative_array
+from tactometry.arguments.require import not_negative_array
 
 SCALE_DB = 62.0
 PER_HZ = 1 / 550

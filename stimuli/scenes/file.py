@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tactometry.config.quantity import as_si
+from tactometry.config.strict import build, convert
+from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.quantity import as_si
 from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stage import Setting
 from tactometry.stimuli.scenes.surfaces import SURFACES
-from tactometry.strict import build, convert
 from tactometry.target import resolve
-from tactometry.toml import located, read_table
 
 
 @dataclass(frozen=True)

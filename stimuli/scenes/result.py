@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter
 from tactometry.provenance import versions
-from tactometry.quantity import unit_suffix, units
 from tactometry.stimuli.scenes.plan import Plan
 
 ABOVE_THRESHOLD = ("sensation_db", "channels_db")

@@ -11,7 +11,7 @@ import click
 
 from tactometry import __version__
 from tactometry.errors import TactometryError, nearest
-from tactometry.files import private
+from tactometry.files.durable import private
 from tactometry.target import resolve
 
 COMMANDS = {

@@ -47,11 +47,11 @@ def command(
     as_json: bool,
 ) -> None:
     """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
-    from tactometry.analysis.column_map import read_column_map
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.plan import read_plan
-    from tactometry.experiments.edited import edited
-    from tactometry.experiments.rule_estimates import replay_of
+    from tactometry.analysis.reading.column_map import read_column_map
+    from tactometry.experiments.data_sets.edited import edited
+    from tactometry.experiments.data_sets.rule_estimates import replay_of
 
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
     found = analyse(
@@ -73,7 +73,7 @@ def summary_text(found: "Analysis") -> str:
     """Warnings, group tables and analyses of variance for a terminal."""
     from rich.console import Console
 
-    from tactometry.analysis.tell import tables
+    from tactometry.analysis.report.terminal import tables
 
     console = Console(width=None)
     with console.capture() as capture:

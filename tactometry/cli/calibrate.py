@@ -13,10 +13,10 @@ from tactometry.cli.hands_off import hands_off_option
 from tactometry.cli.output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
-    from tactometry.devices.gain import Gain
-    from tactometry.devices.reader import Reader
-    from tactometry.experiments.bench_file import BenchFile
-    from tactometry.experiments.calibrating import ForceFit
+    from tactometry.devices.outputs.gain import Gain
+    from tactometry.devices.sensors.reader import Reader
+    from tactometry.experiments.bench.bench_file import BenchFile
+    from tactometry.experiments.bench.calibration import ForceFit
 
 bench_option = click.option(
     "--bench", "bench_path", type=click.Path(path_type=Path), required=True, help="Bench file (TOML)."
@@ -54,9 +54,9 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
     sheets. With --measured-v nothing is played.
     """
-    from tactometry.devices.gain import measured_anew, stated
-    from tactometry.experiments.bench_file import load_bench
-    from tactometry.experiments.calibrating import fit_gain, gain_toml
+    from tactometry.devices.outputs.gain import measured_anew, stated
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.experiments.bench.calibration import fit_gain, gain_toml
 
     bench = load_bench(bench_path)
     before = stated(bench.output.gain, "output.gain")
@@ -85,7 +85,7 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
     import time
 
     from tactometry.errors import InvalidParameter
-    from tactometry.experiments.calibrating import gain_tone
+    from tactometry.experiments.bench.calibration import gain_tone
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
@@ -129,8 +129,8 @@ def force(
     as_json: bool,
 ) -> None:
     """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
-    from tactometry.experiments.bench_file import load_bench
-    from tactometry.experiments.calibrating import fit_force, force_toml
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.experiments.bench.calibration import fit_force, force_toml
 
     check_figure(figure)
     bench = load_bench(bench_path)
@@ -146,7 +146,7 @@ def force(
         as_json=as_json,
     )
     if figure is not None:
-        from tactometry.experiments.figures import force_figure
+        from tactometry.experiments.bench.figures import force_figure
 
         with writing(figure):
             force_figure(fit, figure)
@@ -184,7 +184,7 @@ def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
 
 def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
     """Mean counts over a second with each weight on."""
-    from tactometry.experiments.calibrating import mean_counts
+    from tactometry.experiments.bench.calibration import mean_counts
 
     with ExitStack() as last_first:
         reader.open()
@@ -204,7 +204,7 @@ def display(bar_m: float | None, *, as_json: bool) -> None:
 
     It is half as high as the picture. With --bar-m no window is opened.
     """
-    from tactometry.experiments.calibrating import display_height_m, display_toml
+    from tactometry.experiments.bench.calibration import display_height_m, display_toml
 
     height_m = display_height_m(_shown_bar_m() if bar_m is None else bar_m)
     say(display_toml(height_m), {"height_m": height_m}, as_json=as_json)
@@ -212,7 +212,7 @@ def display(bar_m: float | None, *, as_json: bool) -> None:
 
 def _shown_bar_m() -> float:
     """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
-    from tactometry.experiments.calibrating import show_bar
+    from tactometry.experiments.bench.calibration import show_bar
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=True)
@@ -253,7 +253,7 @@ def responses(**asked: object) -> None:
     """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
 
     A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
-    tactometry.stimuli.time_reversal.measured.read.
+    tactometry.stimuli.time_reversal.responses.measured.read.
     """
     from tactometry.cli.calibrate_responses import run
 

@@ -13,9 +13,9 @@ from tactometry.cli.output import check_figure, progress, say, writing
 def run(asked: Mapping[str, Any]) -> None:
     """Learn, convert, write and report; `asked` are the command's options."""
     from tactometry.errors import InvalidParameter, nearest
-    from tactometry.experiments.bench_file import load_bench
-    from tactometry.experiments.learning import Learning, Microphone, joined, learn
-    from tactometry.stimuli.time_reversal.learning import as_displacement, sequence, sweep, write_learnt
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
+    from tactometry.stimuli.time_reversal.responses.learning import as_displacement, sequence, sweep, write_learnt
 
     check_figure(asked["figure"])
     _check_out(asked["out"])
@@ -70,7 +70,7 @@ def run(asked: Mapping[str, Any]) -> None:
     with writing(asked["out"]):
         write_learnt(found, asked["out"], provenance)
     if asked["figure"] is not None:
-        from tactometry.experiments.figures import responses_figure
+        from tactometry.experiments.bench.figures import responses_figure
 
         with writing(asked["figure"]):
             responses_figure(found, asked["figure"])

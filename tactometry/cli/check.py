@@ -10,7 +10,7 @@ from tactometry.cli.hands_off import hands_are_off, hands_off_option
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.experiments.checking import Finding
+    from tactometry.experiments.bench.preflight import Finding
 
 LONGEST_CELL = 50
 """A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
@@ -35,8 +35,8 @@ def command(
     said that hands are off: with --hands-off, or in words at the terminal. Exit status 1 if something is not fine, 3 if
     that is a device.
     """
-    from tactometry.experiments.bench_file import load_bench
-    from tactometry.experiments.checking import check, exit_status
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.experiments.bench.preflight import check, exit_status
 
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())

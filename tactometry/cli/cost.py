@@ -8,7 +8,7 @@ import click
 from tactometry.cli.output import json_option, progress, say
 
 if TYPE_CHECKING:
-    from tactometry.experiments.ladders.measure import Climb
+    from tactometry.experiments.cost.measure import Climb
 
 
 @click.command(epilog="Example: tactometry cost skin-propagator --out cost")
@@ -23,9 +23,9 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as
     Errors are the same in every run; times are those of this machine, now.
     """
     from tactometry.errors import InvalidParameter, nearest
+    from tactometry.experiments.cost.measure import climb
+    from tactometry.experiments.cost.report import machine, table
     from tactometry.experiments.ladders import LADDERS
-    from tactometry.experiments.ladders.measure import climb
-    from tactometry.experiments.ladders.report import machine, table
     from tactometry.target import resolve
 
     if ladder != "all" and ladder not in LADDERS:
@@ -43,9 +43,9 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as
 
 
 def _write(climbs: "list[Climb]", out: Path) -> None:
-    from tactometry.experiments.ladders.figures import error_against_price
-    from tactometry.experiments.ladders.peers import peers_of
-    from tactometry.experiments.ladders.report import write_csv
+    from tactometry.experiments.cost.figures import error_against_price
+    from tactometry.experiments.cost.peers import peers_of
+    from tactometry.experiments.cost.report import write_csv
 
     write_csv(climbs, out / "cost.csv")
     for found in climbs:
@@ -56,7 +56,7 @@ def _write(climbs: "list[Climb]", out: Path) -> None:
 def _write_page(climbs: "list[Climb]", path: Path) -> None:
     from datetime import UTC, datetime
 
-    from tactometry.experiments.ladders.page import write_page
+    from tactometry.experiments.cost.page import write_page
 
     write_page(climbs, path, datetime.now(UTC).date())
 
@@ -64,7 +64,7 @@ def _write_page(climbs: "list[Climb]", path: Path) -> None:
 def _record(climbs: "list[Climb]") -> dict[str, object]:
     from dataclasses import asdict
 
-    from tactometry.experiments.ladders.report import answers, machine
+    from tactometry.experiments.cost.report import answers, machine
 
     ladders = {
         found.problem.name: {

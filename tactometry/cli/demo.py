@@ -18,9 +18,9 @@ def command(out: Path, seed: int, *, as_json: bool) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.cli.analyse import summary_text
-    from tactometry.experiments.rule_estimates import replay_of
-    from tactometry.experiments.simulating import Simulation, simulate
-    from tactometry.experiments.study import load
+    from tactometry.experiments.data_sets.rule_estimates import replay_of
+    from tactometry.experiments.sessions.simulation import Simulation, simulate
+    from tactometry.experiments.study.study_file import load
 
     _, content = load(STUDY)
     simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)

@@ -10,7 +10,7 @@ from tactometry.cli.output import check_figure, json_option, say, writing
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from tactometry.stimuli.time_reversal.thickness import Sheet
+    from tactometry.stimuli.time_reversal.design.thickness import Sheet
 
 
 @click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
@@ -55,11 +55,11 @@ def command(
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
-    from tactometry.stimuli.time_reversal.design import OFF, Target, Transducers
-    from tactometry.stimuli.time_reversal.glass import A4_SCREEN
-    from tactometry.stimuli.time_reversal.plate_file import read_plate
-    from tactometry.stimuli.time_reversal.spectrum import Band
-    from tactometry.stimuli.time_reversal.thickness import SHEETS_M, recommended, sheets
+    from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
+    from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
+    from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+    from tactometry.stimuli.time_reversal.responses.filtering import Band
 
     check_figure(figure)
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
@@ -109,7 +109,7 @@ def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
 
 def _bends(sheet: "Sheet") -> str:
     """The deflection, or that it is beyond what small deflections tell."""
-    from tactometry.stimuli.time_reversal.thickness import SMALL
+    from tactometry.stimuli.time_reversal.design.thickness import SMALL
 
     if sheet.bends_linearly:
         return f"{sheet.deflection_m * 1e6:.0f} um"
@@ -117,7 +117,7 @@ def _bends(sheet: "Sheet") -> str:
 
 
 def _how_far_off(among: "Sequence[Sheet]") -> "Iterator[str]":
-    from tactometry.stimuli.time_reversal.design import OFF
+    from tactometry.stimuli.time_reversal.design.guide import OFF
 
     ranges = ", ".join(f"{name} {low:+.0%} to {high:+.0%}" for name, (low, high) in OFF.items())
     yield f"simulation over these laws: {ranges}; sheets that differ by less are alike"

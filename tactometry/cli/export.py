@@ -22,7 +22,7 @@ FORMS = ("bids", "psych-ds", "psychopy", "r")
 @json_option
 def command(path: Path, form: str, out: Path, authors: tuple[str, ...], *, as_json: bool) -> None:
     """The data set or trials file PATH in the form of another program; PATH stays as it is."""
-    from tactometry.experiments.exporting import export
+    from tactometry.experiments.data_sets.export import export
 
     written = export(path, form, out, authors)
     result = {"path": str(path), "to": form, "out": str(out), "files": [str(file.relative_to(out)) for file in written]}

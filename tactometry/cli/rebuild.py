@@ -17,7 +17,7 @@ def command(path: Path, *, as_json: bool) -> None:
     A trials file that holds what its journal does not is left alone and told.
     """
     from tactometry.errors import counted
-    from tactometry.experiments.replaying import rebuild_data_set
+    from tactometry.experiments.data_sets.replaying import rebuild_data_set
 
     rebuilt = rebuild_data_set(path)
     lines = [f"{each.trials}: {counted(each.n_trials, 'trial')}{', mended' * each.changed}" for each in rebuilt]

@@ -17,7 +17,7 @@ def command(path: Path, *, as_json: bool) -> None:
     Exit status 1, with the line or row, at the first divergence.
     """
     from tactometry.errors import counted
-    from tactometry.experiments.replaying import replay_data_set
+    from tactometry.experiments.data_sets.replaying import replay_data_set
 
     replayed = replay_data_set(path)
     lines: list[str] = []

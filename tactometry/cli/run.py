@@ -10,8 +10,8 @@ import click
 from tactometry.cli.output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.experiments.recording import Recorded, Who
-    from tactometry.experiments.wiring import Experiment
+    from tactometry.experiments.sessions.recording import Recorded, Who
+    from tactometry.experiments.study.experiment import Experiment
 
 
 @click.command(name="run", epilog="Example: tactometry run tutorial --participant P01 --rig console --out pilot")
@@ -46,13 +46,13 @@ def command(
 
     Exit status 1 if a block, or a track of it, did not come to its end.
     """
-    from tactometry.cli.rigs import RIGS
-    from tactometry.dataset import Session
-    from tactometry.experiments.bench_file import load_bench
-    from tactometry.experiments.recording import Who, record
-    from tactometry.experiments.rehearsal import rehearse, rehearse_forms
-    from tactometry.experiments.study import load
-    from tactometry.experiments.wiring import wire
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.experiments.sessions.recording import Who, record
+    from tactometry.experiments.sessions.rig_kinds import RIGS
+    from tactometry.experiments.study.experiment import wire
+    from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
+    from tactometry.experiments.study.study_file import load
+    from tactometry.records.data_set import Session
 
     numbers, content = load(study)
     experiment = wire(numbers, study)
@@ -74,7 +74,7 @@ def command(
 def _check_duration(experiment: "Experiment", who: "Who", *, begun: bool) -> None:
     """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
     from tactometry.errors import InvalidParameter
-    from tactometry.experiments.planning import check_duration, plan
+    from tactometry.experiments.study.dry_run import check_duration, plan
 
     try:
         caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
@@ -100,9 +100,9 @@ ENDINGS = {
 
 
 def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
-    from tactometry.dataset import cell
     from tactometry.errors import counted
-    from tactometry.experiments.planning import duration_s, plan
+    from tactometry.experiments.study.dry_run import duration_s, plan
+    from tactometry.records.data_set import cell
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60

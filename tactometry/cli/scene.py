@@ -29,10 +29,10 @@ def command(
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
     """
+    from tactometry.config.toml import located
     from tactometry.experiments.scenes import path_of
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
-    from tactometry.toml import located
 
     check_figure(figure)
     found = load_scene(path_of(file))

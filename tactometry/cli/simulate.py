@@ -32,8 +32,8 @@ def command(
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
     from tactometry.errors import InvalidParameter, counted
-    from tactometry.experiments.simulating import Simulation, simulate
-    from tactometry.experiments.study import load
+    from tactometry.experiments.sessions.simulation import Simulation, simulate
+    from tactometry.experiments.study.study_file import load
 
     if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
         raise InvalidParameter(

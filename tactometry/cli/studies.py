@@ -11,7 +11,7 @@ from tactometry.cli.output import json_option, say
 @json_option
 def studies(*, as_json: bool) -> None:
     """The built-in studies, a line each."""
-    from tactometry.experiments.study import builtin, load
+    from tactometry.experiments.study.study_file import builtin, load
 
     titles = {name: load(name)[0].title for name in builtin()}
     width = max(map(len, titles))
@@ -25,7 +25,7 @@ def studies(*, as_json: bool) -> None:
 def new(study: str, out: Path | None, *, as_json: bool) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
     from tactometry.errors import DeviceFailed, InvalidFile
-    from tactometry.experiments.study import load, locate
+    from tactometry.experiments.study.study_file import load, locate
 
     _, content = load(study)
     path = out or Path(locate(study).name)

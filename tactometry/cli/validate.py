@@ -14,7 +14,7 @@ from tactometry.cli.output import json_option, say
 def command(path: Path, *, as_json: bool) -> int:
     """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
     from tactometry.errors import counted
-    from tactometry.experiments.validation import validate
+    from tactometry.experiments.data_sets.validation import validate
 
     found = validate(path)
     verdict = counted(sum(defect.n_rows for defect in found.defects), "defect") if found.defects else "sound"

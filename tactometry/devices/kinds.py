@@ -3,27 +3,27 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final, Protocol
 
-from tactometry.devices.gain import Gain, SignalChain
-from tactometry.devices.guarded import Driver
-from tactometry.devices.reader import Source
+from tactometry.config.strict import build
+from tactometry.devices.outputs.gain import Gain, SignalChain
+from tactometry.devices.outputs.guarded import Driver
+from tactometry.devices.sensors.reader import Source
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.strict import build
 from tactometry.target import resolve
 
 OUTPUTS: Final = {
-    "null": "tactometry.devices.output:NullSettings",
-    "file": "tactometry.devices.file_output:FileSettings",
-    "packed": "tactometry.devices.packed_output:PackedSettings",
-    "audio": "tactometry.devices.audio:AudioSettings",
-    "ni": "tactometry.devices.ni:NiSettings",
+    "null": "tactometry.devices.outputs.output:NullSettings",
+    "file": "tactometry.devices.outputs.file:FileSettings",
+    "packed": "tactometry.devices.outputs.packed:PackedSettings",
+    "audio": "tactometry.devices.outputs.audio:AudioSettings",
+    "ni": "tactometry.devices.outputs.ni:NiSettings",
 }
 SENSORS: Final = {
-    "lsl": "tactometry.devices.lsl:LslSettings",
-    "serial": "tactometry.devices.serial_line:SerialSettings",
-    "udp": "tactometry.devices.udp:UdpSettings",
-    "audio": "tactometry.devices.audio:AudioInputSettings",
-    "touch": "tactometry.devices.touch_input:TouchSettings",
-    "recorded": "tactometry.devices.recorded:RecordedSettings",
+    "lsl": "tactometry.devices.sensors.lsl:LslSettings",
+    "serial": "tactometry.devices.sensors.serial_line:SerialSettings",
+    "udp": "tactometry.devices.sensors.udp:UdpSettings",
+    "audio": "tactometry.devices.outputs.audio:AudioInputSettings",
+    "touch": "tactometry.devices.sensors.touch_screen:TouchSettings",
+    "recorded": "tactometry.devices.sensors.recorded:RecordedSettings",
 }
 
 

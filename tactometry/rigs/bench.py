@@ -10,13 +10,29 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
-from tactometry.devices.force_sensor import ForceSensor
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import Output
-from tactometry.devices.position_sensor import PositionSensor
-from tactometry.event import EventLog
-from tactometry.limits import FORCE_PEAK_N, Limits
-from tactometry.request import (
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import Output
+from tactometry.devices.sensors.force_sensor import ForceSensor
+from tactometry.devices.sensors.position_sensor import PositionSensor
+from tactometry.rigs import adjustment
+from tactometry.rigs.closing import safely
+from tactometry.rigs.emitter import RAMP_S, Emitter
+from tactometry.rigs.experimenter.supervisor import Attendant, utc_of
+from tactometry.rigs.experimenter.terminal import Desk
+from tactometry.rigs.experimenter.trial_log import CLOCK, Logbook
+from tactometry.rigs.pages import entry, form, layout
+from tactometry.rigs.pages.page import Answer, Page, Screen
+from tactometry.rigs.pages.presenter import Dress, Stage, as_it_is
+from tactometry.rigs.texts import Texts
+from tactometry.rigs.touch.playing import Playing
+from tactometry.rigs.touch.release import Release
+from tactometry.rigs.touch.touch import Touch, moving_cue
+from tactometry.rigs.touch.trace import Trace
+from tactometry.rigs.touch.watchdog import vigil
+from tactometry.safety.limits import FORCE_PEAK_N, Limits
+from tactometry.scale import value_at
+from tactometry.session.event import EventLog
+from tactometry.session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -36,23 +52,8 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.rigs import adjusting, entry, form, layout
-from tactometry.rigs.attendant import Attendant, utc_of
-from tactometry.rigs.desk import Desk
-from tactometry.rigs.emitter import RAMP_S, Emitter
-from tactometry.rigs.logbook import CLOCK, Logbook
-from tactometry.rigs.page import Answer, Page, Screen
-from tactometry.rigs.playing import Playing
-from tactometry.rigs.release import Release
-from tactometry.rigs.safely import safely
-from tactometry.rigs.stage import Dress, Stage, as_it_is
-from tactometry.rigs.texts import Texts
-from tactometry.rigs.touch import Touch, moving_cue
-from tactometry.rigs.trace import Trace
-from tactometry.rigs.vigil import vigil
-from tactometry.scale import value_at
 from tactometry.signal import Stimulus
-from tactometry.trial import Tally, Trial, outcome, tally
+from tactometry.trials.trial import Tally, Trial, outcome, tally
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -285,9 +286,9 @@ class Bench:
         )
         self._attendant.under_way = True
         with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
-            played = adjusting.Repeated(request, self._emitter, look)
+            played = adjustment.Repeated(request, self._emitter, look)
             n_steps, onset_s, end_s = self._stage.converse(
-                0, lambda n_steps: page, functools.partial(adjusting.stepped, request), played.keep_playing
+                0, lambda n_steps: page, functools.partial(adjustment.stepped, request), played.keep_playing
             )
             self._emitter.stop()
         valid = self._counts and not played.n_gaps

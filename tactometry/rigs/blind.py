@@ -2,12 +2,12 @@
 
 import time
 
-from tactometry.rigs.frames import PERIOD_WITHOUT_BLANK_S
-from tactometry.rigs.page import Event, Page
+from tactometry.rigs.frame_timing import PERIOD_WITHOUT_BLANK_S
+from tactometry.rigs.pages.page import Event, Page
 
 
 class Blind:
-    """A `tactometry.rigs.page.Screen` that shows nothing and on which nothing can be pressed."""
+    """A `tactometry.rigs.pages.page.Screen` that shows nothing and on which nothing can be pressed."""
 
     aspect = 1.0
     period_s = PERIOD_WITHOUT_BLANK_S

@@ -9,14 +9,24 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Final, TextIO
 
-from tactometry.devices.force_sensor import ForceSensor
-from tactometry.devices.guarded import Emission, Guarded
-from tactometry.devices.output import NullOutput, Output
-from tactometry.devices.position_sensor import PositionSensor
+from tactometry.devices.outputs.guarded import Emission, Guarded
+from tactometry.devices.outputs.output import NullOutput, Output
+from tactometry.devices.sensors.force_sensor import ForceSensor
+from tactometry.devices.sensors.position_sensor import PositionSensor
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.event import Event, EventLog, Fact, Kind
-from tactometry.limits import Limits
-from tactometry.request import (
+from tactometry.rigs.blind import Blind
+from tactometry.rigs.emitter import RAMP_S, Emitter
+from tactometry.rigs.experimenter.supervisor import SAFE, utc_of
+from tactometry.rigs.pages import layout
+from tactometry.rigs.pages.presenter import Stage, as_it_is
+from tactometry.rigs.texts import Texts
+from tactometry.rigs.touch.playing import Playing
+from tactometry.rigs.touch.release import Release
+from tactometry.rigs.touch.touch import Touch
+from tactometry.rigs.touch.trace import Trace
+from tactometry.safety.limits import Limits
+from tactometry.session.event import Event, EventLog, Fact, Kind
+from tactometry.session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -37,18 +47,8 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.rigs import layout
-from tactometry.rigs.attendant import SAFE, utc_of
-from tactometry.rigs.blind import Blind
-from tactometry.rigs.emitter import RAMP_S, Emitter
-from tactometry.rigs.playing import Playing
-from tactometry.rigs.release import Release
-from tactometry.rigs.stage import Stage, as_it_is
-from tactometry.rigs.texts import Texts
-from tactometry.rigs.touch import Touch
-from tactometry.rigs.trace import Trace
 from tactometry.signal import Stimulus
-from tactometry.trial import Tally, Trial, outcome, tally
+from tactometry.trials.trial import Tally, Trial, outcome, tally
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""

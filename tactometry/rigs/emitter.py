@@ -6,11 +6,11 @@ import time
 from collections.abc import Mapping
 
 from tactometry.devices.deadline import BEGIN_WITHIN_S
-from tactometry.devices.gaps import LONGEST_WORD_S, TellsGaps
-from tactometry.devices.guarded import Guarded
-from tactometry.devices.output import NullOutput, Output, check_playable, with_ramps
+from tactometry.devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullOutput, Output, check_playable, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, nearest
-from tactometry.limits import Limits
+from tactometry.safety.limits import Limits
 from tactometry.signal import Signal, Stimulus
 
 RAMP_S = 0.005

@@ -2,15 +2,15 @@
 
 from collections.abc import Callable, Mapping
 
-from tactometry.devices.force_sensor import ForceSensor
-from tactometry.devices.output import NullOutput, Output
-from tactometry.devices.position_sensor import PositionSensor
-from tactometry.event import EventLog
-from tactometry.limits import Limits
+from tactometry.devices.outputs.output import NullOutput, Output
+from tactometry.devices.sensors.force_sensor import ForceSensor
+from tactometry.devices.sensors.position_sensor import PositionSensor
 from tactometry.rigs.bench import Bench, Facts
-from tactometry.rigs.desk import Desk
 from tactometry.rigs.emitter import RAMP_S
+from tactometry.rigs.experimenter.terminal import Desk
 from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.event import EventLog
 from tactometry.signal import Stimulus
 
 

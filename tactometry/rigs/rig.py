@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from tactometry.request import (
+from tactometry.session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -23,7 +23,7 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 
 class Rig(Protocol):

@@ -8,12 +8,14 @@ import numpy as np
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.force_gate import compliance
-from tactometry.judgement import broken
-from tactometry.limits import Limits
+from tactometry.gates.force import compliance
+from tactometry.gates.speed import Motion, motion
 from tactometry.observers.finger import Grip, SimulatedFinger
 from tactometry.observers.observer import Observer
-from tactometry.request import (
+from tactometry.rigs.judgement import broken
+from tactometry.safety.limits import Limits
+from tactometry.scale import value_at
+from tactometry.session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -34,10 +36,8 @@ from tactometry.request import (
     Touched,
     Wait,
 )
-from tactometry.scale import value_at
 from tactometry.signal import Signal, Stimulus
-from tactometry.speed_gate import Motion, motion
-from tactometry.trial import Trial
+from tactometry.trials.trial import Trial
 
 
 class Sensation(Protocol):

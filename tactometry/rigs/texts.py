@@ -9,7 +9,7 @@ from functools import cache
 from importlib.resources import files
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.request import Question, Show
+from tactometry.session.request import Question, Show
 
 _WIDE = re.compile(r"\d{4}")
 PREFIX, SUFFIX = "messages_", ".toml"

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from tactometry.errors import DeviceFailed
-from tactometry.rigs.frames import Pacer, Rhythm, nominal_rate_hz, rhythm_of
+from tactometry.rigs.closing import ended_by_signal
+from tactometry.rigs.frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from tactometry.rigs.keys import FreshPresses
-from tactometry.rigs.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
-from tactometry.rigs.safely import ended_by_signal
+from tactometry.rigs.pages.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
@@ -83,7 +83,7 @@ def load_psychopy() -> SimpleNamespace:
 
 
 class Window:
-    """A screen as `tactometry.rigs.page.Screen` says.
+    """A screen as `tactometry.rigs.pages.page.Screen` says.
 
     Parameters
     ----------

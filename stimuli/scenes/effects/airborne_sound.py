@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import n_frequencies_of_sound, n_modes, remainder
+from tactometry.stimuli.scenes.stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.emission import Emission
-    from tactometry.stimuli.time_reversal.screen import Screen
+    from tactometry.stimuli.scenes.stages.emission import Emission
+    from tactometry.stimuli.time_reversal.screen.screen import Screen
 
 AUDIBLE_MAX_HZ = 20e3
 FEWEST_MORE = 1.1
@@ -59,7 +59,7 @@ class AirborneSound:
 def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission], float]":
     """The level of an emission of 1 V."""
     from tactometry.signal import Signal
-    from tactometry.stimuli.time_reversal.sound import noise
+    from tactometry.stimuli.time_reversal.field.sound import noise
 
     def level_dba(screen: "Screen", emission: "Emission") -> float:
         signal = Signal(emission.samples, emission.rate_hz, "V")

@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.responses import Responses
+    from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,6 @@ class AudibleFilter:
 
 def silenced(cutoff_hz: float, flank_hz: float) -> "Callable[[Responses], Responses]":
     """Responses without their audible part."""
-    from tactometry.stimuli.time_reversal.spectrum import inaudible
+    from tactometry.stimuli.time_reversal.responses.filtering import inaudible
 
     return lambda learnt: inaudible(learnt, cutoff_hz, flank_hz)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
@@ -41,7 +41,7 @@ class ContactArea:
 
 def pressed(area_at_1n_m2: float, exponent: float, force_n: float) -> Callable[[], float]:
     """The area under a force."""
-    from tactometry.stimuli.electrovibration.contact_area import PowerLawArea
+    from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
 
     area_m2 = float(PowerLawArea(area_at_1n_m2, exponent).area_m2(force_n))
     return lambda: area_m2

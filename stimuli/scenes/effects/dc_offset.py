@@ -11,7 +11,7 @@ from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.offset import Waveform, WithOffset
+    from tactometry.stimuli.electrovibration.attraction.offset import Waveform, WithOffset
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,6 @@ class DcOffset:
 
 def shifted(ratio: float) -> "Callable[[Waveform], WithOffset]":
     """A waveform with a constant."""
-    from tactometry.stimuli.electrovibration.offset import WithOffset
+    from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 
     return lambda waveform: WithOffset(waveform, ratio)

@@ -4,16 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import MOST_MODES, n_modes, remainder
+from tactometry.stimuli.scenes.stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.emission import Emission
-    from tactometry.stimuli.scenes.time_reversal.motion import Motion
+    from tactometry.stimuli.scenes.stages.emission import Emission
+    from tactometry.stimuli.scenes.stages.motion import Motion
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def strained(static_to_hz: float) -> "Callable[[Motion], float]":
 def drawn(capacitance_f: float) -> "Callable[[Emission], float]":
     """The mean power during an emission of 1 V."""
     from tactometry.signal import Signal
-    from tactometry.stimuli.time_reversal.energy import switched_power_w
+    from tactometry.stimuli.time_reversal.field.energy import switched_power_w
 
     return lambda emission: switched_power_w(Signal(emission.samples, emission.rate_hz, "V"), capacitance_f)
 

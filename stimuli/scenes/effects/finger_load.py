@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Setting, Size, Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import cut_of, n_frequencies, n_modes
+from tactometry.stimuli.scenes.stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.contact import FloatArray, Numbers
-    from tactometry.stimuli.scenes.time_reversal.motion import Motion
+    from tactometry.stimuli.scenes.stages.contact import FloatArray, Numbers
+    from tactometry.stimuli.scenes.stages.motion import Motion
 
 REFERENCE_FORCE_N = 2.0
 
@@ -144,8 +144,8 @@ def borne(
     exponent: float,
 ) -> "Callable[[Motion], Motion]":
     """The motion of the plate under the fingers."""
-    from tactometry.stimuli.scenes.time_reversal.contact import bearing
-    from tactometry.stimuli.time_reversal.finger import Finger
+    from tactometry.stimuli.scenes.stages.contact import bearing
+    from tactometry.stimuli.time_reversal.finger.finger import Finger
 
     pulp = resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
     return bearing([Finger(x, y, f, *pulp).load() for x, y, f in zip(x_m, y_m, force_n, strict=True)])

@@ -10,8 +10,8 @@ from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.pieces import Real
-    from tactometry.stimuli.scenes.time_reversal.emission import Points
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
+    from tactometry.stimuli.scenes.stages.emission import Points
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.emission import FloatArray
+    from tactometry.stimuli.scenes.stages.emission import FloatArray
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class FocusDetection:
 
 def felt() -> "Callable[[FloatArray, FloatArray], float]":
     """The amplitude of the single event that is felt as strongly as a course (m/V)."""
-    from tactometry.stimuli.time_reversal.sensation import events, felt_amplitude_m
+    from tactometry.stimuli.time_reversal.stimulus.sensation import events, felt_amplitude_m
 
     return lambda t_s, course: felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
 

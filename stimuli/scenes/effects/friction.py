@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.friction import CoulombFriction
-    from tactometry.stimuli.electrovibration.polarity import Real
+    from tactometry.stimuli.electrovibration.attraction.polarity import Real
+    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Friction:
 
 def law(coefficient: float, load_exponent: float) -> "Callable[[], CoulombFriction]":
     """The law as the exact motions take it."""
-    from tactometry.stimuli.electrovibration.friction import CoulombFriction
+    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
 
     coulomb = CoulombFriction(coefficient, load_exponent)
     return lambda: coulomb

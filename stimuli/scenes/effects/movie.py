@@ -4,15 +4,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.map import FloatArray
-    from tactometry.stimuli.scenes.time_reversal.motion import Motion
+    from tactometry.stimuli.scenes.stages.map import FloatArray
+    from tactometry.stimuli.scenes.stages.motion import Motion
 
 MOST_NUMBERS = 5e7
 
@@ -46,7 +46,7 @@ class Movie:
                 "frames",
                 (),
                 "frames_s",
-                "tactometry.stimuli.scenes.time_reversal.map:frame_times",
+                "tactometry.stimuli.scenes.stages.map:frame_times",
                 effect=self.kind,
                 size=self._frames_size,
             ),
@@ -98,6 +98,6 @@ class Movie:
 
 def drawn() -> "Callable[[Motion, FloatArray, FloatArray, FloatArray], FloatArray]":
     """The frames (m/V)."""
-    from tactometry.stimuli.scenes.time_reversal.map import movie
+    from tactometry.stimuli.scenes.stages.map import movie
 
     return movie()

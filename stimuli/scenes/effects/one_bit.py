@@ -8,7 +8,7 @@ from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,6 @@ class OneBit:
 
 def rule() -> "Callable[[], Quantiser]":
     """The sign."""
-    from tactometry.stimuli.time_reversal.quantiser import OneBit as Sign
+    from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit as Sign
 
     return Sign

@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.pieces import Real
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
     from tactometry.stimuli.perception.detection import Components
 
 STEEPEST_DB_PER_HZ = 2.5
@@ -43,7 +43,7 @@ class Receptors:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"reference_force_n": self.reference_force_n}
-        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.spectrum:components_of"
+        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
         return (
             Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum),
             Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings, effect=self.kind),
@@ -53,7 +53,7 @@ class Receptors:
 
 def fine_spectrum(demand: Demand) -> Size:
     """Components as finely as the steepest channel asks for."""
-    from tactometry.stimuli.scenes.spectrum import size
+    from tactometry.stimuli.scenes.stages.spectrum import size
 
     return size(demand, STEEPEST_DB_PER_HZ)
 

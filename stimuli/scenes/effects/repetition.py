@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.time_reversal.emission import Emission
-    from tactometry.stimuli.time_reversal.quantiser import Quantiser
-    from tactometry.stimuli.time_reversal.responses import Responses
+    from tactometry.stimuli.scenes.stages.emission import Emission
+    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
+    from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
@@ -73,8 +73,8 @@ def repeated(
     repetition_hz: float, duration_s: float, envelope: Envelope
 ) -> "Callable[[Responses, Quantiser], Emission]":
     """A train of foci; its instant is that of the largest."""
-    from tactometry.stimuli.scenes.time_reversal.emission import Emission
-    from tactometry.stimuli.time_reversal import pattern as patterns
+    from tactometry.stimuli.scenes.stages.emission import Emission
+    from tactometry.stimuli.time_reversal.focusing import pattern as patterns
 
     shapes: dict[str, type[Any]] = {
         "rectangular": patterns.Rectangular,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
@@ -40,7 +40,7 @@ class Sensitivity:
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.spectrum:components_of"
+        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
         spectrum = Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum)
         settings = {"reference_force_n": self.reference_force_n}
         level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings, effect=self.kind)
@@ -49,7 +49,7 @@ class Sensitivity:
 
 def fine_spectrum(demand: Demand) -> Size:
     """Components as finely as the threshold asks for."""
-    from tactometry.stimuli.scenes.spectrum import size
+    from tactometry.stimuli.scenes.stages.spectrum import size
 
     return size(demand)
 

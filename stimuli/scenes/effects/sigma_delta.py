@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.quantiser import Quantiser
+    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class SigmaDelta:
 
 def rule(order: int, scale: float) -> "Callable[[], Quantiser]":
     """The modulator."""
-    from tactometry.stimuli.time_reversal.quantiser import SigmaDelta as Modulator
+    from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta as Modulator
 
     modulator = Modulator(order, scale)
     return lambda: modulator

@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
-from tactometry.stimuli.scenes.circuit import circuit_stage
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.stages.circuit import circuit_stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.skin import Skin
+    from tactometry.stimuli.electrovibration.skin.skin import Skin
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.effect import Surroundings
 from tactometry.stimuli.scenes.stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.pieces import Pieces
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ def words(name: str) -> str:
     >>> words("friction_force_n"), words("sensation_db")
     ('friction force', 'sensation')
     """
-    from tactometry.quantity import unit_suffix
+    from tactometry.config.quantity import unit_suffix
 
     suffix = unit_suffix(name) or ("db" if name.endswith("_db") else "dba" if name.endswith("_dba") else "")
     return name.removesuffix(f"_{suffix}").replace("_", " ")

@@ -4,17 +4,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry import require
-from tactometry.stimuli.scenes.circuit import divider_stage
+from tactometry.arguments import require
 from tactometry.stimuli.scenes.effect import Effect
-from tactometry.stimuli.scenes.sampling import per_sample, record
 from tactometry.stimuli.scenes.stage import Stage
+from tactometry.stimuli.scenes.stages.circuit import divider_stage
+from tactometry.stimuli.scenes.stages.sampling import per_sample, record
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.force import ForceForm
-    from tactometry.stimuli.electrovibration.offset import Waveform
-    from tactometry.stimuli.electrovibration.pieces import Pieces, Real
-    from tactometry.stimuli.electrovibration.skin import Skin
+    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
+    from tactometry.stimuli.electrovibration.attraction.offset import Waveform
+    from tactometry.stimuli.electrovibration.skin.skin import Skin
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
     from tactometry.stimuli.scenes.demand import Demand
 
 
@@ -88,7 +88,7 @@ class Electrovibration:
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
             Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
             Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
-            Stage("sampling", ("unit_voltage",), "t_s", "tactometry.stimuli.scenes.sampling:grid", size=record),
+            Stage("sampling", ("unit_voltage",), "t_s", "tactometry.stimuli.scenes.stages.sampling:grid", size=record),
             Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", size=per_sample(700.0)),
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
@@ -123,7 +123,7 @@ class Electrovibration:
 
 def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Callable[[], Waveform]":
     """A sine with ramps."""
-    from tactometry.stimuli.electrovibration.sine import Sine
+    from tactometry.stimuli.electrovibration.waveforms.sine import Sine
 
     waveform = Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
     return lambda: waveform
@@ -136,7 +136,7 @@ def of_one_volt() -> "Callable[[Waveform], Pieces]":
 
 def peak() -> Callable[[float], float]:
     """The peak voltage of a level."""
-    from tactometry.stimuli.electrovibration.level import peak_voltage_v
+    from tactometry.stimuli.electrovibration.waveforms.level import peak_voltage_v
 
     return peak_voltage_v
 
@@ -160,7 +160,7 @@ def lossless(
     """A skin whose corneum does not conduct."""
     from math import inf
 
-    from tactometry.stimuli.electrovibration import skin as skins
+    from tactometry.stimuli.electrovibration.skin import skin as skins
 
     layers = insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity
     dry = skins.Skin(*layers, corneum_resistivity_ohm_m=inf)

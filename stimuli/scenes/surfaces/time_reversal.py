@@ -5,19 +5,19 @@ from dataclasses import dataclass
 from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry import require
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.scenes.demand import Demand
 from tactometry.stimuli.scenes.effect import Effect, Surroundings
 from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.time_reversal.truncation import cut_of, n_frequencies, n_modes
+from tactometry.stimuli.scenes.stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate import Plate
+    from tactometry.stimuli.time_reversal.plate.plate import Plate
 
-EMISSION = "tactometry.stimuli.scenes.time_reversal.emission"
-MOTION = "tactometry.stimuli.scenes.time_reversal.motion"
-MAP = "tactometry.stimuli.scenes.time_reversal.map"
+EMISSION = "tactometry.stimuli.scenes.stages.emission"
+MOTION = "tactometry.stimuli.scenes.stages.motion"
+MAP = "tactometry.stimuli.scenes.stages.map"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
 """Operations per number in a product of matrices, and where it is divided."""
@@ -34,7 +34,7 @@ class TimeReversal:
     Parameters
     ----------
     glass : str
-        A name of `tactometry.stimuli.time_reversal.glass.GLASSES`.
+        A name of `tactometry.stimuli.time_reversal.plate.glass.GLASSES`.
     length_m, width_m, thickness_m : float
     n_transducers : int
         Their centres `inset_m` from the edges.
@@ -118,7 +118,7 @@ class TimeReversal:
     @property
     def plate(self) -> "Plate":
         """The plate as it is without effects."""
-        from tactometry.stimuli.time_reversal.glass import GLASSES
+        from tactometry.stimuli.time_reversal.plate.glass import GLASSES
 
         return GLASSES[self.glass].plate(self.length_m, self.width_m, self.thickness_m, "SSSS")
 
@@ -297,7 +297,7 @@ def _check_rest(scene: Demand) -> None:
 
 
 def _check_glass(glass: str) -> None:
-    from tactometry.stimuli.time_reversal.glass import GLASSES
+    from tactometry.stimuli.time_reversal.plate.glass import GLASSES
 
     require.one_of("TimeReversal.glass", glass, tuple(GLASSES))
 

@@ -8,15 +8,15 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.decay import schroeder_db, tau_s
-from tactometry.stimuli.time_reversal.field import field, grid
+from tactometry.stimuli.time_reversal.field.field import field, grid
+from tactometry.stimuli.time_reversal.field.merit import width_m
 from tactometry.stimuli.time_reversal.figures.style import BLUE, DIVERGING, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.finger import Emission
-from tactometry.stimuli.time_reversal.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.merit import width_m
-from tactometry.stimuli.time_reversal.responses import Point, Responses
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.spectrum import Band
+from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.responses.decay import schroeder_db, tau_s
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.responses.responses import Point, Responses
+from tactometry.stimuli.time_reversal.screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
 

@@ -7,29 +7,29 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactometry.stimuli.time_reversal.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.closed_forms import Reverberation
-from tactometry.stimuli.time_reversal.contactor import Contactor
-from tactometry.stimuli.time_reversal.design import Design, Target, Transducers, recommend
-from tactometry.stimuli.time_reversal.figures import design, drives, focus, prototype, theory
-from tactometry.stimuli.time_reversal.figures.style import save
-from tactometry.stimuli.time_reversal.finger import Emission
-from tactometry.stimuli.time_reversal.focusing import drive
-from tactometry.stimuli.time_reversal.force_loss import force_loss
-from tactometry.stimuli.time_reversal.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.quantiser import OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses import Point, impulse_responses
-from tactometry.stimuli.time_reversal.screen import A4_PROTOTYPE, TAU_S, Screen
-from tactometry.stimuli.time_reversal.sound import NoiseSpectrum, noise
-from tactometry.stimuli.time_reversal.spectrum import Band
-from tactometry.stimuli.time_reversal.thickness import recommended, sheets
-from tactometry.stimuli.time_reversal.transducer import Disc
-from tactometry.stimuli.time_reversal.variability import (
+from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
+from tactometry.stimuli.time_reversal.design.guide import Design, Target, Transducers, recommend
+from tactometry.stimuli.time_reversal.design.thickness import recommended, sheets
+from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum, noise
+from tactometry.stimuli.time_reversal.field.variability import (
     amplitude_by_subset_m,
     amplitude_over_count_m,
     contributions_m,
     resolution_per_focus_m,
 )
+from tactometry.stimuli.time_reversal.figures import design, drives, focus, prototype, theory
+from tactometry.stimuli.time_reversal.figures.style import save
+from tactometry.stimuli.time_reversal.finger.contactor import Contactor
+from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
+from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.responses.responses import Point, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, TAU_S, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import Disc
 
 FOCUS: Final = (0.121, 0.093)
 P1: Final = (0.205, 0.142)

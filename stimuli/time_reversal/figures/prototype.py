@@ -8,10 +8,10 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.force_loss import LossRow
-from tactometry.stimuli.time_reversal.responses import Point
-from tactometry.stimuli.time_reversal.screen import Screen
-from tactometry.stimuli.time_reversal.transducer import Patch
+from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+from tactometry.stimuli.time_reversal.responses.responses import Point
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import Patch
 
 FloatArray = NDArray[np.float64]
 

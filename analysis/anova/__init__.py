@@ -1,0 +1,1 @@
+"""Within-participant designs: analysis of variance, contrasts, pairs, ranks."""

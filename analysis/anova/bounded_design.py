@@ -1,0 +1,177 @@
+"""A design of values of which some are bounds or missing, from a table in long form."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.anova.design import (
+    RELATIVE_ZERO,
+    Array,
+    DesignStatus,
+    UndefinedStatistic,
+    codes_of,
+    expect_columns,
+    expect_names,
+    refuse_few,
+    size_of,
+)
+from tactometry.analysis.anova.split_plot import groups_of
+from tactometry.analysis.anova.strata import Bounded
+from tactometry.errors import InvalidParameter
+
+MIN_KNOWN = 2
+"""Known values that each condition needs (in each group)."""
+
+
+@dataclass(frozen=True)
+class BoundedDesign:
+    """`data` is in units of `scale` about `centre`. `levels` are those of the `factors`, `groups` those of participants
+    (one, without a name, where there are none). `n_censored` values are bounds, `n_missing` are not known at all."""
+
+    data: Bounded
+    factors: tuple[str, ...]
+    levels: tuple[tuple[object, ...], ...]
+    between: str | None
+    groups: tuple[object, ...]
+    centre: float
+    scale: float
+    n_censored: int
+    n_missing: int
+
+    def cells(self) -> list[dict[str, object]]:
+        """The names of the means: group by group the cells, the last factor fastest."""
+        names = [*([self.between] if self.between else []), *self.factors]
+        levels = [*([self.groups] if self.between else []), *self.levels]
+        places = np.ndindex(*(len(part) for part in levels))
+        return [{name: part[i] for name, part, i in zip(names, levels, place, strict=True)} for place in places]
+
+
+def bounded_design(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    low: str,
+    high: str,
+    within: Sequence[str],
+    between: str | None,
+    subject: str,
+    where: str,
+) -> BoundedDesign:
+    """The design of a table: a row per value, at most one in each cell; a row without value and bounds is as no row.
+
+    Raises
+    ------
+    InvalidParameter
+        For a column that is not there, crossed bounds, several values in a cell, a participant in two groups.
+    UndefinedStatistic
+        For too few participants, levels or known values in a cell, and the same value everywhere.
+    """
+    keys = [subject, *within, *([between] if between else [])]
+    expect_columns(table, [dependent, low, high, *keys], where)
+    expect_names(table, keys)
+    coded = [codes_of(table, name) for name in (subject, *within)]
+    levels = tuple(tuple(different) for _, different in coded)
+    refuse_few(levels, subject, within)
+    groups = None if between is None else groups_of(table, levels[0], subject, between)
+    of = np.zeros(len(levels[0]), dtype=np.int64) if groups is None else groups.of
+    ends = _laid(ends_of(table, dependent, low, high), [codes for codes, _ in coded], levels, table, keys)
+    data = Bounded(*ends, of, tuple(len(part) for part in levels[1:]))
+    n_missing = int((np.isinf(data.low) & np.isinf(data.high)).sum())
+    design = BoundedDesign(
+        data,
+        tuple(within),
+        levels[1:],
+        between,
+        ("",) if groups is None else groups.names,
+        *(0.0, 1.0),
+        int((~data.known).sum()) - n_missing,
+        n_missing,
+    )
+    _refuse_unknown(design)
+    return _scaled(design, dependent)
+
+
+def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
+    """The interval (row, 2) of each value; both ends meet where it is known.
+
+    Raises
+    ------
+    InvalidParameter
+        For what is no number, infinite values and crossed bounds, naming the row.
+    """
+    y, bottom, top = (numbers(table, name) for name in (dependent, low, high))
+    known = ~np.isnan(y)
+    bottom, top = (np.where(known, y, np.where(np.isnan(b), e, b)) for b, e in ((bottom, -np.inf), (top, np.inf)))
+    bad = ~(bottom <= top) | (known & np.isinf(y))
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        raise InvalidParameter(
+            f"{dependent}, row {row}: found the bounds {bottom[row]:g} and {top[row]:g}, expected a value, or a bound "
+            "below or above it, in this order; leave the row out"
+        )
+    return np.stack([bottom, top], axis=1)
+
+
+def numbers(table: pd.DataFrame, name: str) -> Array:
+    """A column with NaN where it is empty.
+
+    Raises
+    ------
+    InvalidParameter
+        For what is no number, naming the row.
+    """
+    found = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    bad = np.isnan(found) & table[name].notna().to_numpy()
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a number or nothing")
+    return found
+
+
+def _laid(
+    ends: Array,
+    codes: Sequence["np.ndarray[tuple[int], np.dtype[np.int64]]"],
+    levels: Sequence[Sequence[object]],
+    table: pd.DataFrame,
+    keys: Sequence[str],
+) -> tuple[Array, Array]:
+    """Low and high ends (participant, cell); infinite where the table has no row."""
+    shape = tuple(len(part) for part in levels)
+    place = np.ravel_multi_index(list(codes), shape)
+    order, n = np.unique(place, return_counts=True)
+    if (n > 1).any():
+        row = table.iloc[int(np.flatnonzero(place == order[n.argmax()])[0])]
+        cell = ", ".join(f"{name} = {row[name]}" for name in keys[: len(codes)])
+        raise InvalidParameter(f"{cell}: found {n.max()} values, expected one in each cell, as bounds have no mean")
+    laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))
+    laid[place] = ends
+    low, high = laid.reshape(shape[0], -1, 2).transpose(2, 0, 1)
+    return low, high
+
+
+def _refuse_unknown(design: BoundedDesign) -> None:
+    known = np.stack([design.data.known[design.data.group == g].sum(axis=0) for g in range(len(design.groups))])
+    for names, n in zip(design.cells(), known.ravel(), strict=True):
+        if n < MIN_KNOWN:
+            cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
+            raise UndefinedStatistic(
+                f"{cell}: found {n} known value{'s' if n != 1 else ''}, expected at least {MIN_KNOWN} beside the "
+                "bounds; leave the condition out",
+                DesignStatus.TOO_FEW_KNOWN,
+            )
+
+
+def _scaled(design: BoundedDesign, dependent: str) -> BoundedDesign:
+    """About the mean of the known values, in their standard deviations."""
+    data = design.data
+    size = size_of(data.low[data.known])
+    known = data.low[data.known] / size
+    centre, scale = float(known.mean()), float(known.std())
+    if scale <= RELATIVE_ZERO * float(np.abs(known).max()):
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
+    low, high = ((ends / size - centre) / scale for ends in (data.low, data.high))
+    return replace(design, data=replace(data, low=low, high=high), centre=centre * size, scale=scale * size)

@@ -1,0 +1,169 @@
+"""Which conditions and groups differ, where some values are bounds: contrasts of `censored_anova`.
+
+They equal `post_hoc.pairs` and `group_pairs.group_pairs` where all values are known.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from tactometry.analysis.anova.censored import CensoredAnova
+from tactometry.analysis.anova.design import Array
+from tactometry.analysis.anova.equivalence import told_equivalent, two_one_sided
+from tactometry.analysis.anova.post_hoc import all_together
+
+LEAST_SD = 1e-7
+"""In standard deviations of the values: the root of what a variance keeps of rounding."""
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """A difference with its standard error and degrees of freedom, and the standard deviation of the participants'
+    differences, all in the unit of the values."""
+
+    estimate: float
+    error: float
+    df: float
+    sd: float
+
+    @property
+    def has_error(self) -> bool:
+        return self.sd > LEAST_SD
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Two levels of a factor at a level of another (None, without), and their difference, second less first."""
+
+    names: tuple[object, object]
+    by: object
+    difference: Contrast
+
+
+def censored_pairs(
+    found: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
+) -> pd.DataFrame:
+    """All pairs of levels of `factor`, averaged over the other factors and groups, or at each level of `by` (a factor
+    or the groups); columns as those of `pairs`, without a Bayes factor and the interval of dz.
+
+    A pair has its own error, that of the completed values, and loses the degrees of freedom that bounds leave open.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> from tactometry.analysis.anova.censored import censored_anova
+    >>> found = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    ...     within="force_n", subject="who")
+    >>> censored_pairs(found, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
+    [[0.5, 1.0, 1.5], [0.5, 2.0, 3.5], [1.0, 2.0, 2.0]]
+    """
+    rows = [_row(each, by, found.design.scale, interval) for each in _compared(found, factor, by)]
+    return all_together(pd.DataFrame(rows), correction, interval)
+
+
+def censored_equivalence(found: CensoredAnova, factor: str, *, bound: float, alpha: float = 0.05) -> pd.DataFrame:
+    """Two one-sided tests of all pairs of levels against +-`bound`; columns as those of `equivalence`."""
+    rows = []
+    for each in _compared(found, factor, None):
+        one, scale = each.difference, found.design.scale
+        tested = two_one_sided(one.estimate, one.error, one.df, bound / scale, alpha)
+        tested |= {name: tested[name] * scale for name in ("low", "high")}
+        names = {"a": each.names[0], "b": each.names[1], "difference": one.estimate * scale}
+        rows.append(names | tested | {"bound": bound, "n": len(found.fit.data.low)})
+    return told_equivalent(rows, bound, alpha)
+
+
+def censored_group_pairs(
+    found: CensoredAnova, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
+) -> pd.DataFrame:
+    """All pairs of groups of participants, averaged over the conditions, or at each level of `by`; columns as those of
+    `group_pairs`, without a Bayes factor."""
+    rows = []
+    for level, own in _averages(found, by):
+        for a, b in combinations(range(len(found.design.groups)), 2):
+            rows.append(({by: level} if by else {}) | _group_row(found, own, (a, b), interval))
+    return all_together(pd.DataFrame(rows), correction, interval)
+
+
+def _compared(found: CensoredAnova, factor: str, by: str | None) -> list[Compared]:
+    of_groups = [(name, g) for g, name in enumerate(found.design.groups)]
+    at = of_groups if by is not None and by == found.design.between else [(None, None)]
+    return [
+        Compared(names, level if group is None else name, _contrast(found, cell, group))
+        for name, group in at
+        for level, own in _averages(found, by if group is None else None)
+        for names, cell in _differences(found, factor, own)
+    ]
+
+
+def _differences(found: CensoredAnova, factor: str, own: Array) -> list[tuple[tuple[object, object], Array]]:
+    """Of all pairs of levels, the weights (cell,) of their difference in the mean over `own`."""
+    place = found.design.factors.index(factor)
+    levels, parts = found.design.levels[place], np.moveaxis(own.reshape(found.fit.data.n_levels), place, 0)
+    pairs = []
+    for i, j in combinations(range(len(levels)), 2):
+        weights = np.zeros_like(parts)
+        weights[j], weights[i] = parts[j], -parts[i]
+        pairs.append(((levels[i], levels[j]), np.moveaxis(weights, 0, place).ravel() * len(levels)))
+    return pairs
+
+
+def _averages(found: CensoredAnova, by: str | None) -> list[tuple[object, Array]]:
+    """Weights (cell,) of the mean over all conditions, or over those at each level of a factor."""
+    n_levels = found.fit.data.n_levels
+    whole = np.full(n_levels, 1 / np.prod(n_levels))
+    if by is None:
+        return [(None, whole.ravel())]
+    place = found.design.factors.index(by)
+    shape = [-1 if axis == place else 1 for axis in range(len(n_levels))]
+    masks = np.eye(n_levels[place])
+    return [
+        (level, (whole * mask.reshape(shape) * n_levels[place]).ravel())
+        for level, mask in zip(found.design.levels[place], masks, strict=True)
+    ]
+
+
+def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> Contrast:
+    """Of conditions in one group, or in the plain mean of all groups."""
+    fit, n_groups = found.fit, len(found.fit.means)
+    of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
+    moments, df = (fit.pooled, fit.df) if group is None else (fit.moments[group], fit.data.sizes[group] - 1)
+    weights, own = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
+    variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
+    kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
+    error = float(np.sqrt(variance * own / model))
+    return Contrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own)))
+
+
+def _row(each: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:
+    one = each.difference
+    row: dict[str, object] = {} if by is None else {by: each.by}
+    row |= {"a": each.names[0], "b": each.names[1], "difference": one.estimate * scale, "df": one.df}
+    names = ("difference_low", "difference_high", "t", "p_unc", "dz", "bf10")
+    if not one.has_error:
+        return row | dict.fromkeys(names) | {"status": "zero_error"}
+    t, half = one.estimate / one.error, float(student.isf((1 - interval) / 2, one.df)) * one.error
+    ends = ((one.estimate - half) * scale, (one.estimate + half) * scale)
+    tested = (*ends, t, 2 * float(student.sf(abs(t), one.df)), one.estimate / one.sd, None)
+    return row | dict(zip(names, tested, strict=True)) | {"status": "ok"}
+
+
+def _group_row(found: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:
+    fit, scale, k = found.fit, found.design.scale, len(cell)
+    n = fit.data.sizes[list(places)]
+    blocks = [fit.of_means[g * k : (g + 1) * k, g * k : (g + 1) * k] for g in places]
+    own = np.array([cell @ fit.moments[g] @ cell for g in places])
+    variances = own * np.array([cell @ block @ cell for block in blocks]) / float(cell @ fit.model @ cell)
+    first, second = (float(cell @ fit.means[g]) for g in places)
+    error, df = np.sqrt(variances.sum()), variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))
+    difference, t = second - first, (second - first) / error
+    half = float(student.isf((1 - interval) / 2, df)) * error
+    size = difference / np.sqrt(np.sum((n - 1) * own) / (n.sum() - 2)) * (1 - 3 / (4 * n.sum() - 9))
+    counts = {"a": found.design.groups[places[0]], "b": found.design.groups[places[1]]}
+    counts |= {"difference": difference * scale, "n_a": int(n[0]), "n_b": int(n[1])}
+    ends = {"difference_low": (difference - half) * scale, "difference_high": (difference + half) * scale}
+    tested = {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df)), "g": size, "bf10": None}
+    return counts | ends | tested | {"status": "ok"}

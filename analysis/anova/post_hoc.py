@@ -1,0 +1,240 @@
+"""Which conditions differ: paired comparisons, Holm's correction, simultaneous intervals, sizes, Bayes factors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+from scipy.special import nctdtr
+from scipy.stats import t as student
+from scipy.stats import wilcoxon
+
+from tactometry.analysis.anova.design import RELATIVE_ZERO, Array, Design, size_of, within_design
+from tactometry.errors import InvalidParameter, nearest
+
+CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
+SPREADS = 12.0
+DIGITS = 12
+"""Of a difference in units of the largest value: what is equal but for rounding is tied."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two conditions with the differences of all participants (second less first), in units of `size`."""
+
+    names: tuple[object, object]
+    by: object
+    values: tuple[Array, Array]
+    size: float = 1.0
+
+    @property
+    def differences(self) -> Array:
+        return self.values[1] - self.values[0]
+
+    def turned(self) -> "Pair":
+        return Pair(self.names[::-1], self.by, self.values[::-1], self.size)
+
+
+def pairs(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    factor: str,
+    subject: str,
+    by: str | None = None,
+    reference: object = None,
+    correction: str = "holm",
+    interval: float = 0.95,
+) -> pd.DataFrame:
+    """Paired t-tests between all levels of `factor`, or of all others against `reference`, at each level of `by` if
+    given; all corrected together.
+
+    Each pair has its own error: pooling it would ask for sphericity. Other columns are averaged over, which
+    `attrs["notes"]` says.
+
+    Returns
+    -------
+    DataFrame
+        Per pair: `a`, `b`, `difference` (b less a) with the interval of this pair alone (`difference_low`,
+        `difference_high`; it goes with `p_unc`) and of all pairs together (`simultaneous_low`, `simultaneous_high`; it
+        goes with `p_corr`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean difference over the standard deviation of the
+        differences) with its interval by the noncentral t distribution, `bf10` (Rouder et al. 2009, scale 0.707), and a
+        `status`: `ok`, or `zero_error` where all participants differ alike, so that there is a difference and no test.
+
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`; and for a correction that is not known.
+
+    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [1, 2] * 4, "y": [1.0, 3, 2, 3, 2, 5, 1, 2]})
+    >>> found = pairs(table, dependent="y", factor="force_n", subject="who")
+    >>> found[["a", "b", "difference", "t", "p_corr", "dz"]].round(3).values.tolist()
+    [[1.0, 2.0, 1.75, 3.656, 0.035, 1.828]]
+    """
+    compared, notes = compare(table, dependent, factor, subject, by, "pairs")
+    if reference is not None:
+        compared = _against(compared, reference, factor)
+    result = all_together(pd.DataFrame([_row(pair, by, interval) for pair in compared]), correction, interval)
+    result.attrs["notes"] = notes
+    return result
+
+
+def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.DataFrame:
+    """With the p and the intervals of all rows together, after those of each alone.
+
+    The intervals are Bonferroni's, for every correction but none: all of them hold their differences in at least
+    `interval` of studies. Holm's p has no intervals of its own that say where a difference lies; it steps further than
+    they do, so that a simultaneous interval may hold 0 where Holm's p is below 5 %, and never the other way round.
+    """
+    n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
+    df = result["df"].astype(float).to_numpy()
+    wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
+    low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
+    half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2
+    added = {
+        "difference_high": {"simultaneous_low": middle - half, "simultaneous_high": middle + half},
+        "p_unc": {"p_corr": corrected(result["p_unc"], correction)},
+    }
+    columns: dict[str, object] = {}
+    for name in result.columns:
+        columns |= {str(name): result[name]} | added.get(str(name), {})
+    return pd.DataFrame(columns)
+
+
+def rank_pairs(
+    table: pd.DataFrame, *, dependent: str, factor: str, subject: str, by: str | None = None, correction: str = "holm"
+) -> pd.DataFrame:
+    """Wilcoxon's signed-rank tests between all levels of `factor`, corrected together; `r` is the rank-biserial size.
+
+    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [1, 2] * 4, "y": [1.0, 3, 2, 2.5, 2, 5, 1, 2]})
+    >>> found = rank_pairs(table, dependent="y", factor="force_n", subject="who")
+    >>> found[["w", "p_unc", "r"]].values.tolist()
+    [[0.0, 0.125, 1.0]]
+    """
+    compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
+    result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
+    result.attrs["notes"] = notes
+    result.insert(list(result.columns).index("p_unc") + 1, "p_corr", corrected(result["p_unc"], correction))
+    return result
+
+
+def compare(
+    table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str
+) -> tuple[list[Pair], list[str]]:
+    """All pairs of levels, of a complete design, and what a reader must know of it."""
+    factors = [factor] if by is None else [factor, by]
+    design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
+    places = range(1 if by is None else len(design.levels[1]))
+    return [pair for place in places for pair in _pairs_at(design, place)], list(design.notes)
+
+
+def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
+    """The pairs that hold the reference, which comes first."""
+    levels = {name for pair in compared for name in pair.names}
+    if reference not in levels:
+        names = ", ".join(sorted(map(str, levels)))
+        raise InvalidParameter(f"reference: found {factor} = {reference}, expected one of {names}")
+    kept = [pair for pair in compared if reference in pair.names]
+    return [pair if pair.names[0] == reference else pair.turned() for pair in kept]
+
+
+def _pairs_at(design: Design, place: int) -> list[Pair]:
+    by = design.levels[1][place] if len(design.factors) > 1 else None
+    size, levels = size_of(design.values), design.levels[0]
+    values = (design.values if by is None else design.values[..., place]) / size
+    return [
+        Pair((levels[i], levels[j]), by, (values[:, i], values[:, j]), size)
+        for i, j in combinations(range(len(levels)), 2)
+    ]
+
+
+def _start(pair: Pair, by: str | None) -> dict[str, object]:
+    return ({} if by is None else {by: pair.by}) | {"a": pair.names[0], "b": pair.names[1]}
+
+
+def has_error(pair: Pair) -> bool:
+    """Whether participants differ in their differences by more than rounding."""
+    size = max(float(np.abs(values).max()) for values in pair.values)
+    return float(np.ptp(pair.differences)) > RELATIVE_ZERO * size
+
+
+def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
+    d = pair.differences
+    n, mean = len(d), float(d.mean())
+    row = _start(pair, by) | {"difference": mean * pair.size, "n": n, "df": n - 1}
+    if not has_error(pair):
+        return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
+    sd = float(d.std(ddof=1))
+    t = mean / sd * np.sqrt(n)
+    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
+    low, high = dz_interval(t, n, interval)
+    ends = ((mean - half) * pair.size, (mean + half) * pair.size)
+    tested = (*ends, t, 2 * float(student.sf(abs(t), n - 1)), mean / sd, low, high, _bayes(t, n))
+    return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
+
+
+_TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
+
+
+def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
+    """The ends of the standardised mean difference: noncentralities of t over the root of n (Cumming 2012)."""
+    tail = (1 - interval) / 2
+    low, high = (_noncentral(t, n - 1, chance) for chance in (1 - tail, tail))
+    return low / np.sqrt(n), high / np.sqrt(n)
+
+
+def _noncentral(t: float, df: int, chance: float) -> float:
+    def above(x: float) -> float:
+        found = float(nctdtr(df, x, t))
+        return (found if np.isfinite(found) else float(x < t)) - chance
+
+    step = SPREADS * (1 + abs(t) / np.sqrt(2 * df))
+    return float(brentq(above, t - step, t + step, xtol=1e-9))
+
+
+def _bayes(t: float, n: int) -> float:
+    import pingouin
+
+    return float(pingouin.bayesfactor_ttest(t, n, paired=True))
+
+
+def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
+    d = np.round(pair.differences, DIGITS)
+    row = _start(pair, by) | {"median_difference": float(np.median(d)) * pair.size, "n": len(d)}
+    moved = d[d != 0]
+    if not len(moved):
+        return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
+    exact = len(moved) <= 50 and len(np.unique(np.abs(moved))) == len(moved)
+    found = wilcoxon(moved, method="exact" if exact else "approx")
+    ranks = pd.Series(np.abs(moved)).rank().to_numpy()
+    r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())
+    return row | {"w": float(found.statistic), "p_unc": float(found.pvalue), "r": r, "status": "ok"}
+
+
+def corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
+    """Adjusted p-values of the tests that there are."""
+    from pingouin import multicomp  # statsmodels' equal collects garbage at each call, for 0.1 s
+
+    if correction not in CORRECTIONS:
+        hint = nearest(correction, CORRECTIONS)
+        raise InvalidParameter(f"correction: found {correction!r}, expected one of {', '.join(CORRECTIONS)}{hint}")
+    result = p.astype(float)
+    if correction != "none" and result.notna().any():
+        method = "bonf" if correction == "bonferroni" else correction
+        result[result.notna()] = multicomp(result.dropna().to_numpy(), method=method)[1]
+    return result
+
+
+def evidence(bf10: float) -> str:
+    """A Bayes factor in words (Jeffreys 1961, as Lee and Wagenmakers 2013 name them).
+
+    >>> evidence(12.0), evidence(0.2), evidence(1.5)
+    ('strong evidence for a difference', 'moderate evidence for no difference', 'anecdotal evidence for a difference')
+    """
+    side = "a difference" if bf10 >= 1 else "no difference"
+    size = max(bf10, 1 / bf10) if bf10 > 0 else np.inf
+    grades: Sequence[tuple[float, str]] = ((100, "extreme"), (30, "very strong"), (10, "strong"), (3, "moderate"))
+    word = next((word for bound, word in grades if size > bound), "anecdotal")
+    return f"{word} evidence for {side}"

@@ -1,0 +1,125 @@
+"""Mixed analysis of variance: one factor between participants, one to three within.
+
+By exact contrasts: pingouin takes one factor within, and with groups of unequal size tests another hypothesis for it
+(weighted means), which it says in its manual only. Here group means weigh alike (type III sums of squares).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.anova.contrasts import Sphericity, Tested, effects, participant_scores, sphericity
+from tactometry.analysis.anova.design import Array, DesignStatus, UndefinedStatistic, finite_rows, within_design
+from tactometry.analysis.anova.effect_size import INTERVAL
+from tactometry.analysis.anova.within_subjects import effect_table, scaled_design, told
+from tactometry.errors import InvalidParameter
+
+MIN_GROUP = 2
+
+
+def mixed_anova(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    within: Sequence[str] | str,
+    between: str,
+    subject: str,
+    interval: float = INTERVAL,
+) -> pd.DataFrame:
+    """Mixed analysis of variance of a table in long form; columns as those of `repeated_measures`.
+
+    Sphericity is that of the covariance pooled within groups; both the effect within and its interaction are
+    corrected by it.
+
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`; and for a participant in two groups, fewer than two groups, or a group of one.
+
+    >>> values = [3.0, 4, 2, 5, 4, 4, 1, 3, 5, 9, 4, 9]
+    >>> table = pd.DataFrame({"who": list("aabbccddeeff"), "force_n": [0.5, 1] * 6, "y": values})
+    >>> table["hand"] = ["left"] * 6 + ["right"] * 6
+    >>> found = mixed_anova(table, dependent="y", within="force_n", between="hand", subject="who")
+    >>> found[["Source", "F"]].round(3).values.tolist()
+    [['hand', 0.88], ['force_n', 16.071], ['hand * force_n', 3.5]]
+    """
+    factors = [within] if isinstance(within, str) else list(within)
+    rows = finite_rows(table, [dependent, subject, *factors, between], dependent, "mixed_anova")
+    design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
+    groups = groups_of(rows, design.participants, subject, between)
+    scaled, scale = scaled_design(design, dependent)
+    found = [_between(participant_scores(scaled), groups, between)]
+    for effect in effects(scaled):
+        found += _within_and_interaction(effect.name, effect.scores, effect.n_conditions, groups, between)
+    residual = found[0].ss_error + sum(each.ss_error for each in found[1::2])
+    return told(effect_table(found, residual, scale, interval), design, found)
+
+
+@dataclass(frozen=True)
+class Groups:
+    """`of` each participant its group's place; `sizes` and `names` of the groups."""
+
+    of: "np.ndarray[tuple[int], np.dtype[np.int64]]"
+    sizes: Array
+    names: tuple[object, ...]
+
+    def means(self, scores: Array) -> Array:
+        """Shape (group, contrast)."""
+        members = np.equal.outer(np.arange(len(self.sizes)), self.of)
+        found: Array = members @ scores / self.sizes[:, None]
+        return found
+
+
+def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
+    """The group of each participant; refuses two groups of one, fewer than two groups, and a group of one."""
+    n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
+    if (n_groups > 1).any():
+        raise InvalidParameter(
+            f"{between}: found {n_groups.max()} groups of the participant {n_groups.idxmax()}, expected one; name "
+            "it as a factor within"
+        )
+    own = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
+    of, names = pd.factorize(np.array([own[code] for code in participants]), sort=True)
+    sizes = np.bincount(of)
+    if len(names) < 2:
+        raise UndefinedStatistic(
+            f"{between}: found {len(names)} group, expected at least 2 to compare", DesignStatus.ONE_LEVEL
+        )
+    if sizes.min() < MIN_GROUP:
+        raise UndefinedStatistic(
+            f"{between} = {names[int(sizes.argmin())]}: found one participant, expected at least {MIN_GROUP} a group",
+            DesignStatus.TOO_FEW_PARTICIPANTS,
+        )
+    return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
+
+
+def _errors(scores: Array, groups: Groups) -> tuple[Array, int]:
+    """Deviations from the group means, shape (participant, contrast), and their degrees of freedom."""
+    return scores - groups.means(scores)[groups.of], len(scores) - len(groups.sizes)
+
+
+def _between_ss(scores: Array, groups: Groups) -> float:
+    return float(groups.sizes @ np.sum((groups.means(scores) - scores.mean(axis=0)) ** 2, axis=1))
+
+
+def _between(scores: Array, groups: Groups, name: str) -> Tested:
+    errors, df = _errors(scores[:, None], groups)
+    no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)
+    df_both = (len(groups.sizes) - 1, df)
+    return Tested(name, _between_ss(scores[:, None], groups), float(np.sum(errors**2)), df_both, no_shape)
+
+
+def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups: Groups, between: str) -> list[Tested]:
+    """The effect within, of the group means' plain mean, and its interaction with the groups."""
+    errors, df = _errors(scores, groups)
+    p, n_groups = scores.shape[1], len(groups.sizes)
+    shape = sphericity(errors.T @ errors / df, df, n_conditions)
+    mean = groups.means(scores).mean(axis=0)
+    ss = float(mean @ mean) * n_groups**2 / float(np.sum(1 / groups.sizes))
+    ss_error = float(np.sum(errors**2))
+    return [
+        Tested(name, ss, ss_error, (p, p * df), shape),
+        Tested(f"{between} * {name}", _between_ss(scores, groups), ss_error, (p * (n_groups - 1), p * df), shape),
+    ]

@@ -1,0 +1,229 @@
+"""The normal model under an analysis of variance, fitted by maximum likelihood to values of which some are bounds.
+
+A participant's values have the means of their conditions and the covariance that the analysis of variance supposes: one
+variance per stratum (participants; participants by each factor; by each interaction). Where all values are known this
+is the analysis of variance itself, F and degrees of freedom to the last digits; a value that is known by a bound, or
+not at all, counts as what is known (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation
+(Dempster, Laird and Rubin 1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society
+B 44, 226-233).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.anova.contrasts import contrasts
+from tactometry.analysis.anova.design import Array
+from tactometry.analysis.anova.truncated_normal import between
+
+TOLERANCE = 1e-8
+"""Of a step, in standard deviations of the values and in logarithms of the variances."""
+MAX_STEPS = 2000
+LEAST_VARIANCE = 1e-12
+"""Of the largest: below, a stratum has no error."""
+LOG_TWO_PI = float(np.log(2 * np.pi))
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """Values of shape (participant, cell), each between `low` and `high`: known where they are equal, missing where
+    both are infinite. `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
+    """
+
+    low: Array
+    high: Array
+    group: NDArray[np.int64]
+    n_levels: tuple[int, ...]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        return np.asarray(self.low == self.high)
+
+    @property
+    def sizes(self) -> Array:
+        """Participants of each group."""
+        return np.bincount(self.group).astype(np.float64)
+
+    @cached_property
+    def strata(self) -> tuple[Array, ...]:
+        """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
+        places = range(len(self.n_levels))
+        parts = (part for r in range(len(places) + 1) for part in combinations(places, r))
+        return tuple(contrasts(self.n_levels, part) for part in parts)
+
+    def matrix(self, variances: Array) -> Array:
+        """The covariance (cell, cell) with these variances of the strata; its inverse with their reciprocals."""
+        parts = (variance * own.T @ own for variance, own in zip(variances, self.strata, strict=True))
+        return np.asarray(sum(parts), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Points:
+    """What the values (n, cell) of one participant may be, with weights (n,) that sum to 1; one point if all are
+    known."""
+
+    values: Array
+    weights: Array
+
+    def mean(self) -> Array:
+        return np.asarray(self.weights @ self.values)
+
+
+@dataclass(frozen=True)
+class StrataFit:
+    """`means` (group, cell) and `variances` (stratum,) of the largest likelihood; `covariance` of the means, row by
+    row, and then the logarithms of the variances; `moments` (group, cell, cell), the covariance of each group's values
+    with n - 1 degrees of freedom, as far as they are known."""
+
+    data: Bounded
+    means: Array
+    variances: Array
+    covariance: Array
+    moments: Array
+    log_likelihood: float
+    converged: bool
+
+    @property
+    def model(self) -> Array:
+        """The covariance (cell, cell) of a participant's values."""
+        return self.data.matrix(self.variances)
+
+    @property
+    def pooled(self) -> Array:
+        """The covariance (cell, cell) of the values within groups."""
+        return np.asarray(np.tensordot(self.data.sizes - 1, self.moments, axes=1) / self.df)
+
+    @property
+    def of_means(self) -> Array:
+        """The covariance of the means (group * cell), row by row."""
+        n = self.means.size
+        return self.covariance[:n, :n]
+
+    @property
+    def df(self) -> int:
+        """Of the participants within groups."""
+        return len(self.data.low) - len(self.means)
+
+    @property
+    def inflation(self) -> float:
+        """From the likelihood's variances to the restricted likelihood's."""
+        return len(self.data.low) / self.df
+
+    def told(self, stratum: int) -> float:
+        """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
+        (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
+        n = self.means.size
+        own = 2 / float(self.covariance[n + stratum, n + stratum]) / len(self.data.strata[stratum])
+        return min(own / self.inflation, float(self.df))
+
+
+def fit_strata(data: Bounded) -> StrataFit:
+    """The fit of values of about unit size.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the search leaves the floats.
+    """
+    means, variances = _start(data)
+    for _ in range(MAX_STEPS):
+        points, _ = _points(data, means, variances)
+        step = _maximised(data, points)
+        change = _change(step, (means, variances))
+        means, variances = step
+        if change < TOLERANCE:
+            break
+    points, log_likelihood = _points(data, means, variances)
+    second = _second_moments(data, points, means)
+    moments = second / np.maximum(data.sizes - 1, 1)[:, None, None]
+    covariance = np.asarray(np.linalg.inv(_information(data, points, means, variances)), dtype=np.float64)
+    return StrataFit(data, means, variances, covariance, moments, log_likelihood, change < TOLERANCE)
+
+
+def _change(new: tuple[Array, Array], old: tuple[Array, Array]) -> float:
+    size = np.sqrt(new[1].max())
+    return max(float(np.abs(new[0] - old[0]).max() / size), float(np.abs(np.log(new[1] / old[1])).max()))
+
+
+def _start(data: Bounded) -> tuple[Array, Array]:
+    """From the known values and, in place of the others, their bounds or the mean of the cell."""
+    ends = np.where(np.isfinite(data.low), data.low, data.high)
+    known = np.where(data.known, data.low, np.nan)
+    held = np.where(np.isfinite(ends), ends, np.nanmean(known, axis=0))
+    return _maximised(data, [Points(row[None], np.ones(1)) for row in held])
+
+
+def _maximised(data: Bounded, points: Sequence[Points]) -> tuple[Array, Array]:
+    """Means and variances of the completed values."""
+    expected = np.stack([each.mean() for each in points])
+    members = np.equal.outer(np.arange(len(data.sizes)), data.group)
+    means = members @ expected / data.sizes[:, None]
+    second = _second_moments(data, points, means).sum(axis=0) / len(expected)
+    variances = np.array([np.sum((own @ second) * own) / len(own) for own in data.strata])
+    return means, np.maximum(variances, LEAST_VARIANCE * variances.max())
+
+
+def _second_moments(data: Bounded, points: Sequence[Points], means: Array) -> Array:
+    """Sums over the participants of each group (group, cell, cell) of squares and products about the means."""
+    found = np.zeros((len(means), *[means.shape[1]] * 2))
+    for each, place in zip(points, data.group, strict=True):
+        away = each.values - means[place]
+        found[place] += (away * each.weights[:, None]).T @ away
+    return found
+
+
+def _points(data: Bounded, means: Array, variances: Array) -> tuple[list[Points], float]:
+    """Of each participant, given what is known; and the log-likelihood."""
+    covariance = data.matrix(variances)
+    found = [
+        _of_one(low, high, means[place], covariance)
+        for low, high, place in zip(data.low, data.high, data.group, strict=True)
+    ]
+    return [points for points, _ in found], float(sum(chance for _, chance in found))
+
+
+def _of_one(low: Array, high: Array, mean: Array, covariance: Array) -> tuple[Points, float]:
+    """The density of the known values, then the others given them."""
+    known = low == high
+    own, both = covariance[np.ix_(known, known)], covariance[np.ix_(known, ~known)]
+    away, onto = low[known] - mean[known], np.linalg.solve(own, both).T
+    square = float(away @ np.linalg.solve(own, away))
+    log_density = -0.5 * (float(np.linalg.slogdet(own)[1]) + square + len(own) * LOG_TWO_PI)
+    if known.all():
+        return Points(low[None], np.ones(1)), log_density
+    spread = np.asarray(covariance[np.ix_(~known, ~known)] - onto @ both, dtype=np.float64)
+    found = between(mean[~known] + onto @ away, spread, low[~known], high[~known])
+    values = np.empty((len(found.weights), len(low)))
+    values[:, known], values[:, ~known] = low[known], found.points
+    return Points(values, found.weights), log_density + found.log_chance
+
+
+def _information(data: Bounded, points: Sequence[Points], means: Array, variances: Array) -> Array:
+    """The negative Hessian of the log-likelihood along means and log variances: that of completed values, less the
+    variance of their gradient where they are not known."""
+    n_cells = means.shape[1]
+    whole = np.zeros((means.size + len(variances),) * 2)
+    for each, place in zip(points, data.group, strict=True):
+        own = np.arange(place * n_cells, (place + 1) * n_cells)
+        at = np.concatenate([own, np.arange(means.size, len(whole))])
+        whole[np.ix_(at, at)] += _information_of_one(data, each.values - means[place], each.weights, variances)
+    return whole
+
+
+def _information_of_one(data: Bounded, away: Array, weights: Array, variances: Array) -> Array:
+    n, inverse = away.shape[1], data.matrix(1 / variances)
+    inside = [away @ own.T @ own / variance for own, variance in zip(data.strata, variances, strict=True)]
+    halves = np.stack([0.5 * np.sum(part * away, axis=1) for part in inside], axis=1)
+    gradient = np.hstack([away @ inverse, halves])
+    gradient = gradient - weights @ gradient
+    found = -(gradient * weights[:, None]).T @ gradient
+    found[:n, :n] += inverse
+    for place, part in enumerate(inside, n):
+        found[:n, place] += weights @ part
+        found[place, :n] += weights @ part
+        found[place, place] += weights @ halves[:, place - n]
+    return np.asarray(found)

@@ -1,0 +1,213 @@
+"""Repeated-measures analysis of variance of one to three factors, by exact contrasts, in pingouin's columns."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.anova.contrasts import MOST_EXACT, Tested, effects, participant_scores
+from tactometry.analysis.anova.contrasts import permutation_p as _permutation_p
+from tactometry.analysis.anova.design import Array, Design, DesignStatus, size_of, spread, within_design
+from tactometry.analysis.anova.effect_size import INTERVAL, eta_squared
+
+MAX_FACTORS = 3
+SIZES: Mapping[str, str] = {
+    "np2": "partial",
+    "np2_low": "partial_low",
+    "np2_high": "partial_high",
+    "ng2": "generalised",
+    "ng2_low": "generalised_low",
+    "ng2_high": "generalised_high",
+}
+"""Columns of the sizes of an effect, by their fields of `EtaSquared`."""
+
+
+def repeated_measures(
+    table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, interval: float = INTERVAL
+) -> pd.DataFrame:
+    """One- to three-way repeated-measures analysis of variance.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Long form: a row per value. Several values of one participant in one cell are averaged, which the
+        result says in `attrs["notes"]`.
+    dependent, subject : str
+        Columns of the values and of the participants.
+    within : str or sequence of str
+        One to three columns of conditions, each with two levels at least.
+    interval : float
+        Coverage of the intervals of the effect sizes.
+
+    Returns
+    -------
+    DataFrame
+        Pingouin's columns: per effect sums and degrees of freedom, F, uncorrected and Greenhouse-Geisser p,
+        generalised eta squared (`ng2`), epsilon (`eps`) and, where it exists, Mauchly's test. Added are Huynh and
+        Feldt's and Chi and Muller's epsilon and p (`eps_HF`, `p_HF_corr`, `eps_CM`, `p_CM_corr`), partial eta squared
+        (`np2`), and the ends of the intervals (`np2_low`, `np2_high`, `ng2_low`, `ng2_high`; of Chi and Muller's test,
+        which is the one to report). `attrs["notes"]` says what a reader must know; `attrs["n"]` is the number of
+        participants, `attrs["status"]` the `DesignStatus`.
+
+    Raises
+    ------
+    InvalidParameter
+        For a column that is not there. As `UndefinedStatistic`, with its `status`: for a value that is not finite
+        (naming the row), a missing cell (naming participant and cell), fewer than three participants or two levels,
+        and data without variance to compare: a statistic of these would be a number without meaning.
+
+    Notes
+    -----
+    Chi and Muller's correction holds 5 % of false alarms best, from few participants and where the contrasts are not
+    spherical (docs/analysis.md has the table). With fewer participants than an effect has contrasts, its error matrix
+    is singular: Mauchly's test does not exist; the corrections hold. `permutation_test` needs none. An effect that is
+    exactly the same in all participants has no error: its F is missing, and a note says so.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = repeated_measures(table, dependent="y", within="force_n", subject="who")
+    >>> found[["F", "p_unc", "np2"]].iloc[0].round(4).tolist()
+    [27.75, 0.0009, 0.9024]
+    """
+    design = _design(table, dependent, within, subject)
+    scaled, scale = scaled_design(design, dependent)
+    found = [effect.tested for effect in effects(scaled)]
+    between = participant_scores(scaled)
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
+    return told(effect_table(found, residual, scale, interval), design, found)
+
+
+def permutation_test(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    within: Sequence[str] | str,
+    subject: str,
+    rng: np.random.Generator | None = None,
+    n_resamples: int = 9_999,
+) -> pd.DataFrame:
+    """For each effect the chance of an F as large if every participant's contrasts might have had the other sign.
+
+    It asks for symmetric errors only, not for sphericity, nor for more participants than contrasts. Up to 14
+    participants it is exact and draws nothing; beyond, `rng` draws `n_resamples` changes of signs.
+
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`; and if `rng` is needed and not given.
+
+    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [0.5, 1] * 4, "y": [1.0, 2, 2, 4, 3, 6, 2, 6]})
+    >>> permutation_test(table, dependent="y", within="force_n", subject="who")["p_permutation"].tolist()
+    [0.125]
+    """
+    design = _design(table, dependent, within, subject)
+    found = effects(scaled_design(design, dependent)[0])
+    return pd.DataFrame(
+        [
+            {
+                "Source": effect.name,
+                "F": effect.f,
+                "p_permutation": _permutation_p(effect, rng=rng, n_resamples=n_resamples),
+                "n_permutations": n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1),
+            }
+            for effect in found
+        ]
+    )
+
+
+def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, subject: str) -> Design:
+    factors = [within] if isinstance(within, str) else list(within)
+    return within_design(table, dependent=dependent, within=factors, subject=subject, where="repeated_measures")
+
+
+def scaled_design(design: Design, dependent: str) -> tuple[Design, float]:
+    """About zero and of unit spread, so that neither offset nor unit costs digits."""
+    scale = spread(design.cells, dependent)
+    unit = size_of(design.values)
+    values: Array = design.values / unit
+    values = (values - values.mean()) / (scale / unit)
+    return replace(design, values=values, rounding=design.rounding / scale), scale
+
+
+def effect_table(found: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
+    """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
+    and all errors, `scale` the unit of the values."""
+    rows = [effect_row(each) | _added(each, residual, interval) for each in found]
+    result = pd.DataFrame(_with_error(rows[0], found[0]) if len(found) == 1 else rows)
+    with np.errstate(over="ignore"):
+        return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
+
+
+def _with_error(row: dict[str, object], effect: Tested) -> list[dict[str, object]]:
+    """And a row of the error, which pingouin gives for one factor alone."""
+    df = effect.df[1]
+    first = {"Source": effect.name, "SS": effect.ss, "DF": effect.df[0]}
+    return [first | row, {"Source": "Error", "SS": effect.ss_error, "DF": df, "MS": effect.ss_error / df}]
+
+
+def effect_row(effect: Tested) -> dict[str, object]:
+    """Pingouin's columns of one effect."""
+    first, second = effect.df
+    shape = effect.sphericity
+    is_spherical = first == 1 or (None if shape.p is None else shape.p > 0.05)
+    return {
+        "Source": effect.name,
+        "SS": effect.ss,
+        "ddof1": first,
+        "ddof2": second,
+        "MS": effect.ss / first,
+        "F": effect.f,
+        "p_unc": effect.p(),
+        "p_GG_corr": effect.p(shape.greenhouse_geisser),
+        "ng2": np.nan,
+        "eps": shape.greenhouse_geisser,
+        "sphericity": is_spherical,
+        "W_spher": np.nan if shape.w is None else shape.w,
+        "p_spher": 1.0 if first == 1 else np.nan if shape.p is None else shape.p,
+    }
+
+
+def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]:
+    """What pingouin does not give: two more corrections, sizes of the effect with intervals."""
+    shape = effect.sphericity
+    sizes = dict.fromkeys(SIZES, np.nan)
+    if effect.has_error:
+        df = (effect.df[0] * shape.chi_muller, effect.df[1] * shape.chi_muller)
+        size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
+        sizes = {name: getattr(size, field) for name, field in SIZES.items()}
+    return {
+        "eps_HF": shape.huynh_feldt,
+        "p_HF_corr": effect.p(shape.huynh_feldt),
+        "eps_CM": shape.chi_muller,
+        "p_CM_corr": effect.p(shape.chi_muller),
+        **sizes,
+    }
+
+
+def told(result: pd.DataFrame, design: Design, found: Sequence[Tested]) -> pd.DataFrame:
+    """The table with notes, number of participants and status in its `attrs`."""
+    singular = [singular_note(each, design.n) for each in found if each.has_error and each.sphericity.singular]
+    exact = [
+        f"{each.name}: found the same differences in all participants: the error is 0 and F is undefined"
+        for each in found
+        if not each.has_error
+    ]
+    status = DesignStatus.SINGULAR if singular else DesignStatus.OK
+    result.attrs |= {"notes": [*design.notes, *singular, *exact], "n": design.n, "status": status}
+    return result
+
+
+def singular_note(effect: Tested, n: int) -> str:
+    """Why an effect has no test of sphericity, and what is done."""
+    p = effect.df[0]
+    df = effect.df[1] // p
+    cause = (
+        f"{p} contrasts need more than {n} participants"
+        if p > df
+        else f"its {p} contrasts are exactly dependent in these {n} participants"
+    )
+    return (
+        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test does not exist and no multivariate "
+        "test either; the corrections of the degrees of freedom need none, nor does a permutation test"
+    )

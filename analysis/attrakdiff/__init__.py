@@ -1,0 +1,1 @@
+"""Semantic differentials: scores, consistency, patterns of the thesis."""

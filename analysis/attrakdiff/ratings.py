@@ -1,0 +1,197 @@
+"""The questionnaires of a data set, each with its scores, tables and comparisons."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
+from tactometry.analysis.attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
+from tactometry.analysis.outcomes.findings import Outcome
+from tactometry.analysis.outcomes.outcome import outcome
+from tactometry.analysis.outcomes.primary import Primary
+from tactometry.analysis.reading.study_file import forms_of
+from tactometry.analysis.reading.trials import Trials, asked_rows
+from tactometry.analysis.report import apa
+from tactometry.analysis.wording.labels import value_of
+from tactometry.analysis.wording.numbers import interval_text
+from tactometry.errors import counted
+from tactometry.questionnaire import Questionnaire
+
+PATTERN, REFERENCE = "pattern", "P0"
+
+
+@dataclass(frozen=True)
+class Ratings:
+    """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item,
+    `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis, and the
+    profile `grouped` by frequency and by envelope, where its patterns were rated (None: not), else for each dimension
+    an `outcome`: which conditions differ."""
+
+    form: Questionnaire
+    factors: tuple[str, ...]
+    scores: pd.DataFrame
+    summary: pd.DataFrame
+    profile: pd.DataFrame
+    consistency: pd.DataFrame
+    portfolio: pd.DataFrame | None
+    crossed: pd.DataFrame | None
+    against: pd.DataFrame | None
+    grouped: pd.DataFrame | None = None
+    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return self.form.name
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Every table, by the name of its file."""
+        stem = self.name.replace("-", "_")
+        found = {
+            f"{stem}_scores": self.scores,
+            f"{stem}_summary": self.summary,
+            f"{stem}_word_pairs": self.profile,
+            f"{stem}_consistency": self.consistency,
+            f"{stem}_word_pairs_grouped": self.grouped,
+            f"{stem}_portfolio": self.portfolio,
+            f"{stem}_frequency_by_envelope": self.crossed,
+            f"{stem}_against_{REFERENCE}": self.against,
+        }
+        return {name: table for name, table in found.items() if table is not None} | self._effects(stem)
+
+    def _effects(self, stem: str) -> dict[str, pd.DataFrame]:
+        """Of all dimensions together: effects and comparisons, a file each."""
+        parts: dict[str, list[pd.DataFrame]] = {}
+        for dimension, each in self.outcomes.items():
+            for name, table in each.tables(stem).items():
+                if not name.startswith(("group_", "cross_")):
+                    own = table.copy()
+                    own.insert(0, "dimension", dimension)
+                    parts.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(own)
+        return {name: pd.concat(tables, ignore_index=True) for name, tables in parts.items()}
+
+    @property
+    def tests_effects(self) -> bool:
+        """Whether anything was tested by F."""
+        return self.crossed is not None or any(each.primary is not None for each in self.outcomes.values())
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader must know of the outcomes; what holds for all dimensions once."""
+        found: dict[str, list[str]] = {}
+        for dimension, each in self.outcomes.items():
+            for note in each.notes:
+                found.setdefault(note, []).append(dimension)
+        whose = {note: "" if len(own) == len(self.outcomes) else f", {', '.join(own)}" for note, own in found.items()}
+        return [f"{self.form.title}{own}: {note}" for note, own in whose.items()]
+
+    def sentences(self) -> dict[str, list[str]]:
+        """Every sentence, by the heading that it stands under."""
+        found: dict[str, list[str]] = {}
+        if self.crossed is not None:
+            found["Frequency by envelope, without the single focus"] = _by_dimension(self.crossed, apa.anova_sentences)
+        if self.against is not None:
+            found[f"Patterns against {REFERENCE}"] = _by_dimension(self.against, apa.pair_sentences)
+        for dimension, each in self.outcomes.items():
+            for heading, lines in each.all_sentences("").items():
+                found.setdefault(heading, []).extend(f"{dimension}: {line}" for line in lines)
+        return found | {"Consistency": apa.alpha_sentences(self.consistency, self.factors)}
+
+    def cross(self) -> pd.DataFrame:
+        """Conditions down, dimensions across, each as mean with interval, in text."""
+        found = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
+        wide = found.pivot(index="condition", columns="dimension", values="text")
+        return wide.loc[list(dict.fromkeys(found["condition"])), list(self.form.dimensions)].reset_index()
+
+
+def _mean_text(row: "pd.Series[Any]") -> str:
+    if pd.isna(row["mean"]):
+        return f"none ({row['n_missing']} missing)"
+    lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
+    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{lost})"
+
+
+def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[str]]) -> list[str]:
+    found = []
+    for dimension, part in table.groupby("dimension", sort=False):
+        left_out = part["left_out"].iloc[0]
+        tail = f" (left out, without a score: {left_out})" if left_out else ""
+        tested = part[part["F" if "F" in part.columns else "t"].notna()] if {"F", "t"} & set(part.columns) else part[:0]
+        found += [f"{dimension}: {text}{tail}" for text in (sentences(tested) if len(tested) else [])]
+        found += [f"{dimension}: not tested, {note}" for note in part["note"][~part.index.isin(tested.index)]]
+    return found
+
+
+def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
+    """What is said of each questionnaire that anyone answered; `primary` as for `outcome`."""
+    return tuple(
+        _ratings(_rated(rows, trials.factors), trials.factors, form, primary)
+        for form, rows in _asked(trials)
+        if (rows["response"] != "").any()
+    )
+
+
+def unanswered(trials: Trials) -> list[str]:
+    """A warning for each questionnaire that was put and that nobody answered."""
+    return [
+        f"{form.title}: of {counted(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
+        for form, rows in _asked(trials)
+        if (rows["response"] == "").all()
+    ]
+
+
+def _asked(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
+    """The questionnaires that were put, each with its rows."""
+    rows = asked_rows(trials)
+    if not {"item", "procedure"} <= set(rows.columns):
+        return []
+    forms = forms_of(trials.path)
+    rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(forms)]
+    return [(forms[str(name)], part) for name, part in rows.groupby("procedure")]
+
+
+def _rated(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """The answers, and the questions of each participant and condition in which nothing was answered: their scores are
+    missing, and are counted."""
+    answered = rows["response"] != ""
+    cells = [rows[name] for name in ("participant", *factors)]
+    return rows[answered | ~answered.groupby(cells, dropna=False).transform("any").astype(bool)]
+
+
+def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None) -> Ratings:
+    varied = [factor for factor in factors if rows[factor].nunique() > 1]
+    scored = scores(rows, questionnaire=form, within=varied)
+    items = item_scores(rows, questionnaire=form, within=varied)
+    profile = _with_condition(word_pairs(items), varied)
+    has_patterns = varied == [PATTERN] and set(THESIS) <= set(scored[PATTERN])
+    return Ratings(
+        form=form,
+        factors=tuple(varied),
+        scores=scored,
+        summary=_with_condition(summary(scored), varied),
+        profile=profile,
+        consistency=consistency(items),
+        portfolio=_with_condition(portfolio(scored), varied) if {"PQ", "HQ"} <= set(form.dimensions) else None,
+        crossed=frequency_by_envelope(scored) if has_patterns else None,
+        against=against_reference(scored) if has_patterns and REFERENCE in set(scored[PATTERN]) else None,
+        grouped=grouped_profile(profile) if has_patterns else None,
+        outcomes={} if has_patterns or not varied else _outcomes(scored, varied, form, primary),
+    )
+
+
+def _outcomes(
+    scored: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None
+) -> dict[str, Outcome]:
+    """Of each dimension. A mixed model by the measured force is none of a questionnaire: the rule chooses then."""
+    named = None if primary == Primary.MIXED_MODEL else primary
+    return {name: outcome(scored, factors, "rating", name, primary=named) for name in form.dimensions}
+
+
+def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """The conditions in one column, as a person writes them."""
+    names = [
+        ", ".join(value_of(name, value) for name, value in zip(factors, row, strict=True)) or "all"
+        for row in table[list(factors)].itertuples(index=False, name=None)
+    ]
+    return table.assign(condition=names)

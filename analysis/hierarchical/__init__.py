@@ -1,0 +1,1 @@
+"""All participants at once: the hierarchical psychometric model."""

@@ -1,0 +1,282 @@
+"""Thresholds of all participants and conditions at once: a hierarchical psychometric model.
+
+The threshold of a participant in a condition is the condition's mean, plus the participant's effect, plus the
+cell's own deviation; the logarithm of the width likewise. The effects are normal, those of threshold and width
+correlated, and integrated over by Laplace's approximation (`laplace`). A participant with few or extreme answers is
+drawn to the group as far as the answers leave it open; nothing is put in place of a threshold outside of the levels.
+"""
+
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from tactometry.analysis.hierarchical.layout import (
+    CONDITION_COLUMNS,
+    Layout,
+    Place,
+    cells,
+    condition_table,
+    means,
+    participant_table,
+    reaches,
+)
+from tactometry.analysis.hierarchical.model import CORRELATED_FROM, Study, mixed_model, rate_of, start
+from tactometry.analysis.hierarchical.result import NOTES, Contrast, Effect, GroupStatus, HierarchicalFit
+from tactometry.analysis.hierarchical.starts import Alone, fitted_alone
+from tactometry.analysis.mixed_models.laplace import MixedFit, MixedModel, maximise
+from tactometry.analysis.threshold.counts import Array, checked
+from tactometry.analysis.threshold.likelihood import GUESS, LAPSE
+from tactometry.analysis.threshold.prior import BETA_B
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import shape_named
+
+ZERO_SD = 1e-3
+"""A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
+LARGEST_GRADIENT = 1e-2
+START_FACTORS = (1.0, 0.3, 3.0)
+ONE_WIDTH = "widths are taken to be the same in all participants: the answers do not tell how they vary"
+COMPONENTS = ("threshold", "log_width", "threshold_cell", "log_width_cell")
+
+
+def fit_hierarchical(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    participants: Sequence[str],
+    conditions: Mapping[str, Sequence[float | str]],
+    *,
+    shape: str,
+    guess_rate: float | None,
+    lapse_rate: float | None = None,
+    width_by: Sequence[str] = (),
+    interval: float = 0.95,
+    rate_beta: float = BETA_B,
+    scale_free_width: bool = True,
+    n_false_alarms: ArrayLike = 0,
+    n_catch: ArrayLike = 0,
+) -> HierarchicalFit:
+    """Fit the thresholds of all participants and conditions at once.
+
+    Parameters
+    ----------
+    levels, n_correct, n_trials, participants : (n_rows,)
+        One row a participant, condition and level. Rows without trials are ignored; cells may be missing.
+    conditions : mapping of factor to (n_rows,)
+        The values of each factor.
+    shape : str
+        As for `threshold.fit`.
+    guess_rate, lapse_rate : float or None
+        Known, or (None) estimated, the same for all, under the prior of `threshold.fit`; a free guess rate with the
+        catch trials of all participants together.
+    n_false_alarms, n_catch : int or (n_rows,)
+        "Yes" answers to catch trials, and catch trials: those of all participants together, or (better) of each row's
+        cell, the same in all rows of a cell: then they bear on the verdict of each cell too.
+    width_by : sequence of str
+        The factors on which the mean log width depends; by default one mean for all.
+    rate_beta, scale_free_width
+        As for `threshold.fit`; the latter for the fits of single cells, which the verdicts rest on.
+    interval : float
+        Coverage of the intervals.
+
+    Returns
+    -------
+    HierarchicalFit
+
+    Raises
+    ------
+    InvalidParameter
+        For what is no number, an impossible count (naming the row), an unknown name.
+
+    Notes
+    -----
+    Maximum likelihood by Laplace's approximation, but for psignifit's priors on the mean threshold and width of each
+    condition: flat within its levels, they keep means finite that the answers leave open. Standard errors of
+    means and contrasts are multiplied by sqrt(n / (n - 1)), which makes the variances of a balanced design those of
+    restricted maximum likelihood, and intervals are t with n - 1 degrees of freedom.
+
+    Examples
+    --------
+    >>> rows = [(who, x, k) for who, ks in {"A": (1, 4, 9, 10), "B": (0, 2, 6, 10), "C": (3, 6, 9, 10)}.items()
+    ...     for x, k in zip((1, 2, 3, 4), ks)]
+    >>> participants, levels, k = zip(*rows)
+    >>> found = fit_hierarchical(levels, k, 10, participants, {"force_n": [0.5] * 12}, shape="logistic", guess_rate=0.0,
+    ...     lapse_rate=0.0)
+    >>> found.n_participants, round(float(found.conditions["threshold"][0]), 1)
+    (3, 2.2)
+    """
+    curve = shape_named(shape)
+    _check(conditions, width_by, interval, (guess_rate, lapse_rate))
+    names = np.asarray([str(name) for name in participants])
+    x, k, n = (part[0] for part in checked(levels, n_correct, n_trials, positive=curve.on_log_levels))
+    if curve.on_log_levels:
+        x = np.log(np.where(n > 0, x, 1.0))
+    used = n > 0
+    factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
+    if not used.any():
+        return _no_data(tuple(conditions), interval)
+    answers = (x[used], k[used], n[used])
+    alarms, catch = (np.broadcast_to(np.asarray(v, dtype=np.float64), n.shape)[used] for v in (n_false_alarms, n_catch))
+    by_cell = (alarms, catch) if np.ndim(n_catch) else None
+    layout = Layout.of(names[used], factors, width_by, answers, on_log_levels=curve.on_log_levels, catch=by_cell)
+    whole = layout.catch.sum(axis=(1, 2)) if by_cell else np.array([alarms.max(), catch.max()])
+    study = layout.study(curve, (guess_rate, lapse_rate), (int(whole[0]), int(whole[1])))
+    study = replace(study, rate_beta=rate_beta, scale_free_width=scale_free_width)
+    alone = fitted_alone(study, "gumbel" if shape == "weibull" else shape)
+    return _fitted(layout, replace(study, width_varies=not alone.separated), alone, interval)
+
+
+def _check(
+    conditions: Mapping[str, object], width_by: Sequence[str], interval: float, rates: tuple[float | None, float | None]
+) -> None:
+    for name in width_by:
+        if name not in conditions:
+            raise InvalidParameter(f"width_by: found {name!r}, expected factors of {', '.join(conditions)}")
+    if not conditions:
+        raise InvalidParameter("conditions: found no factor, expected at least one, with one value if nothing varied")
+    if not 0 < interval < 1:
+        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
+    for name, rate in zip(("guess_rate", "lapse_rate"), rates, strict=True):
+        if rate is not None and not 0 <= rate < 1:
+            raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
+
+
+def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
+    columns = [*factors, *CONDITION_COLUMNS]
+    empty = pd.DataFrame({name: [] for name in columns})
+    status, nothing = GroupStatus.NO_DATA, np.zeros(0)
+    return HierarchicalFit(
+        empty,
+        empty,
+        {},
+        None,
+        None,
+        None,
+        None,
+        status,
+        NOTES[status],
+        factors,
+        0,
+        interval,
+        nothing,
+        np.zeros((0, 0)),
+        (),
+    )
+
+
+def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> HierarchicalFit:
+    told = study.only(alone.told)
+    if not told.n_conditions:
+        return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
+    model = mixed_model(told)
+    found = _maximised(model, start(told, model, *alone.start(told)))
+    if study.width_varies and not _converged(found):
+        return _fitted(layout, replace(study, width_varies=False), alone, interval)
+    status = _status(told, model, found)
+    if status == GroupStatus.NOT_CONVERGED:
+        return _untold(layout, study, alone, status, interval)
+    n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
+    inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
+    estimates = means(told, found, inflation), cells(model, found)
+    place, own = (Place.of(parts, alone.told, study.n_conditions) for parts in estimates)
+    angles = zip(study.shared, model.parts(found.parameters)[1], strict=True)
+    rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
+    components, correlation = _components(told, model, found, layout.spread)
+    return HierarchicalFit(
+        condition_table(layout, study, place, alone, group_reach),
+        participant_table(layout, study, own, alone, own_reach),
+        components,
+        correlation,
+        rates.get(LAPSE, study.lapse_rate),
+        rates.get(GUESS, study.guess_rate),
+        found.log_marginal,
+        status,
+        "; ".join(filter(None, (NOTES[status], "" if study.width_varies else ONE_WIDTH))),
+        tuple(layout.conditions.columns),
+        n,
+        interval,
+        *_means_of_all(layout, study, told, alone, found, inflation),
+    )
+
+
+def _maximised(model: MixedModel, at: Array) -> MixedFit:
+    """From scales as they are, then smaller and larger ones, until one start converges."""
+    n = len(model.basis)
+    for factor in START_FACTORS:
+        found = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
+        if _converged(found):
+            break
+    return found
+
+
+def _converged(found: MixedFit) -> bool:
+    return bool(np.isfinite(found.log_marginal) and found.gradient <= LARGEST_GRADIENT)
+
+
+def _means_of_all(
+    layout: Layout, study: Study, told: Study, alone: Alone, found: MixedFit, inflation: float
+) -> tuple[Array, Array, tuple[int, ...]]:
+    """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
+    group = np.zeros(study.n_conditions, dtype=np.int64)
+    group[alone.told] = told.width_group
+    places = np.concatenate([alone.told, study.n_conditions + np.arange(told.n_groups)])
+    n, free = study.n_conditions + told.n_groups, len(places)
+    scale = np.where(np.arange(n) < study.n_conditions, layout.spread, 1.0)
+    offset = np.where(np.arange(n) < study.n_conditions, layout.centre, np.log(layout.spread))
+    means, covariance = np.zeros(n), np.zeros((n, n))
+    means[places] = found.parameters[:free]
+    covariance[np.ix_(places, places)] = inflation**2 * found.covariance[:free, :free]
+    return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
+
+
+def _untold(layout: Layout, study: Study, alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
+    """Statuses and bounds without a model."""
+    nothing, n = np.zeros(0, dtype=np.int64), study.n_conditions
+    place, own = (Place.of([np.zeros((0, *rest))] * 4, nothing, n) for rest in ((), (study.n_participants,)))
+    return replace(
+        _no_data(tuple(layout.conditions.columns), interval),
+        conditions=condition_table(layout, study, place, alone, 0.0),
+        participants=participant_table(layout, study, own, alone, 0.0),
+        status=status,
+        note=NOTES[status],
+        n_participants=study.n_participants,
+    )
+
+
+def _status(study: Study, model: MixedModel, found: MixedFit) -> GroupStatus:
+    if not _converged(found):
+        return GroupStatus.NOT_CONVERGED
+    if study.n_participants == 1:
+        return GroupStatus.ONE_PARTICIPANT
+    scale = model.scale(model.parts(found.parameters)[2])
+    kept = 2 if study.width_varies else 1
+    between, deviations = np.linalg.svd(scale[:kept, :kept], compute_uv=False), np.abs(np.diagonal(scale)[2:])
+    smallest = min(between.min(), deviations.min(initial=np.inf))
+    return GroupStatus.SINGULAR if smallest < ZERO_SD else GroupStatus.OK
+
+
+def _components(
+    study: Study, model: MixedModel, found: MixedFit, spread: float
+) -> tuple[Mapping[str, float], float | None]:
+    """Standard deviations in the unit of the levels (of logarithms for widths), and the correlation."""
+    theta = model.parts(found.parameters)[2]
+    if not len(theta):
+        return MappingProxyType({}), None
+    covariance = model.scale(theta) @ model.scale(theta).T
+    sd = np.sqrt(np.diagonal(covariance))
+    kinds = [0, 1, *range(2, len(sd), study.n_conditions)]
+    units = (spread, 1.0, spread, 1.0)
+    told = np.where(sd > ZERO_SD, sd, 0.0)
+    named = {name: float(unit * told[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
+    if not study.width_varies:
+        named.pop("log_width")
+    correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
+    return MappingProxyType(named), float(covariance[0, 1] / (sd[0] * sd[1])) if correlated else None
+
+
+__all__ = ["Contrast", "Effect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]

@@ -1,0 +1,232 @@
+"""The mixed model of thresholds behind `hierarchical`: cells of participants by conditions, each with a threshold and a
+log width of its own, on the scale of the whole study's levels."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.mixed_models.laplace import MixedModel
+from tactometry.analysis.threshold.counts import Array, Counts
+from tactometry.analysis.threshold.likelihood import (
+    GUESS,
+    LAPSE,
+    LOG_WIDTH,
+    N_PARAMETERS,
+    THRESHOLD,
+    Expansion,
+    chance_information,
+    expansion,
+)
+from tactometry.analysis.threshold.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
+from tactometry.psychometric import Shape
+
+START_SD = (0.1, 0.2, 0.05, 0.1)
+"""Standard deviations at the start: threshold (in ranges of the levels), log width, and their cells' deviations."""
+CORRELATED_FROM = 5
+"""Participants from which the correlation of threshold and width is estimated."""
+START_RATE = 0.03
+
+
+@dataclass(frozen=True)
+class Study:
+    """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
+
+    `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
+    `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
+    `n_catch` of all. `rate_beta` and `scale_free_width` are those of `threshold.fit`. `width_group` (n_conditions,)
+    says which conditions share a mean width; without `width_varies` all participants do.
+    """
+
+    shape: Shape
+    u: Array
+    n_yes: Array
+    n_trials: Array
+    width_group: NDArray[np.int64]
+    guess_rate: float | None
+    lapse_rate: float | None
+    n_false_alarms: int
+    n_catch: int
+    own_catch: Array
+    rate_beta: float = BETA_B
+    scale_free_width: bool = True
+    width_varies: bool = True
+
+    @property
+    def n_participants(self) -> int:
+        return int(self.u.shape[0])
+
+    @property
+    def n_conditions(self) -> int:
+        return int(self.u.shape[1])
+
+    @property
+    def n_groups(self) -> int:
+        return int(self.width_group.max()) + 1
+
+    @property
+    def shared(self) -> list[int]:
+        """The rates that are estimated, as places of a parameter vector."""
+        rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
+        return [place for place, rate in rates if rate is None]
+
+    def only(self, conditions: NDArray[np.int64]) -> "Study":
+        """Of some conditions."""
+        u, k, n = (part[:, conditions] for part in (self.u, self.n_yes, self.n_trials))
+        group = np.unique(self.width_group[conditions], return_inverse=True)[1]
+        return replace(self, u=u, n_yes=k, n_trials=n, width_group=group.astype(np.int64))
+
+    def ranges(self) -> tuple[Array, Array, Array]:
+        """Lowest and highest level and smallest spacing of each condition (n_conditions,)."""
+        used = self.n_trials > 0
+        low, high = np.where(used, self.u, np.inf).min(axis=(0, 2)), np.where(used, self.u, -np.inf).max(axis=(0, 2))
+        return low, high, np.array([_gap(self.u[:, c][used[:, c]], high[c] - low[c]) for c in range(self.n_conditions)])
+
+
+def _gap(levels: Array, reach: float) -> float:
+    gaps = [b - a for a, b in pairwise(np.unique(levels)) if b - a > 1e-9 * reach]
+    return float(min(gaps, default=reach or 1.0))
+
+
+def rate_of(angle: Array) -> tuple[Array, Array, Array]:
+    """A rate in [0, 0.5] by an angle without bounds, and its two derivatives: even about 0, as a scale's is."""
+    half = LARGEST_RATE / 2
+    return half * (1 - np.cos(2 * angle)), 2 * half * np.sin(2 * angle), 4 * half * np.cos(2 * angle)
+
+
+def turned(probability: float) -> float:
+    """The angle of a rate."""
+    return float(np.arcsin(np.sqrt(probability / LARGEST_RATE)))
+
+
+def mixed_model(study: Study) -> MixedModel:
+    """Threshold of participant p in condition c: mean of c + effect of p + deviation of the cell; the log width:
+    mean of its group + effect of p (+ deviation of the cell where there are several groups)."""
+    several = study.n_participants > 1 and study.n_conditions > 1
+    varied = study.n_groups > 1 and study.width_varies
+    n, c = study.n_participants, study.n_conditions
+    present = (study.n_trials.sum(axis=2) > 0)[:, :, None]
+    fixed = np.zeros((n, c, 2, c + study.n_groups))
+    fixed[:, np.arange(c), 0, np.arange(c)] = 1.0
+    fixed[:, np.arange(c), 1, c + study.width_group] = 1.0
+    columns = [np.broadcast_to(np.eye(2), (n, c, 2, 2))]
+    for place in range(several * (1 + varied)):
+        deviations = np.zeros((n, c, 2, c))
+        deviations[:, np.arange(c), place, np.arange(c)] = 1.0
+        columns.append(deviations)
+    random, cells = np.concatenate(columns, axis=3) * present[..., None], _Cells.of(study)
+    return MixedModel(
+        cells.log_likelihood,
+        fixed * present[..., None],
+        random,
+        _basis(study, random.shape[3]),
+        len(study.shared),
+        _prior(study),
+        cells.information,
+    )
+
+
+def _basis(study: Study, size: int) -> Array:
+    """Of Lambda: lower triangle of threshold and width (without their correlation for few participants), then a
+    multiple of the unit matrix for each kind of deviation."""
+    if study.n_participants == 1:
+        return np.zeros((0, size, size))
+    places = [(0, 0), (1, 0), (1, 1)] if study.n_participants >= CORRELATED_FROM else [(0, 0), (1, 1)]
+    places = places if study.width_varies else [(0, 0)]
+    basis = np.zeros((len(places), size, size))
+    for matrix, place in zip(basis, places, strict=True):
+        matrix[place] = 1.0
+    kinds = range(2, size, study.n_conditions)
+    parts = [
+        np.diag(((np.arange(size) >= k) & (np.arange(size) < k + study.n_conditions)).astype(float)) for k in kinds
+    ]
+    return np.concatenate([basis, np.reshape(parts, (-1, size, size))])
+
+
+def start_scales(model: MixedModel) -> Array:
+    """theta at the start."""
+    diagonals = np.diagonal(model.basis, axis1=1, axis2=2)
+    kinds = [0, 1, *[2 + k // max(1, model.fixed.shape[1]) for k in range(model.basis.shape[1] - 2)]]
+    return np.array([START_SD[kinds[each.argmax()]] if each.any() else 0.0 for each in diagonals])
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """The answers of all cells, with rates by angles: value and derivatives along threshold, log width, angles."""
+
+    study: Study
+    counts: Counts
+
+    @classmethod
+    def of(cls, study: Study) -> "_Cells":
+        n_units = study.n_participants * study.n_conditions
+        u, k, n = (part.reshape(n_units, -1) for part in (study.u, study.n_yes, study.n_trials))
+        nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
+        return cls(study, Counts(u, k, n, nothing, nothing, nothing, n_levels).by_level())
+
+    def theta(self, points: Array) -> Array:
+        study, kept = self.study, [THRESHOLD, LOG_WIDTH, *self.study.shared]
+        theta = np.empty((len(self.counts), N_PARAMETERS))
+        theta[:, LAPSE], theta[:, GUESS] = study.lapse_rate or 0.0, study.guess_rate or 0.0
+        theta[:, kept] = points.reshape(len(theta), -1)
+        for place in study.shared:
+            theta[:, place] = rate_of(theta[:, place])[0]
+        return theta
+
+    def log_likelihood(self, points: Array) -> Expansion:
+        kept = [THRESHOLD, LOG_WIDTH, *self.study.shared]
+        whole, angles = expansion(self.study.shape, self.counts, self.theta(points)), points.reshape(-1, len(kept))
+        gradient, hessian = whole.gradient[:, kept], whole.hessian[:, kept][:, :, kept]
+        for place in range(2, len(kept)):
+            _, slope, bent = rate_of(angles[:, place])
+            hessian[:, place] *= slope[:, None]
+            hessian[:, :, place] *= slope[:, None]
+            hessian[:, place, place] += gradient[:, place] * bent
+            gradient[:, place] *= slope
+        layout = points.shape[:2]
+        return Expansion(
+            whole.value.reshape(layout), gradient.reshape(points.shape), hessian.reshape(*points.shape, len(kept))
+        )
+
+    def information(self, points: Array) -> Array:
+        """Fisher's, of threshold and log width: unlike the observed it is never negative, which keeps the determinant
+        of Laplace's approximation away from 0."""
+        return chance_information(self.study.shape, self.counts, self.theta(points)).reshape(*points.shape[:2], 2, 2)
+
+
+def _prior(study: Study) -> Callable[[Array], tuple[float, Array]]:
+    """psignifit's priors, on the means of the conditions and the shared rates; the width's is flat in its logarithm."""
+    low, high, gap = study.ranges()
+    reach = np.where(high > low, high - low, 1.0)
+    groups = range(study.n_groups)
+    wide = np.array([reach[study.width_group == g].max() for g in groups])
+    narrow = np.array([gap[study.width_group == g].min() for g in groups]) / wide
+    answers = {LAPSE: (0, 0), GUESS: (study.n_false_alarms, study.n_catch - study.n_false_alarms)}
+
+    def log_prior(parameters: Array) -> tuple[float, Array]:
+        m, v, angles = np.split(parameters, [study.n_conditions, study.n_conditions + study.n_groups])
+        with np.errstate(all="ignore"):
+            at_m, by_m, _ = log_threshold((m - low) / reach - 0.5)
+            at_v, by_v, _ = log_width(v - np.log(wide), narrow, scale_free=True)
+        at_v, by_v = at_v + v, by_v + 1.0  # a density of the log width, flat in it
+        total, slopes = float(at_m.sum() + at_v.sum()), [by_m / reach, by_v]
+        for angle, place in zip(angles, study.shared, strict=True):
+            rate, slope, _ = rate_of(angle)
+            n_yes, n_no = (np.array(float(n)) for n in answers[place])
+            value, by_rate, _ = log_rate(rate, n_yes, n_no, study.rate_beta)
+            total, slopes = total + float(value), [*slopes, np.atleast_1d(by_rate * slope)]
+        return total, np.concatenate(slopes)
+
+    return log_prior
+
+
+def start(study: Study, model: MixedModel, thresholds: Array, log_widths: Array) -> Array:
+    """Parameters (n_parameters,) from a threshold and a log width of each condition."""
+    low, high, gap = study.ranges()
+    inside = np.clip(thresholds, low - 0.2 * (high - low), high + 0.2 * (high - low))
+    floor = np.log(1.5 * gap)
+    groups = [np.maximum(log_widths, floor)[study.width_group == g].mean() for g in range(study.n_groups)]
+    angles = [turned(START_RATE)] * len(study.shared)
+    return np.concatenate([inside, groups, angles, start_scales(model)])

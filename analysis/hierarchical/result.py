@@ -1,0 +1,211 @@
+"""What a hierarchical fit says: tables, variance components, contrasts and effects of the factors."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import reduce
+from itertools import product
+from types import MappingProxyType
+
+import numpy as np
+import pandas as pd
+from scipy.stats import chi2
+from scipy.stats import f as f_distribution
+from scipy.stats import t as t_distribution
+
+from tactometry.analysis.anova.contrasts import epsilons
+from tactometry.analysis.threshold.counts import Array
+from tactometry.errors import InvalidParameter
+
+
+class GroupStatus(StrEnum):
+    OK = "ok"
+    SINGULAR = "singular"
+    ONE_PARTICIPANT = "one_participant"
+    NO_THRESHOLD = "no_threshold"
+    NOT_CONVERGED = "not_converged"
+    NO_DATA = "no_data"
+
+
+NOTES = MappingProxyType(
+    {
+        GroupStatus.OK: "",
+        GroupStatus.SINGULAR: "a variance between participants is 0, or threshold and width vary together",
+        GroupStatus.ONE_PARTICIPANT: "one participant: no variance between participants; the intervals are this one's",
+        GroupStatus.NO_THRESHOLD: "no participant tells a threshold in any condition: bounds at most",
+        GroupStatus.NOT_CONVERGED: "the likelihood still rises: no estimate",
+        GroupStatus.NO_DATA: "no trial was given",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """A weighted sum of the conditions' mean thresholds (or log widths): estimate, standard error, t interval and p."""
+
+    estimate: float
+    standard_error: float
+    interval_low: float
+    interval_high: float
+    t: float
+    df: int
+    p: float
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it. With
+    infinite `df_error` it is no F but a chi-square over its degrees of freedom."""
+
+    f: float
+    df: int
+    df_error: float
+    p: float
+    epsilon: float = 1.0
+
+
+@dataclass(frozen=True)
+class HierarchicalFit:
+    """What the answers of all participants say.
+
+    Parameters
+    ----------
+    conditions : DataFrame
+        Per condition (a column per factor) `threshold`, `standard_error`, `interval_low`, `interval_high`, `width`,
+        `width_low`, `width_high`, `status`; a threshold outside of the levels is missing, with one end of its
+        interval where the model holds it. For ``weibull`` widths and standard errors are of logarithms of the level.
+    participants : DataFrame
+        The same per participant and condition, with `n_trials`: shrunken estimates with intervals that count the
+        uncertainty of the group's means, not that of the variances.
+    components : mapping
+        Standard deviations between participants of ``threshold`` and ``log_width``, and of the cells' deviations from
+        condition plus participant, ``threshold_cell`` and ``log_width_cell``; those that cannot be told are absent.
+    correlation : float or None
+        Of threshold and log width between participants (from 5 participants on).
+    lapse_rate, guess_rate : float or None
+        Shared by all.
+    log_likelihood : float or None
+        Laplace's log marginal likelihood plus the log prior of the means.
+    means, covariance : ndarray
+        Of the conditions' thresholds and then the width groups' log widths (for ``weibull`` of log thresholds);
+        `width_group` says which group each condition belongs to.
+    """
+
+    conditions: pd.DataFrame
+    participants: pd.DataFrame
+    components: Mapping[str, float]
+    correlation: float | None
+    lapse_rate: float | None
+    guess_rate: float | None
+    log_likelihood: float | None
+    status: GroupStatus
+    note: str
+    factors: tuple[str, ...]
+    n_participants: int
+    interval: float
+    means: Array
+    covariance: Array
+    width_group: tuple[int, ...]
+
+    def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
+        """The weighted sum of conditions, named by their values of the factors; t with n - 1 degrees of freedom.
+
+        Raises
+        ------
+        InvalidParameter
+            For a condition without a mean, a quantity other than ``threshold`` or ``log_width`` (or the width where it
+            has a bound only), or fewer than two participants.
+        """
+        keys = self._keys()
+        for key in weights:
+            if key not in keys:
+                raise InvalidParameter(f"weights: found {key!r}, expected conditions, such as {keys[0]!r}")
+        row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
+        estimate, error, df = (
+            float(row @ self.means),
+            float(np.sqrt(row @ self.covariance @ row)),
+            self.n_participants - 1,
+        )
+        reach, t = float(t_distribution.ppf((1 + self.interval) / 2, df)) * error, estimate / error
+        p = 2 * float(t_distribution.sf(abs(t), df))
+        return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
+
+    def effect(self, *factors: str, of: str = "threshold") -> Effect:
+        """Wald's test of a main effect, or of the interaction of several factors, in a complete factorial.
+
+        The error has df (n - 1) degrees of freedom, as in the repeated-measures analysis: the model has one variance
+        for the deviations of all cells. Where participants' thresholds (or widths) show that they are not alike, both
+        degrees are corrected by Chi and Muller's epsilon (`contrasts.epsilons`). Where that variance is 0, nothing but
+        the answers makes an error, which their number and no variance of participants tells: it has no degrees of
+        freedom, and p is that of Wald's chi-square, df f.
+
+        Raises
+        ------
+        InvalidParameter
+            For an unknown factor, an incomplete factorial, conditions whose widths were taken to be the same, and as
+            for `contrast`.
+        """
+        weights = self._effect_weights(factors)
+        rows = self._rows(weights, of)
+        if np.linalg.matrix_rank(rows) < len(rows):
+            raise InvalidParameter(
+                f"of: found {of!r} over {', '.join(factors)}, expected conditions whose widths are their own (width_by)"
+            )
+        differences, df = rows @ self.means, len(rows)
+        f = float(differences @ np.linalg.solve(rows @ self.covariance @ rows.T, differences)) / df
+        if not self.components.get(f"{of}_cell"):
+            return Effect(f, df, np.inf, float(chi2.sf(df * f, df)))
+        df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
+        return Effect(f, df, df_error, float(f_distribution.sf(f, epsilon * df, epsilon * df_error)), epsilon)
+
+    def _epsilon(self, weights: Array, of: str) -> float:
+        """Chi and Muller's, of the participants who have an estimate in every condition; the least there is without
+        three of them."""
+        names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
+        wide = self.participants.pivot(index="participant", columns=names, values=column)
+        keys = [key if len(key) > 1 else key[0] for key in self._keys()]
+        values = wide[keys].dropna().to_numpy(dtype=np.float64)
+        if len(values) < 3:
+            return 1 / len(weights)
+        contrast = np.linalg.qr(weights.T)[0]
+        scores = (np.log(values) if of == "log_width" else values) @ contrast
+        covariance = np.asarray(np.cov(scores, rowvar=False), dtype=np.float64).reshape(len(weights), -1)
+        return epsilons(covariance, len(values) - 1)[2]
+
+    def _keys(self) -> list[tuple[float | str, ...]]:
+        return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
+
+    def _rows(self, weights: Array, of: str) -> Array:
+        """Weights (n_rows, n_conditions) as rows over all means: of the thresholds, then of the log widths."""
+        if of not in ("threshold", "log_width"):
+            raise InvalidParameter(f"of: found {of!r}, expected 'threshold' or 'log_width'")
+        if self.n_participants < 2 or not len(self.means):
+            raise InvalidParameter(f"participants: found {self.n_participants}, expected two or more with a fit")
+        lost = self.conditions.loc[(weights != 0).any(axis=0) & self.conditions["threshold"].isna().to_numpy()]
+        if len(lost):
+            found = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
+            raise InvalidParameter(f"conditions: found no mean threshold for {found}, expected conditions with one")
+        if of == "log_width" and self.conditions["width"].isna().all():
+            raise InvalidParameter("of: found 'log_width', expected 'threshold': the widths have an upper bound only")
+        n, rows = len(self.conditions), np.zeros((len(weights), len(self.means)))
+        if of == "threshold":
+            rows[:, :n] = weights
+        else:
+            np.add.at(rows.T, n + np.array(self.width_group), weights.T)
+        return rows
+
+    def _effect_weights(self, factors: Sequence[str]) -> Array:
+        levels = [sorted(self.conditions[name].unique()) if name in self.factors else [] for name in self.factors]
+        unknown = [name for name in factors if name not in self.factors]
+        if unknown or not factors or len(self.conditions) != int(np.prod([len(each) for each in levels])):
+            raise InvalidParameter(
+                f"factors: found {', '.join(factors) or 'none'} over {len(self.conditions)} conditions, expected "
+                f"factors of {', '.join(self.factors)} with every combination of their levels"
+            )
+        parts = [
+            np.diff(np.eye(len(each)), axis=0) if name in factors else np.full((1, len(each)), 1 / len(each))
+            for name, each in zip(self.factors, levels, strict=True)
+        ]
+        weights = reduce(np.kron, parts)
+        order = {key: place for place, key in enumerate(product(*levels))}
+        return np.asarray(weights[:, [order[key] for key in self._keys()]])

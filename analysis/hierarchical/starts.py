@@ -1,0 +1,97 @@
+"""What each cell of a study says alone, and each condition with the answers of all participants together: where a
+hierarchical fit starts, and what it can tell at all."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.hierarchical.model import Study
+from tactometry.analysis.threshold.counts import Array
+from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
+from tactometry.analysis.threshold.status import Status
+
+TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
+
+
+@dataclass(frozen=True)
+class Alone:
+    """Fits of each cell (a list per condition), and of each condition's answers together, on the scale of the study."""
+
+    cells: tuple[tuple[ThresholdFit, ...], ...]
+    together: tuple[ThresholdFit, ...]
+
+    @property
+    def separated(self) -> bool:
+        """Whether each cell that tells a threshold does so by one step."""
+        told = [one for cell in self.cells for one in cell if is_told(one)]
+        return bool(told) and all(one.status == Status.SEPARATED for one in told)
+
+    def statuses(self) -> list[Status]:
+        """`ok` where any cell, or all answers together, tell a threshold; else what the cells agree on, else that of
+        the answers together."""
+        found = []
+        for cell, together in zip(self.cells, self.together, strict=True):
+            own = {one.status for one in cell} - {Status.NO_DATA}
+            if any(is_told(one) for one in (*cell, together)):
+                found.append(Status.SEPARATED if self.separated else Status.OK)
+            else:
+                found.append(Status(own.pop() if len(own) == 1 else together.status))
+        return found
+
+    @property
+    def told(self) -> NDArray[np.int64]:
+        """The conditions with a threshold."""
+        return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
+
+    def own_bounds(self) -> Array:
+        """Of each cell (n_conditions, n_participants, 2), NaN for none."""
+        ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
+        return np.array(ends, dtype=np.float64)
+
+    def width_bounds(self) -> Array:
+        """The upper bound of each condition's width, from its answers together; NaN for none."""
+        return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
+
+    def start(self, study: Study) -> tuple[Array, Array]:
+        """A threshold and a log width of each condition that is told; `study` has these alone."""
+        low, high, _ = study.ranges()
+        middle, ends = (low + high) / 2, {Status.BELOW: low, Status.ABOVE: high}
+        threshold, width = [], []
+        for c, place in enumerate(self.told):
+            cell, together = self.cells[place], self.together[place]
+            told = [one for one in cell if is_told(one)] or [together] * is_told(together)
+            at = ends.get(together.status, middle)[c]
+            threshold.append(np.mean([one.threshold for one in told]) if told else at)
+            widths = [np.log(one.width) for one in told if one.width is not None]
+            width.append(np.mean(widths) if widths else np.log(max((high - low)[c] / 2, 1e-9)))
+        return np.array(threshold), np.array(width)
+
+
+def is_told(one: ThresholdFit) -> bool:
+    return one.status in TOLD and one.threshold is not None
+
+
+def fitted_alone(study: Study, shape: str) -> Alone:
+    """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
+    n, c = study.n_participants, study.n_conditions
+    counts = [np.moveaxis(part, 1, 0) for part in (study.u, study.n_yes, study.n_trials)]
+    alarms, catch = np.swapaxes(study.own_catch, 1, 2)
+    each = _fits(study, shape, [part.reshape(n * c, -1) for part in counts], alarms.ravel(), catch.ravel())
+    return Alone(
+        tuple(each[i * n : (i + 1) * n] for i in range(c)),
+        _fits(study, shape, [part.reshape(c, -1) for part in counts], alarms.sum(axis=1), catch.sum(axis=1)),
+    )
+
+
+def _fits(study: Study, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:
+    return fit_many(
+        *counts,
+        shape=shape,
+        guess_rate=study.guess_rate,
+        lapse_rate=study.lapse_rate,
+        scale_free_width=study.scale_free_width,
+        rate_beta=study.rate_beta,
+        n_false_alarms=alarms,
+        n_catch=catch,
+    )

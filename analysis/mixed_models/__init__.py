@@ -1,0 +1,1 @@
+"""Clustered values and answers: linear, censored, generalised; Laplace and quadrature."""

@@ -1,0 +1,277 @@
+"""Linear mixed models of values of which some are known to lie below, above or between bounds only.
+
+A known value contributes its density, a censored one the chance of its interval (Tobin 1958, Econometrica 26, 24-36;
+with random effects Pettitt 1986, Biometrika 73, 635-643). The random intercept is integrated over by adaptive
+Gauss-Hermite quadrature, from Laplace's approximation, which is exact where nothing is censored.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import log_ndtr
+
+from tactometry.analysis.anova.bounded_design import ends_of
+from tactometry.analysis.anova.design import expect_columns, size_of
+from tactometry.analysis.mixed_models.glmm import clustered
+from tactometry.analysis.mixed_models.held import endless_direction, leaves_no_error
+from tactometry.analysis.mixed_models.laplace import MixedFit, maximise
+from tactometry.analysis.mixed_models.laplace import MixedModel as Clusters
+from tactometry.analysis.mixed_models.linear import (
+    ALIKE,
+    Counts,
+    DesignMatrix,
+    MixedModel,
+    ModelStatus,
+    checked_rows,
+    coefficient_table,
+    degrees,
+    design_matrix,
+    term_table,
+)
+from tactometry.analysis.mixed_models.quadrature import maximise_by_quadrature
+from tactometry.analysis.threshold.counts import Array, Bools
+from tactometry.analysis.threshold.likelihood import Expansion
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import log1mexp
+
+N_NODES = 31
+NARROW = 1e-6
+"""An interval narrower than this part of the values' spread is a value."""
+ZERO_SD = 1e-3
+WIDEST_SE = 100.0
+"""A coefficient of a larger standard error, in standard deviations of the values, has no finite maximum."""
+LARGEST_STEP = 0.02
+"""In standard errors: what the gradient that is left may still ask for."""
+LOG_ROOT_TWO_PI = 0.5 * float(np.log(2 * np.pi))
+
+
+def censored_model(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    low: str,
+    high: str,
+    factors: Sequence[str] = (),
+    covariates: Sequence[str] = (),
+    subject: str,
+    interactions: bool = True,
+    interval: float = 0.95,
+) -> MixedModel:
+    """A linear mixed model with a random intercept per participant, of values that may be censored.
+
+    Parameters
+    ----------
+    dependent : str
+        Its column; missing where the value is censored.
+    low, high : str
+        Columns of bounds, read where the value is missing; a missing bound is infinite.
+    factors, covariates, subject, interactions, interval
+        As for `mixed_model`.
+
+    Raises
+    ------
+    InvalidParameter
+        As `mixed_model`; for a row without value and bounds or with crossed ones, and where no finite coefficients
+        explain the censored values best (as if all values of a condition lie below).
+
+    Notes
+    -----
+    Maximum likelihood; the variances and squared standard errors are multiplied by n / (n - 1) for n participants,
+    which makes them those of the restricted likelihood in a balanced design without covariates where nothing is
+    censored. Censoring may depend on the value itself, which a model of the known values alone does not allow.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = censored_model(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
+    ...     factors=["force_n"], subject="who")
+    >>> found.n_censored, found.coefficients["estimate"].round(2).tolist()
+    (1, [2.5, 1.5, 3.52])
+    """
+    expect_columns(table, [dependent, low, high], "censored_model")
+    ends = _expect_some(ends_of(table, dependent, low, high), dependent)
+    data = checked_rows(table.assign(**{dependent: _middle(ends)}), dependent, factors, covariates, subject)
+    matrix = design_matrix(data, factors, covariates, interactions=interactions, base={})
+    groups, names = pd.factorize(data[subject])
+    y = data[dependent].to_numpy(dtype=np.float64)
+    size = size_of(y)
+    centre, scale = float((y / size).mean()), float((y / size).std()) or 1.0
+    units = (ends / size - centre) / scale
+    _refuse_unheld(units, matrix, groups)
+    model = _Censored.of(units, matrix.x, groups)
+    found = model.fitted()
+    _refuse_endless(found, matrix)
+    df = degrees(matrix, groups)
+    return _told(found, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
+
+
+def _expect_some(ends: Array, dependent: str) -> Array:
+    nothing = np.flatnonzero(np.isinf(ends).all(axis=1))
+    if len(nothing):
+        raise InvalidParameter(
+            f"{dependent}, row {nothing[0]}: found the bounds -inf and inf, expected a value, or a bound below or "
+            "above it, in this order; leave the row out"
+        )
+    return ends
+
+
+def _middle(ends: Array) -> Array:
+    """Of an interval, or its one end."""
+    low, high = np.where(np.isfinite(ends), ends, ends[:, ::-1]).T
+    return np.asarray(low + (high - low) / 2)
+
+
+@dataclass(frozen=True)
+class _Censored:
+    """Intervals laid out as (participant, slot), 0 to 0 where a slot is not `used`; a value where both ends meet."""
+
+    low: Array
+    high: Array
+    used: Bools
+    x: Array
+
+    @classmethod
+    def of(cls, ends: Array, x: Array, groups: NDArray[np.int64]) -> "_Censored":
+        narrow = ends[:, 1] - ends[:, 0] < NARROW
+        ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
+        laid, used = clustered(groups, np.column_stack([ends, x]), np.ones(len(x)))
+        return cls(laid[..., 0], laid[..., 1], used > 0, laid[..., 2:])
+
+    @property
+    def n_censored(self) -> int:
+        return int((self.used & (self.low < self.high)).sum())
+
+    def fitted(self) -> MixedFit:
+        fixed = self.x[:, :, None, :]
+        random = np.where(self.used, 1.0, 0.0)[:, :, None, None]
+        clusters = Clusters(self.log_likelihood, fixed, random, np.ones((1, 1, 1)), n_shared=1)
+        found = maximise(clusters, self._start())
+        return maximise_by_quadrature(clusters, found, N_NODES) if self.n_censored else found
+
+    def _start(self) -> Array:
+        """Least squares through the middles or bounds; half of the residual variance to each side."""
+        y = _middle(np.stack([self.low.ravel(), self.high.ravel()], axis=1)).reshape(self.low.shape)
+        beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
+        sd = max(float((y - self.x @ beta)[self.used].std()), 0.01) / np.sqrt(2)
+        return np.concatenate([beta, [np.log(sd), sd]])
+
+    def log_likelihood(self, points: Array) -> Expansion:
+        """At points (..., 2) of mean and log standard deviation."""
+        eta, log_sd = points[..., 0], points[..., 1]
+        parts = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
+        known, used = self.low == self.high, self.used
+        value, gradient, hessian = (
+            np.where(_like(known, exact), exact, chance) * _like(used, exact)
+            for chance, exact in zip(*([part.value, part.gradient, part.hessian] for part in parts), strict=True)
+        )
+        return Expansion(value, gradient, hessian)
+
+
+def _like(mask: Bools, values: Array) -> Bools:
+    return mask.reshape(mask.shape + (1,) * (values.ndim - mask.ndim))
+
+
+def _value(y: Array, eta: Array, log_sd: Array) -> Expansion:
+    """Log density of a known value."""
+    y = np.where(np.isfinite(y), y, 0.0)
+    inverse = np.exp(-log_sd)
+    z = (y - eta) * inverse
+    gradient = np.stack([z * inverse, z * z - 1], axis=-1)
+    mixed = -2 * z * inverse
+    return Expansion(-0.5 * z * z - log_sd - LOG_ROOT_TWO_PI, gradient, _square(-(inverse**2), mixed, -2 * z * z))
+
+
+def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
+    """Log chance of a normal value between two ends, of which one may be infinite."""
+    inverse = np.exp(-log_sd)
+    a, b = (low - eta) * inverse, (high - eta) * inverse
+    log_chance = _log_chance(a, b)
+    ratio_a, ratio_b = (np.exp(_log_density(end) - log_chance) for end in (a, b))
+    a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
+    by_a, by_b = -ratio_a, ratio_b
+    aa, ab, bb = a * ratio_a - ratio_a**2, ratio_a * ratio_b, -b * ratio_b - ratio_b**2
+    gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
+    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
+    mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
+    own = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
+    return Expansion(log_chance, gradient, _square(curved, mixed, own))
+
+
+def _square(first: Array, mixed: Array, second: Array) -> Array:
+    return np.stack([np.stack([first, mixed], axis=-1), np.stack([mixed, second], axis=-1)], axis=-2)
+
+
+def _log_chance(a: Array, b: Array) -> Array:
+    """log(Phi(b) - Phi(a)), in the tail that keeps its digits; of an empty interval 0."""
+    flipped = a > 0
+    low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
+    upper = log_ndtr(high)
+    with np.errstate(invalid="ignore"):
+        return np.where(high > low, upper + log1mexp(np.maximum(upper - log_ndtr(low), 1e-300)), 0.0)
+
+
+def _log_density(z: Array) -> Array:
+    return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
+
+
+def _refuse_unheld(ends: Array, matrix: DesignMatrix, groups: NDArray[np.int64]) -> None:
+    """Before a search that would go on for long."""
+    if np.all(ends[:, 0] == ends[:, 1]):
+        return
+    endless = endless_direction(ends, matrix.x)
+    if endless is not None:
+        raise _endless(matrix.names[int(np.argmax(np.abs(endless)))])
+    if leaves_no_error(ends, matrix.x, groups):
+        raise InvalidParameter(
+            "censored_model: found known values that the terms and participants explain without error, expected more "
+            "known values, or fewer terms"
+        )
+
+
+def _endless(name: str) -> InvalidParameter:
+    return InvalidParameter(
+        f"{name}: found that the likelihood has no finite maximum, expected known values that hold each coefficient; "
+        "leave the condition out in which all values are censored"
+    )
+
+
+def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
+    errors = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)])
+    worst = int(np.argmax(errors))
+    if not (np.isfinite(found.log_marginal) and errors[worst] <= WIDEST_SE):
+        raise _endless(matrix.names[worst])
+    if found.gradient * errors[worst] > LARGEST_STEP:
+        raise InvalidParameter(
+            f"censored_model: found that the likelihood still rises (by {found.gradient:.2g} along a parameter), "
+            "expected a maximum; too few values are known for these terms"
+        )
+
+
+def _told(
+    found: MixedFit,
+    matrix: DesignMatrix,
+    n_participants: int,
+    n_censored: int,
+    df: Counts,
+    unit: tuple[float, float],
+    interval: float,
+) -> MixedModel:
+    n, p, scale = len(matrix.x), len(matrix.names), unit[1]
+    inflation = n_participants / (n_participants - 1)
+    estimates, covariance = found.parameters[:p], found.covariance[:p, :p] * inflation
+    residual, participant = float(np.exp(found.parameters[p])), abs(float(found.parameters[p + 1]))
+    is_singular = participant < ZERO_SD * residual
+    return MixedModel(
+        coefficients=coefficient_table(matrix, estimates, covariance, df, interval, unit),
+        terms=term_table(matrix, estimates, covariance, df),
+        participant_sd=0.0 if is_singular else participant * scale * float(np.sqrt(inflation)),
+        residual_sd=residual * scale * float(np.sqrt(inflation)),
+        log_likelihood=found.log_marginal - (n - n_censored) * float(np.log(scale)),
+        n=n,
+        n_participants=n_participants,
+        status=ModelStatus.SINGULAR if is_singular else ModelStatus.OK,
+        notes=(ALIKE,) if is_singular else (),
+        n_censored=n_censored,
+    )

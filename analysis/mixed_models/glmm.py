@@ -1,0 +1,282 @@
+"""Generalised linear mixed models of answers with probit or logit link, by maximum likelihood.
+
+eta = X beta + Z u with u ~ N(0, Sigma) for each participant, and psi = g + (1 - g - l) F(eta). Laplace's approximation
+or adaptive Gauss-Hermite quadrature, as lme4's glmer (Bates, Maechler, Bolker and Walker 2015, Journal of Statistical
+Software 67(1); there g = l = 0). In `hierarchical` the threshold and the width have effects of their own instead.
+"""
+
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.analysis.mixed_models.laplace import MixedFit, MixedModel, maximise
+from tactometry.analysis.mixed_models.quadrature import maximise_by_quadrature
+from tactometry.analysis.threshold.chances import by_point, expected_information
+from tactometry.analysis.threshold.counts import Array, checked
+from tactometry.analysis.threshold.likelihood import Expansion
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.psychometric import SHAPES, Shape
+
+LINKS = MappingProxyType({"probit": "normal", "logit": "logistic"})
+START_SD = 0.5
+ZERO_SD = 1e-3
+"""A random effect of a smaller standard deviation (its column scaled to a root mean square of 1) is none."""
+WIDEST_SE = 10.0
+"""A fixed effect of a larger standard error, on that scale, has no maximum."""
+LARGEST_GRADIENT = 1e-3
+
+
+class MixedStatus(StrEnum):
+    OK = "ok"
+    SINGULAR = "singular"
+    ONE_PARTICIPANT = "one_participant"
+    SEPARATED = "separated"
+    NO_DATA = "no_data"
+    NOT_CONVERGED = "not_converged"
+
+
+NOTES = MappingProxyType(
+    {
+        MixedStatus.OK: "",
+        MixedStatus.SINGULAR: "the random effects have no variance, or one of them follows from the others",
+        MixedStatus.ONE_PARTICIPANT: "one participant: nothing can be said of the variance between participants",
+        MixedStatus.SEPARATED: "a fixed effect has no finite maximum: the answers do not vary enough",
+        MixedStatus.NO_DATA: "no trial was given",
+        MixedStatus.NOT_CONVERGED: "the likelihood still rises",
+    }
+)
+
+
+@dataclass(frozen=True)
+class MixedEstimate:
+    """What a mixed model says; None where the data do not tell.
+
+    `effects`, `standard_errors` by name of the fixed effect, `covariance` of the fixed effects in that order;
+    `sd` and `correlation` (n_random, n_random) of the random effects; `participants` maps each participant to its
+    random effects (conditional modes). `log_likelihood` is without the binomial coefficients.
+    """
+
+    effects: Mapping[str, float] | None
+    standard_errors: Mapping[str, float] | None
+    covariance: Array | None
+    sd: Mapping[str, float] | None
+    correlation: Array | None
+    participants: Mapping[str, Array]
+    log_likelihood: float | None
+    status: MixedStatus
+    note: str
+
+
+def fit_glmm(
+    n_yes: ArrayLike,
+    n_trials: ArrayLike,
+    participants: Sequence[str],
+    *,
+    fixed: Mapping[str, ArrayLike],
+    random: Sequence[str],
+    link: str = "probit",
+    guess_rate: float = 0.0,
+    lapse_rate: float = 0.0,
+    n_nodes: int = 1,
+    expected: bool = False,
+    correlated: bool = True,
+) -> MixedEstimate:
+    """Fit a mixed model to counts of answers, one row a participant and level.
+
+    Parameters
+    ----------
+    n_yes, n_trials, participants : (n_rows,)
+        Rows without trials are ignored.
+    fixed : mapping of name to (n_rows,) array_like or number
+        The columns of X.
+    random : sequence of str
+        The names of those that vary between participants (the columns of Z).
+    link : str
+        ``probit`` or ``logit``.
+    guess_rate, lapse_rate : float
+        Known asymptotes.
+    n_nodes : int
+        1 for Laplace's approximation, more for adaptive Gauss-Hermite quadrature with so many nodes along each of
+        one or two random effects.
+    expected : bool
+        Whether Laplace's approximation takes the expected information instead of the observed. lme4 does; with the
+        probit link the observed is nearer to the quadrature.
+    correlated : bool
+        Whether the random effects have correlations of their own, or none (lme4's ``||``), which few participants tell
+        more easily.
+
+    Raises
+    ------
+    InvalidParameter
+        For impossible counts (naming the row), unknown names, or columns that depend on each other.
+
+    Examples
+    --------
+    >>> x, participants = np.tile([-1.0, 0.0, 1.0, 2.0], 3), np.repeat(["A", "B", "C"], 4)
+    >>> found = fit_glmm([1, 6, 9, 10, 3, 7, 10, 10, 0, 4, 7, 9], 10, participants,
+    ...     fixed={"intercept": 1.0, "level": x}, random=("intercept",))
+    >>> found.status.value, round(found.effects["level"], 3), round(found.sd["intercept"], 3)
+    ('ok', 1.132, 0.443)
+    """
+    if link not in LINKS:
+        raise InvalidParameter(f"link: found {link!r}, expected one of {', '.join(LINKS)}{nearest(link, LINKS)}")
+    _check_random(fixed, random, n_nodes)
+    names = np.asarray([str(name) for name in participants])
+    x, k, n = checked(np.zeros(len(names)), n_yes, n_trials, positive=False)
+    used = n[0] > 0
+    if not used.any():
+        return _nothing(MixedStatus.NO_DATA)
+    columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
+    design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
+    return design.fitted(SHAPES[LINKS[link]], (guess_rate, lapse_rate), n_nodes, expected=expected)
+
+
+def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes: int) -> None:
+    for name in random:
+        if name not in fixed:
+            raise InvalidParameter(
+                f"random: found {name!r}, expected names of fixed effects{nearest(name, list(fixed))}"
+            )
+    if n_nodes < 1 or (n_nodes > 1 and len(random) > 2):
+        raise InvalidParameter(
+            f"n_nodes: found {n_nodes} with {len(random)} random effects, expected 1 or more, "
+            "and above 1 at most two effects"
+        )
+
+
+def _nothing(status: MixedStatus, participants: Mapping[str, Array] = MappingProxyType({})) -> MixedEstimate:
+    return MixedEstimate(None, None, None, None, None, participants, None, status, NOTES[status])
+
+
+@dataclass(frozen=True)
+class _Design:
+    """Columns scaled to a root mean square of 1, laid out as clusters by slots."""
+
+    names: tuple[str, ...]
+    random: tuple[str, ...]
+    scale: Array
+    fixed: Array
+    answers: tuple[Array, Array]
+    participants: tuple[str, ...]
+    correlated: bool
+
+    @classmethod
+    def of(
+        cls,
+        columns: Mapping[str, Array],
+        random: Sequence[str],
+        participants: NDArray[np.str_],
+        answers: tuple[Array, Array],
+        *,
+        correlated: bool,
+    ) -> _Design:
+        matrix = np.stack(list(columns.values()), axis=1)
+        if np.linalg.matrix_rank(matrix) < matrix.shape[1]:
+            raise InvalidParameter(
+                f"fixed: found columns ({', '.join(columns)}) that depend on each other over the rows with trials, "
+                "expected independent ones; leave one out"
+            )
+        scale = np.sqrt(np.square(matrix).mean(axis=0))
+        who, cluster = np.unique(participants, return_inverse=True)
+        laid = clustered(cluster, matrix / scale, *answers)
+        names = tuple(str(one) for one in who)
+        return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), names, correlated)
+
+    def fitted(self, shape: Shape, asymptotes: tuple[float, float], n_nodes: int, *, expected: bool) -> MixedEstimate:
+        model = self._model(shape, asymptotes, expected=expected)
+        start = np.concatenate([np.zeros(len(self.names)), np.full(len(model.basis), 0.0)])
+        start[len(self.names) :] = START_SD * (model.basis.trace(axis1=1, axis2=2) > 0)
+        found = maximise(model, start)
+        if n_nodes > 1 and len(model.basis):
+            found = maximise_by_quadrature(model, found, n_nodes)
+        return self._estimate(model, found)
+
+    def _model(self, shape: Shape, asymptotes: tuple[float, float], *, expected: bool) -> MixedModel:
+        places = [self.names.index(name) for name in self.random]
+        guess, lapse = (np.array([rate]) for rate in asymptotes)
+        yes, no = (count[..., None] for count in self.answers)
+
+        def log_likelihood(points: Array) -> Expansion:
+            by = by_point(shape, points, guess, lapse, (yes, no))
+            return Expansion(by.value[..., 0], by.z, by.zz[..., None])
+
+        def information(points: Array) -> Array:
+            return expected_information(shape, points, guess, lapse, yes + no)[..., None]
+
+        fixed = self.fixed[:, :, None, :]
+        basis = triangular_basis(len(places) if len(self.participants) > 1 else 0, len(places))
+        if not self.correlated:
+            basis = basis[basis.trace(axis1=1, axis2=2) > 0]
+        return MixedModel(
+            log_likelihood, fixed, fixed[..., places], basis, information=information if expected else None
+        )
+
+    def _estimate(self, model: MixedModel, found: MixedFit) -> MixedEstimate:
+        beta, _, theta = model.parts(found.parameters)
+        covariance, n = found.covariance[: len(beta), : len(beta)], len(self.random)
+        modes = found.inner.effects @ model.scale(theta).T / self._random_scale()
+        participants = MappingProxyType(dict(zip(self.participants, modes, strict=True)))
+        status = self._status(model, found, covariance)
+        if status in (MixedStatus.SEPARATED, MixedStatus.NOT_CONVERGED):
+            return _nothing(status)
+        sigma = model.scale(theta) @ model.scale(theta).T
+        sd = np.sqrt(np.diagonal(sigma)) if len(theta) else np.full(n, np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            correlation = sigma / np.outer(sd, sd)
+        told = len(theta) > 0
+        return MixedEstimate(
+            self._named(beta / self.scale),
+            self._named(np.sqrt(np.diagonal(covariance)) / self.scale),
+            covariance / np.outer(self.scale, self.scale),
+            dict(zip(self.random, (sd / self._random_scale()).tolist(), strict=True)) if told else None,
+            correlation if told and (sd > ZERO_SD).all() else None,
+            participants,
+            found.log_marginal,
+            status,
+            NOTES[status],
+        )
+
+    def _status(self, model: MixedModel, found: MixedFit, covariance: Array) -> MixedStatus:
+        theta = model.parts(found.parameters)[2]
+        if not np.isfinite(covariance).all() or np.diagonal(covariance).max() > WIDEST_SE**2:
+            return MixedStatus.SEPARATED
+        if found.gradient > LARGEST_GRADIENT * max(1.0, abs(found.log_marginal)):
+            return MixedStatus.NOT_CONVERGED
+        if len(self.participants) == 1:
+            return MixedStatus.ONE_PARTICIPANT
+        smallest = np.linalg.svd(model.scale(theta), compute_uv=False).min() if len(theta) else np.inf
+        return MixedStatus.SINGULAR if smallest < ZERO_SD else MixedStatus.OK
+
+    def _random_scale(self) -> Array:
+        return self.scale[[self.names.index(name) for name in self.random]]
+
+    def _named(self, values: Array) -> Mapping[str, float]:
+        return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))
+
+
+def clustered(cluster: NDArray[np.int64], *columns: Array) -> list[Array]:
+    """Rows (n_rows, ...) laid out as (n_clusters, n_slots, ...), with zeros in the slots that are not used."""
+    order = np.argsort(cluster, kind="stable")
+    sizes = np.bincount(cluster)
+    slot = np.arange(len(cluster)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    laid = []
+    for column in columns:
+        whole = np.zeros((len(sizes), sizes.max(), *column.shape[1:]))
+        whole[cluster[order], slot] = column[order]
+        laid.append(whole)
+    return laid
+
+
+def triangular_basis(n: int, size: int) -> Array:
+    """Matrices (n (n + 1) / 2, size, size), each with a 1 in the lower triangle of the first n rows: any Cholesky
+    factor is a sum of them."""
+    basis = np.zeros((n * (n + 1) // 2, size, size))
+    for place, (i, j) in enumerate(zip(*np.tril_indices(n), strict=True)):
+        basis[place, i, j] = 1.0
+    return basis

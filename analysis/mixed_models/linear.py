@@ -1,0 +1,376 @@
+"""Linear mixed models with a random intercept: missing cells, and measured force as a covariate.
+
+By the profile of the restricted likelihood. statsmodels' MixedLM fits the same model, but its search can end beside
+the maximum, and its parameter "Group Var" is divided by the residual variance (science 10.4).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+from scipy.stats import f as fisher
+from scipy.stats import t as student
+
+from tactometry.analysis.anova.design import (
+    RELATIVE_ZERO,
+    Array,
+    DesignStatus,
+    UndefinedStatistic,
+    codes_of,
+    finite_rows,
+    size_of,
+)
+from tactometry.errors import InvalidParameter
+
+Counts = NDArray[np.int64]
+RATIOS = (1e-8, 1e10)
+"""Where the variance of participants over the residual one is looked for, besides 0."""
+N_GRID = 73
+SMALLEST = 1e-300
+TOLERANCE = 1e-9
+ALIKE = (
+    "participants do not differ beyond the residuals: their variance is 0, at its bound (a singular fit, which is a "
+    "valid result)"
+)
+
+
+class ModelStatus(StrEnum):
+    """`SINGULAR`: participants do not differ beyond the residuals, a valid result (their variance is 0)."""
+
+    OK = "ok"
+    SINGULAR = "singular"
+
+
+@dataclass(frozen=True)
+class MixedModel:
+    """A fitted model y = X b + u(participant) + e.
+
+    `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
+    and interaction its F, averaged over the others. Standard deviations are in the unit of the dependent value;
+    `log_likelihood` is the restricted one (of `censored_model` the unrestricted). `notes` say what a reader must know;
+    `n_censored` of the `n` values are known by a bound only.
+    """
+
+    coefficients: pd.DataFrame
+    terms: pd.DataFrame
+    participant_sd: float
+    residual_sd: float
+    log_likelihood: float
+    n: int
+    n_participants: int
+    status: ModelStatus
+    notes: tuple[str, ...]
+    n_censored: int = 0
+
+    @property
+    def participant_variance(self) -> float:
+        return self.participant_sd**2
+
+    @property
+    def residual_variance(self) -> float:
+        return self.residual_sd**2
+
+
+def mixed_model(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    factors: Sequence[str] = (),
+    covariates: Sequence[str] = (),
+    subject: str,
+    interactions: bool = True,
+    base: Mapping[str, object] | None = None,
+    interval: float = 0.95,
+) -> MixedModel:
+    """A linear mixed model with a random intercept per participant, by restricted maximum likelihood.
+
+    Parameters
+    ----------
+    factors : sequence of str
+        Columns whose values are categories; the first value is the base, or the one that `base` names.
+    covariates : sequence of str
+        Columns of numbers, such as the logarithm of the measured force.
+    interactions : bool
+        Whether factors and covariates interact (all orders).
+
+    Raises
+    ------
+    InvalidParameter
+        For unknown columns, fewer than two participants, a base that is no level, and terms that the data cannot tell
+        apart. As `UndefinedStatistic`, with its status: for values that are not finite (naming the row), the same
+        everywhere or without error, and a factor of one level.
+
+    Notes
+    -----
+    Cells may be missing: the model needs no complete design, but takes them as missing at random, which a censored
+    threshold is not. t and F have the degrees of freedom that a balanced design has: of what varies within
+    participants values less participants less the coefficients of such terms, of what varies between them alone
+    participants less the coefficients of those and the intercept. A random intercept takes the differences of all
+    conditions to vary alike (sphericity); `anova.repeated_measures` does not.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> found = mixed_model(table, dependent="y", factors=["force_n"], subject="who")
+    >>> found.coefficients[["term", "estimate"]].round(3).values.tolist()
+    [['Intercept', 2.5], ['force_n = 1.0', 1.5], ['force_n = 2.0', 3.5]]
+    >>> round(found.participant_variance, 4), round(found.residual_variance, 4)
+    (0.5556, 0.4444)
+    """
+    data = checked_rows(table, dependent, factors, covariates, subject)
+    matrix = design_matrix(data, factors, covariates, interactions=interactions, base=base or {})
+    values = data[dependent].to_numpy(dtype=np.float64)
+    groups, names = pd.factorize(data[subject])
+    size = size_of(values)
+    y = values / size
+    centre, scale = float(y.mean()), float(y.std())
+    if scale <= RELATIVE_ZERO * float(np.abs(y).max()):
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
+    if not _has_error(y, matrix.x, groups):
+        raise UndefinedStatistic(
+            f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
+            "undefined",
+            DesignStatus.ZERO_ERROR,
+        )
+    fit = _fit((y - centre) / scale, matrix.x, groups)
+    df = degrees(matrix, groups)
+    unit = scale * size
+    return MixedModel(
+        coefficients=coefficient_table(matrix, fit.estimates, fit.covariance, df, interval, (centre * size, unit)),
+        terms=term_table(matrix, fit.estimates, fit.covariance, df),
+        participant_sd=float(np.sqrt(fit.participant_variance)) * unit,
+        residual_sd=float(np.sqrt(fit.residual_variance)) * unit,
+        log_likelihood=fit.log_likelihood - (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size)),
+        n=len(y),
+        n_participants=len(names),
+        status=fit.status,
+        notes=(ALIKE,) if fit.status is ModelStatus.SINGULAR else (),
+    )
+
+
+def checked_rows(
+    table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
+) -> pd.DataFrame:
+    """The rows with finite numbers where numbers are needed."""
+    columns = [dependent, subject, *factors, *covariates]
+    if len(set(columns)) < len(columns):
+        raise InvalidParameter(f"mixed_model: found {', '.join(columns)}, expected each column once")
+    data = finite_rows(table, columns, dependent, "mixed_model")
+    for name in covariates:
+        data[name] = finite_rows(data, [name, *(c for c in columns if c != name)], name, "mixed_model")[name]
+    n = data[subject].nunique()
+    if n < 2:
+        raise InvalidParameter(f"{subject}: found {n} participant, expected at least 2 for a mixed model")
+    return data
+
+
+@dataclass(frozen=True)
+class DesignMatrix:
+    """`x` of shape (row, column) with `names`; `terms` maps the name of each term to its columns.
+
+    `averaged` has the same columns coded about the mean of each factor and covariate, so that those of a term are its
+    effect averaged over the others.
+    """
+
+    x: Array
+    names: tuple[str, ...]
+    terms: Mapping[str, tuple[int, ...]]
+    averaged: Array
+
+
+def design_matrix(
+    data: pd.DataFrame,
+    factors: Sequence[str],
+    covariates: Sequence[str],
+    *,
+    interactions: bool,
+    base: Mapping[str, object],
+) -> DesignMatrix:
+    """Treatment codes of the factors, the covariates, and their products.
+
+    Raises
+    ------
+    InvalidParameter
+        If a base is no level, or columns depend on each other.
+    """
+    single = {name: _codes(data, name, base.get(name)) for name in factors}
+    single |= {name: {name: data[name].to_numpy(dtype=np.float64)} for name in covariates}
+    centred = {name: _centred(single[name]) for name in factors}
+    centred |= {name: {name: single[name][name] - single[name][name].mean()} for name in covariates}
+    columns: dict[str, Array] = {"Intercept": np.ones(len(data))}
+    averaged = [np.ones(len(data))]
+    terms: dict[str, tuple[int, ...]] = {}
+    for r in range(1, (len(single) if interactions else 1) + 1):
+        for part in combinations(single, r):
+            added = _products([single[name] for name in part])
+            terms[" * ".join(part)] = tuple(range(len(columns), len(columns) + len(added)))
+            columns |= added
+            averaged += _products([centred[name] for name in part]).values()
+    x = np.stack(list(columns.values()), axis=1)
+    _refuse_dependent(x, list(columns), terms)
+    return DesignMatrix(x, tuple(columns), terms, np.stack(averaged, axis=1))
+
+
+def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
+    """About the mean of a factor's levels, each counted once."""
+    different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
+    return {name: column - mean for (name, column), mean in zip(codes.items(), different.mean(axis=0), strict=True)}
+
+
+def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
+    levels = codes_of(data, name)[1]
+    if len(levels) < 2:
+        raise UndefinedStatistic(
+            f"{name}: found {len(levels)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
+        )
+    first = levels[0] if base is None else base
+    if first not in levels:
+        raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")
+    return {
+        f"{name} = {level}": (data[name] == level).to_numpy().astype(np.float64) for level in levels if level != first
+    }
+
+
+def _products(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+    found = dict(parts[0])
+    for part in parts[1:]:
+        found = {f"{one} * {other}": x * y for one, x in found.items() for other, y in part.items()}
+    return found
+
+
+def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequence[int]]) -> None:
+    norms = np.linalg.norm(x, axis=0)
+    scaled = x / np.where(norms > 0, norms, 1.0)
+    for n in range(1, x.shape[1] + 1):
+        if np.linalg.matrix_rank(scaled[:, :n], tol=TOLERANCE * n) < n:
+            term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
+            raise InvalidParameter(
+                f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
+                "tell apart; leave the term or the condition out"
+            )
+
+
+def _has_error(y: Array, x: Array, groups: Any) -> bool:
+    """Whether anything is left of the values when each participant has a mean of its own."""
+    both = np.column_stack([x, y])
+    left = (
+        both
+        - np.stack([np.bincount(groups, column) for column in both.T], axis=1)[groups]
+        / (np.bincount(groups)[groups, None])
+    )
+    residual = left[:, -1] - left[:, :-1] @ np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=TOLERANCE)[0]
+    return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
+
+
+@dataclass(frozen=True)
+class _Fit:
+    estimates: Array
+    covariance: Array
+    participant_variance: float
+    residual_variance: float
+    log_likelihood: float
+    status: ModelStatus
+
+
+def _fit(y: Array, x: Array, groups: Any) -> _Fit:
+    """The maximum of the restricted likelihood over the ratio of the two variances, all else in closed form.
+
+    statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
+    """
+    grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
+    values = [_at(float(np.exp(x_)), y, x, groups).log_likelihood for x_ in grid]
+    best = int(np.argmax(values))
+    bounds = (grid[max(best - 1, 0)], grid[min(best + 1, N_GRID - 1)])
+    found = minimize_scalar(
+        lambda log_ratio: -_at(float(np.exp(log_ratio)), y, x, groups).log_likelihood,
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    inside, alone = _at(float(np.exp(found.x)), y, x, groups), _at(0.0, y, x, groups)
+    return inside if best > 0 and inside.log_likelihood > alone.log_likelihood else alone
+
+
+def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
+    """The fit if the participants' variance is `ratio` of the residual one: a regression of what is left when a part of
+    each participant's mean is taken off (Fuller and Battese 1973)."""
+    n, p = x.shape
+    sizes = np.bincount(groups)
+    share = 1 - (1 + sizes * ratio) ** -0.5
+    both = np.column_stack([x, y])
+    means = np.stack([np.bincount(groups, column) for column in both.T], axis=1) / sizes[:, None]
+    left = both - (share[:, None] * means)[groups]
+    x_left, y_left = left[:, :p], left[:, p]
+    q, r = np.linalg.qr(x_left)
+    estimates = np.linalg.solve(r, q.T @ y_left)
+    residual = max(float(np.sum((y_left - x_left @ estimates) ** 2)) / (n - p), SMALLEST)
+    inverse = np.linalg.inv(r)
+    log_determinant = 2 * float(np.sum(np.log(np.abs(np.diagonal(r))))) + float(np.sum(np.log1p(sizes * ratio)))
+    log_likelihood = -0.5 * ((n - p) * (np.log(2 * np.pi * residual) + 1) + log_determinant)
+    status = ModelStatus.SINGULAR if ratio == 0 else ModelStatus.OK
+    return _Fit(estimates, residual * inverse @ inverse.T, ratio * residual, residual, float(log_likelihood), status)
+
+
+def degrees(matrix: DesignMatrix, groups: Any) -> Counts:
+    """Degrees of freedom of the error of each column: what varies between participants alone is tested against them,
+    all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
+    x = matrix.averaged
+    means = np.stack([np.bincount(groups, column) for column in x.T], axis=1) / np.bincount(groups)[:, None]
+    is_between = np.abs(x - means[groups]).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
+    n, n_groups, n_between = len(x), len(means), int(is_between.sum())
+    residual = n - n_groups - (x.shape[1] - n_between)
+    found = np.where(is_between, n_groups - n_between, residual)
+    found[0] = residual
+    return found
+
+
+def coefficient_table(
+    matrix: DesignMatrix,
+    estimates: Array,
+    covariance: Array,
+    df: Counts,
+    interval: float,
+    unit: tuple[float, float],
+) -> pd.DataFrame:
+    """Of values (y - centre) / scale, in the unit of y; `unit` is (centre, scale)."""
+    centre, scale = unit
+    se = np.sqrt(np.diagonal(covariance))
+    own = estimates + np.where(np.arange(len(estimates)) == 0, centre / scale, 0.0)
+    t = own / se
+    half = student.ppf((1 + interval) / 2, df) * se
+    return pd.DataFrame(
+        {
+            "term": list(matrix.names),
+            "estimate": own * scale,
+            "se": se * scale,
+            "df": df,
+            "t": t,
+            "p": 2 * student.sf(np.abs(t), df),
+            "low": (own - half) * scale,
+            "high": (own + half) * scale,
+        }
+    )
+
+
+def term_table(
+    matrix: DesignMatrix,
+    estimates: Array,
+    covariance: Array,
+    df: Counts,
+) -> pd.DataFrame:
+    """Wald's F of each term, averaged over the others (type III)."""
+    turn = np.linalg.lstsq(matrix.averaged, matrix.x, rcond=None)[0]
+    estimates, covariance = turn @ estimates, turn @ covariance @ turn.T
+    rows = []
+    for name, places in matrix.terms.items():
+        own, second = list(places), int(df[list(places)].min())
+        f = float(estimates[own] @ np.linalg.solve(covariance[np.ix_(own, own)], estimates[own])) / len(own)
+        rows.append({"term": name, "df1": len(own), "df2": second, "F": f, "p": float(fisher.sf(f, len(own), second))})
+    return pd.DataFrame(rows)

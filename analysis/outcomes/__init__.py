@@ -1,0 +1,1 @@
+"""What participants say together of one dependent value: values, no sentences."""

@@ -1,0 +1,149 @@
+"""What is said of one dependent value: group table, the primary analysis and its checks, comparisons."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from tactometry.analysis.anova.censored import CensoredAnova
+from tactometry.analysis.anova.design import DesignStatus
+from tactometry.analysis.mixed_models.linear import MixedModel
+from tactometry.analysis.outcomes.primary import TITLES, Primary
+from tactometry.analysis.report import apa
+
+FORCE = "force_n"
+PURE_NUMBERS = ("exponent",)
+DIFFERENCES = ("jnd",)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One dependent value of one task.
+
+    `primary` names the analysis that answers and `reason` says why it does; `sentences` are its. The others that ran
+    are checks: `anova` of the largest complete part (`left_out` names what it lacks) with its `status` and assumptions
+    (`checks`), `censored` of all that is known, a `permutation` test, a mixed `model` by the measured force. `pairs`,
+    `equivalence`, `group_pairs` (by factor), `simple` and `simple_pairs` (by two factors: the first at each value of
+    the second) are those of the primary analysis. What could not be done is None, and `notes` say why.
+    """
+
+    task: str
+    dependent: str
+    estimates: pd.DataFrame
+    group: pd.DataFrame
+    cross: pd.DataFrame
+    within: tuple[str, ...] = ()
+    between: str | None = None
+    primary: Primary | None = None
+    reason: str = ""
+    sentences: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    anova: pd.DataFrame | None = None
+    left_out: tuple[str, ...] = ()
+    status: DesignStatus | None = None
+    checks: pd.DataFrame | None = None
+    permutation: pd.DataFrame | None = None
+    censored: CensoredAnova | None = None
+    model: MixedModel | None = None
+    model_title: str = ""
+    pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    equivalence: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    group_pairs: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    simple: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    simple_pairs: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+
+    def unit(self, of_levels: str) -> str:
+        """Of the dependent value: an exponent has none, and a difference in decibels has no reference."""
+        if self.dependent in PURE_NUMBERS:
+            return ""
+        return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels
+
+    @property
+    def effects(self) -> pd.DataFrame | None:
+        """The table of the primary analysis."""
+        return None if self.primary is None else self.analyses()[self.primary]
+
+    def analyses(self) -> dict[Primary, pd.DataFrame]:
+        """The tables of effects of all analyses that ran."""
+        tables = {
+            Primary.ANOVA: self.anova,
+            Primary.CENSORED: None if self.censored is None or self.censored.table.empty else self.censored.table,
+            Primary.PERMUTATION: self.permutation,
+            Primary.MIXED_MODEL: None if self.model is None else self.model.terms,
+        }
+        return {name: table for name, table in tables.items() if table is not None}
+
+    def title(self, name: Primary) -> str:
+        """Of one of its analyses."""
+        kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
+        if name is Primary.ANOVA:
+            part = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""
+            return f"{kind} {TITLES[name]}{part}"
+        return {
+            Primary.CENSORED: f"{kind} {TITLES[name]}",
+            Primary.PERMUTATION: TITLES[name],
+            Primary.MIXED_MODEL: f"{TITLES[name]}: {self.model_title}",
+        }[name]
+
+    def sentences_of(self, name: Primary) -> list[str]:
+        """Of one of its analyses."""
+        if name is Primary.MIXED_MODEL and self.model is not None:
+            return apa.model_sentences(self.model)
+        tell = apa.permutation_sentences if name is Primary.PERMUTATION else apa.anova_sentences
+        return tell(self.analyses()[name])
+
+    def all_sentences(self, of_levels: str) -> dict[str, list[str]]:
+        """Every sentence, by the heading that it stands under; `of_levels` is the unit of the levels."""
+        found = {} if self.primary is None else {self.heading(): list(self.sentences)}
+        found |= self._comparisons(self.unit(of_levels).partition(" re ")[0])  # a difference has no reference
+        found["Assumptions"] = [] if self.checks is None else list(self.checks["text"])
+        for name in self.analyses():
+            if name is not self.primary:
+                found[f"Check: {self.title(name)}"] = self.sentences_of(name)
+        return {heading: sentences for heading, sentences in found.items() if sentences}
+
+    def heading(self) -> str:
+        """Of the primary analysis."""
+        assert self.primary is not None
+        return f"Primary analysis: {self.title(self.primary)} ({self.reason})"
+
+    def _comparisons(self, unit: str) -> dict[str, list[str]]:
+        found = {}
+        for (name, by), table in self.simple.items():
+            found[f"Simple effects of {name} at each {by}"] = apa.simple_sentences(table, by)
+        for name, table in self.pairs.items():
+            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit, factor=name)
+        for (name, by), table in self.simple_pairs.items():
+            tell = apa.group_sentences if name == self.between else apa.pair_sentences
+            found[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
+        for name, table in self.group_pairs.items():
+            found[f"Groups of {name}"] = apa.group_sentences(table, unit, factor=name)
+        for name, table in self.equivalence.items():
+            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit, factor=name)
+        return found
+
+    def tables(self, name: str) -> dict[str, pd.DataFrame]:
+        """Every table, by the name of its file."""
+        found: dict[str, pd.DataFrame | None] = {
+            f"group_{name}": self.group,
+            f"cross_{name}": self.cross,
+            f"analyses_{name}": self.roles(),
+            f"assumptions_{name}": self.checks,
+        }
+        found |= {f"{key}_{name}": table for key, table in self.analyses().items()}
+        if self.model is not None:
+            found |= {f"mixed_model_{name}": self.model.coefficients, f"mixed_model_terms_{name}": self.model.terms}
+        found |= {f"pairs_{name}_{factor}": table for factor, table in self.pairs.items()}
+        found |= {f"groups_{name}_{factor}": table for factor, table in self.group_pairs.items()}
+        found |= {f"equivalence_{name}_{factor}": table for factor, table in self.equivalence.items()}
+        found |= {f"simple_{name}_{factor}_by_{by}": table for (factor, by), table in self.simple.items()}
+        found |= {f"pairs_{name}_{factor}_by_{by}": table for (factor, by), table in self.simple_pairs.items()}
+        return {key: table for key, table in found.items() if table is not None and len(table)}
+
+    def roles(self) -> pd.DataFrame:
+        """Which analysis is the primary one, and which are checks."""
+        rows = [
+            {"role": "primary" if name is self.primary else "check", "analysis": name.value, "title": self.title(name)}
+            for name in self.analyses()
+        ]
+        return pd.DataFrame(rows).assign(reason=[self.reason if row["role"] == "primary" else "" for row in rows])

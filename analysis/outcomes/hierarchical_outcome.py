@@ -1,0 +1,160 @@
+"""All participants of a task at once: the hierarchical model as a part of an analysis."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.hierarchical.fitting import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
+from tactometry.analysis.report import apa
+from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
+from tactometry.analysis.threshold.status import Status
+from tactometry.analysis.wording.numbers import interval_text, number_text
+from tactometry.errors import InvalidParameter
+
+MOST_CELLS = 500
+"""More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
+ALL = "condition"
+WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
+"""Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
+COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
+QUANTITIES = {"threshold": "threshold", "log_width": "width"}
+HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
+
+
+@dataclass(frozen=True)
+class Together:
+    """A task's hierarchical fit: `conditions` and `participants` as tables (for comparisons with `jnd`), `effects` by
+    quantity and factors; or None with the reason in `note`."""
+
+    task: str
+    fit: HierarchicalFit | None
+    note: str
+    conditions: pd.DataFrame
+    participants: pd.DataFrame
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+
+    def tables(self, name: str) -> dict[str, pd.DataFrame]:
+        """Every table, by the name of its file."""
+        found = {f"hierarchical_{name}": self.conditions, f"hierarchical_{name}_participants": self.participants}
+        return {key: table for key, table in found.items() if len(table)}
+
+    def sentences(self, unit: str) -> list[str]:
+        """Effects, variances and rates, and what a reader must know."""
+        if self.fit is None:
+            return [self.note]
+        tested = [f"{name}: Wald's {_statistic(one)}, {apa.p_text(one.p)}" for name, one in self.effects.items()]
+        return [*tested, *_variance_sentences(self.fit, unit), *([self.note] if self.note else [])]
+
+
+def _statistic(one: Effect) -> str:
+    if np.isinf(one.df_error):
+        return f"chi-square({one.df}) = {one.df * one.f:.2f} (participants' deviations by condition have no variance)"
+    return apa.f_text(one.f, one.df, one.df_error, one.epsilon)
+
+
+def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
+    unit = f" {unit.partition(' re ')[0]}" if unit else ""
+    names = {
+        "threshold": f"thresholds {{}}{unit}",
+        "threshold_cell": f"their deviations by condition {{}}{unit}",
+        "log_width": "logarithms of the width {}",
+        "log_width_cell": "their deviations by condition {}",
+    }
+    sds = [text.format(number_text(fit.components[name])) for name, text in names.items() if name in fit.components]
+    rates = {"lapse": fit.lapse_rate, "guess": fit.guess_rate}
+    told = [f"{name} rate of all {rate:.3f}" for name, rate in rates.items() if rate]
+    found = [f"standard deviations between {fit.n_participants} participants: {', '.join(sds)}"] if sds else []
+    return [*found, *([", ".join(told)] if told else [])]
+
+
+def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> Together | None:
+    """The hierarchical fit of the cells of one task; None for fewer than two participants."""
+    task = found[0].task
+    if len({cell.participant for cell in found}) < 2:
+        return None
+    if len(found) > MOST_CELLS:
+        return _without(
+            task, f"no hierarchical fit: {len(found)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)"
+        )
+    varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in found}) > 1]
+    rows = [
+        (
+            *(cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch),
+            *(cell.condition[factors.index(name)] for name in varied),
+        )
+        for cell in found
+        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+    ]
+    if not rows:
+        return _without(task, "no hierarchical fit: no trial with a level")
+    table = pd.DataFrame(rows, columns=[*COLUMNS, *varied])
+    conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
+    fit = fit_hierarchical(
+        table["level"],
+        table["n_yes"],
+        table["n_trials"],
+        table["participant"].tolist(),
+        conditions,
+        n_false_alarms=table["n_false_alarms"],
+        n_catch=table["n_catch"],
+        width_by=varied if task == "comparison" else (),
+        **(WITHOUT_LAPSES if task == "comparison" else fit_options(task, n_choices, unit)),
+    )
+    return _told(task, fit, varied, table)
+
+
+def _without(task: str, note: str) -> Together:
+    return Together(task, None, note, pd.DataFrame(), pd.DataFrame())
+
+
+def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> Together:
+    own = (fit.conditions, fit.participants)
+    if fit.status not in HAS_FIT:
+        return _without(task, f"no hierarchical fit: {fit.note}")
+    conditions, participants = (_with_difference(part) if task == "comparison" else part for part in own)
+    has_widths = task == "comparison" and fit.conditions["width"].notna().any()
+    effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
+    conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
+    return Together(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)
+
+
+def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
+    """With the just noticeable difference, a fixed part of the width."""
+    names = {"jnd": "width", "jnd_low": "width_low", "jnd_high": "width_high"}
+    return table.assign(**{ours: table[width] * DIFFERENCE_PER_WIDTH for ours, width in names.items()})
+
+
+def _effects(
+    fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame, quantities: Sequence[str]
+) -> tuple[dict[str, Effect], str]:
+    """Main effects and interactions within participants, and why there are none."""
+    between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
+    if between:
+        return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
+    parts = [part for r in range(1, len(varied) + 1) for part in combinations(varied, r)]
+    several, notes = len(quantities) > 1, []
+    found: dict[str, Effect] = {}
+    for of in quantities:
+        where = f" on the {QUANTITIES[of]}" if several else ""
+        try:
+            found |= {" * ".join(part) + where: fit.effect(*part, of=of) for part in parts}
+        except InvalidParameter as refusal:
+            notes.append(f"no test of effects: {refusal}")
+    return found, "; ".join(notes)
+
+
+def _text(row: "pd.Series[Any]") -> str:
+    """The threshold with its interval; where the mean lies outside of the levels that end of it which the model holds,
+    and where no participant has a threshold on which side they lie."""
+    low, high = row["interval_low"], row["interval_high"]
+    if pd.notna(row["threshold"]):
+        return interval_text(row["threshold"], low, high)
+    if pd.notna(high):
+        return f"< {number_text(high)}"
+    if pd.notna(low):
+        return f"> {number_text(low)}"
+    return {Status.BELOW: "all below the levels", Status.ABOVE: "all above the levels"}.get(row["status"], "none")

@@ -1,0 +1,319 @@
+"""From a table of estimates to an `Outcome`: every analysis that its design allows, and the one that answers."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.anova.assumptions import checks
+from tactometry.analysis.anova.bounded_design import MIN_KNOWN
+from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
+from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from tactometry.analysis.anova.complete_design import SubDesign, largest_complete, largest_known
+from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.equivalence import equivalence
+from tactometry.analysis.anova.group_pairs import group_pairs
+from tactometry.analysis.anova.post_hoc import all_together, pairs
+from tactometry.analysis.anova.simple_effects import Analysis, interacting, simple_effects
+from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
+from tactometry.analysis.mixed_models.censored import censored_model
+from tactometry.analysis.mixed_models.linear import MixedModel, mixed_model
+from tactometry.analysis.outcomes import group_means
+from tactometry.analysis.outcomes.findings import FORCE, Outcome
+from tactometry.analysis.outcomes.primary import TITLES, Primary, chosen
+from tactometry.errors import InvalidParameter
+
+MEASURED = "log2 of the measured force"
+PERMUTATION_SEED = 20_170_522
+"""Of the changes of signs with many participants, so that the same data give the same report."""
+SUBJECT = "participant"
+INTERVAL = 0.95
+
+
+@dataclass(frozen=True)
+class Given:
+    """The estimates with their bounds (`group.LOW`, `group.HIGH`), and how the factors that have two levels vary."""
+
+    table: pd.DataFrame
+    dependent: str
+    within: tuple[str, ...]
+    between: str | None
+
+    @classmethod
+    def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "Given":
+        varied = [name for name in factors if estimates[name].nunique() > 1]
+        fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
+        apart = len(fixed) == 1
+        within = tuple(name for name in varied if not (apart and name in fixed))
+        return cls(group_means.bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
+
+    @property
+    def factors(self) -> list[str]:
+        return [*([self.between] if self.between else []), *self.within]
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"dependent": self.dependent, "subject": SUBJECT}
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every participant has a value in every condition."""
+        known = self.table[self.table[self.dependent].notna()]
+        n_cells = int(np.prod([self.table[name].nunique() for name in self.within]))
+        has = known.drop_duplicates([SUBJECT, *self.within]).groupby(SUBJECT).size()
+        return len(has) == self.table[SUBJECT].nunique() and bool((has == n_cells).all())
+
+
+def outcome(
+    table: pd.DataFrame,
+    factors: Sequence[str],
+    task: str,
+    dependent: str,
+    *,
+    forces: pd.DataFrame | None = None,
+    bounds: Mapping[str, float] | None = None,
+    primary: str | None = None,
+) -> Outcome:
+    """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
+    condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
+    the rule of `primary` does."""
+    given = Given.of(table, factors, dependent)
+    together = group_means.group_table(table, factors, dependent)
+    cross = group_means.cross_table(together, factors)
+    found = Outcome(task, dependent, table, together, cross, given.within, given.between)
+    part, notes = _complete(given)
+    found = replace(found, notes=notes)
+    if part is not None:
+        found = _with_anova(found, given, part, permuted=primary == Primary.PERMUTATION)
+    if not given.is_whole or primary == Primary.CENSORED:
+        found = _with_censored(found, given, factors)
+    if forces is not None and FORCE in given.within:
+        found = _with_model(found, given, forces)
+    if given.factors:
+        found = _with_primary(found, primary, is_whole=given.is_whole)
+    compare = _censored_comparisons if found.primary is Primary.CENSORED else _comparisons
+    return compare(found, given, part, bounds or {})
+
+
+def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
+    """The largest complete part; or why there is none."""
+    within = given.within
+    if not given.factors:
+        return None, ("no analysis of variance: no factor has two levels",)
+    if len(within) > MAX_FACTORS:
+        return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} can be taken",)
+    n_levels = given.table.groupby(SUBJECT)[given.factors].nunique().max()
+    fixed = [name for name in within if n_levels[name] < 2]
+    if fixed:
+        return None, (f"no analysis of variance: {fixed[0]} does not vary within participants",)
+    if not within:
+        return _with_values(given), ()
+    part = largest_complete(given.table, within=within, **given.arguments)
+    if part is None:
+        return None, ("no analysis of variance: no three participants share two conditions with a value",)
+    return part, ()
+
+
+def _with_values(given: Given) -> SubDesign:
+    """The participants of groups that have one."""
+    known = given.table[given.dependent].notna()
+    left_out = tuple(f"participant {code}" for code in given.table[SUBJECT][~known])
+    return SubDesign(given.table[known], (), left_out)
+
+
+def _with_anova(found: Outcome, given: Given, part: SubDesign, *, permuted: bool) -> Outcome:
+    """The analysis of variance of a complete part; within participants with its assumptions and, where an error matrix
+    is singular or a permutation test is asked for, that."""
+    within, arguments = list(part.within), given.arguments
+    found = replace(found, left_out=part.left_out)
+    try:
+        anova = _anova(given)(part.table, within)
+    except UndefinedStatistic as refusal:
+        return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+    status = anova.attrs["status"]
+    found = replace(found, anova=anova, status=status, notes=(*found.notes, *anova.attrs["notes"]))
+    if given.between is not None:
+        return found
+    found = replace(found, checks=checks(part.table, within=within, **arguments))
+    if not (permuted or status is DesignStatus.SINGULAR):
+        return found
+    rng = np.random.default_rng(PERMUTATION_SEED)
+    return replace(found, permutation=permutation_test(part.table, within=within, rng=rng, **arguments))
+
+
+def _anova(given: Given) -> Analysis:
+    """The analysis of a complete table by factors within participants."""
+
+    def analysis(table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
+        if not within:  # of known values it is the analysis of variance
+            return _censored(given, table, within).table
+        if given.between is None or table[given.between].nunique() < 2:
+            return repeated_measures(table, within=within, **given.arguments)
+        return mixed_anova(table, within=within, between=given.between, **given.arguments)
+
+    return analysis
+
+
+def _with_censored(found: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
+    """The analysis of all that is known of all participants; the group's means are then those of its model."""
+    if len(given.within) > MAX_FACTORS:
+        return found
+    options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
+    part = SubDesign(given.table, (), ())
+    if given.within:
+        part = largest_known(given.table, within=given.within, **given.arguments, **options) or part
+    if given.within and not part.within:
+        note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
+        return replace(found, notes=(*found.notes, note))
+    try:
+        censored = _censored(given, part.table, part.within)
+    except InvalidParameter as refusal:
+        return replace(found, notes=(*found.notes, f"no analysis of bounds: {refusal}"))
+    means = group_means.group_table(
+        found.estimates, factors, found.dependent, model=_means(censored, part.table, factors)
+    )
+    notes = (*found.notes, *_counted(censored), *_lost(part))
+    return replace(found, censored=censored, notes=notes, group=means, cross=group_means.cross_table(means, factors))
+
+
+def _means(found: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """With the one level of each factor of which the others are left out: the means are of no other."""
+    means = found.means()
+    return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
+
+
+def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
+    between = given.between if given.between and table[given.between].nunique() > 1 else None
+    return censored_anova(
+        table, low=group_means.LOW, high=group_means.HIGH, within=list(within), between=between, **given.arguments
+    )
+
+
+def _counted(found: CensoredAnova) -> list[str]:
+    """How the values that are not known count."""
+    parts = [
+        (found.n_censored, "as a bound", "as bounds"),
+        (found.n_missing, "as missing at random", "as missing at random"),
+    ]
+    told = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in parts if n]
+    return [f"the analysis of values and bounds counts {' and '.join(told)}"] if told else []
+
+
+def _lost(part: SubDesign) -> list[str]:
+    if not part.left_out:
+        return []
+    names = ", ".join(part.left_out)
+    return [
+        f"the analysis of values and bounds leaves out {names}: fewer than {MIN_KNOWN} participants have a value in "
+        "one of its conditions"
+    ]
+
+
+def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
+    """A mixed model with the measured force instead of its target. A bound counts as a bound."""
+    keys = [SUBJECT, *given.factors]
+    own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
+    data = given.table.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
+    known = data[given.dependent].notna()
+    data = data[known | data[[group_means.LOW, group_means.HIGH]].notna().any(axis=1)]
+    data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
+    factors = [name for name in given.factors if name != FORCE]
+    arguments: Any = {"factors": factors, "covariates": [MEASURED], **given.arguments}
+    try:
+        model = _model(data, arguments, is_known=bool(known.all()))
+    except InvalidParameter as refusal:
+        return replace(found, notes=(*found.notes, f"no mixed model: {refusal}"))
+    title = " * ".join([*factors, MEASURED]) + ", participants at random"
+    return replace(found, model=model, model_title=title)
+
+
+def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) -> MixedModel:
+    if is_known:
+        return mixed_model(data, **arguments)
+    return censored_model(data, low=group_means.LOW, high=group_means.HIGH, **arguments)
+
+
+def _with_primary(found: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
+    primary, reason = chosen(named, is_whole=is_whole)
+    if primary not in found.analyses():
+        note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
+        return replace(found, notes=(*found.notes, note))
+    found = replace(found, primary=primary, reason=reason)
+    lost = []
+    if primary in (Primary.ANOVA, Primary.PERMUTATION) and found.left_out:
+        lost = [f"the primary analysis leaves out {', '.join(found.left_out)}, which is at random only if bounds are"]
+    return replace(found, sentences=tuple(found.sentences_of(primary)), notes=(*found.notes, *lost))
+
+
+def _comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+    """Pairs, groups and simple effects of the complete part."""
+    if found.anova is None or part is None:
+        return found
+    within, between, table = list(part.within), given.between, part.table
+    orders = interacting(found.anova, [*([between] if between else []), *within])
+    arguments = given.arguments
+    return replace(
+        found,
+        pairs={name: pairs(table, factor=name, **arguments) for name in within},
+        group_pairs={between: group_pairs(table, between=between, **arguments)} if between else {},
+        equivalence={
+            name: equivalence(table, factor=name, bound=bound, **arguments)
+            for name, bound in bounds.items()
+            if name in within
+        },
+        simple={
+            (name, by): simple_effects(_anova(given), table, within, name, by) for name, by in orders if name != between
+        },
+        simple_pairs={(name, by): _pairs_by(given, table, name, by) for name, by in orders},
+    )
+
+
+def _pairs_by(given: Given, table: pd.DataFrame, factor: str, by: str) -> pd.DataFrame:
+    if factor == given.between:
+        return group_pairs(table, between=factor, by=by, **given.arguments)
+    if by != given.between:
+        return pairs(table, factor=factor, by=by, **given.arguments)
+    parts = [
+        pairs(part, factor=factor, correction="none", **given.arguments).assign(**{by: value})
+        for value, part in table.groupby(by, sort=True)
+    ]
+    return all_together(pd.concat(parts, ignore_index=True), "holm", INTERVAL)
+
+
+def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+    """Of the model of all that is known."""
+    del part
+    own = found.censored
+    assert own is not None
+    within, between = list(own.design.factors), own.design.between
+    orders = interacting(own.table, [*([between] if between else []), *within])
+    table = _rows_of(given.table, own)
+
+    def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+        return _censored(given, rows, factors).table
+
+    return replace(
+        found,
+        pairs={name: censored_pairs(own, name) for name in within},
+        group_pairs={between: censored_group_pairs(own)} if between else {},
+        equivalence={
+            name: censored_equivalence(own, name, bound=bound) for name, bound in bounds.items() if name in within
+        },
+        simple={
+            (name, by): simple_effects(analysis, table, within, name, by) for name, by in orders if name != between
+        },
+        simple_pairs={
+            (name, by): censored_group_pairs(own, by=by) if name == between else censored_pairs(own, name, by=by)
+            for name, by in orders
+        },
+    )
+
+
+def _rows_of(table: pd.DataFrame, found: CensoredAnova) -> pd.DataFrame:
+    """Those of the conditions that the model has."""
+    for name, levels in zip(found.design.factors, found.design.levels, strict=True):
+        table = table[table[name].isin(levels)]
+    return table

@@ -1,0 +1,197 @@
+"""Foreign tables in our terms: what their columns are called, what their values mean, which rows are trials."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pandas as pd
+
+from tactometry.analysis.reading.level_scale import LevelScale
+from tactometry.config.quantity import si_unit, unit_suffix, units
+from tactometry.config.strict import read_toml
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+
+
+@dataclass(frozen=True)
+class ColumnMap:
+    """How a foreign table is read. Values are compared as text, as they stand in the file.
+
+    Parameters
+    ----------
+    columns : mapping of str to str
+        Our name of a column to theirs.
+    constants : mapping of str to value
+        Our name of a column that is not there, to the value of every row.
+    values : mapping of str to mapping
+        Our name of a column, to what its values mean: theirs to ours. A value that is not named stays.
+    keep : mapping of str to list of str
+        Their name of a column, to the values of the rows that are trials; other rows are left out.
+    from_name : mapping of str to str
+        Our name of a column, to the key of the file's name that holds it: ``sub`` of ``sub-01_ses-2_beh.tsv``.
+    units : mapping of str to str
+        Our name of a column, to the unit that it has there: ``latency_s = "ms"`` divides by 1000. Levels come to the SI
+        unit, which is then `level_unit`.
+    level_scale : str
+        ``linear``, ``log10`` or ``db``: the axis on which the levels, as they stand after `units`, are fitted.
+    missing : list of str
+        What stands for a value that was not measured.
+    decimal, separator : str
+        The decimal sign ("." or ",") and what separates columns (by default a comma, in ``.tsv`` a tab).
+
+    Raises
+    ------
+    InvalidParameter
+        If the decimal sign is another, the separator is not one sign, both are the same, or a unit is unknown or of
+        another dimension than the column's name.
+    """
+
+    columns: dict[str, str] = field(default_factory=dict)
+    constants: dict[str, str | float | bool] = field(default_factory=dict)
+    values: dict[str, dict[str, str | float | bool]] = field(default_factory=dict)
+    keep: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    from_name: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    level_scale: LevelScale | None = None
+    missing: tuple[str, ...] = ()
+    decimal: str = "."
+    separator: str = ""
+
+    def __post_init__(self) -> None:
+        if self.decimal not in (".", ","):
+            raise InvalidParameter(f"decimal: found {self.decimal!r}, expected '.' or ','")
+        if len(self.separator) > 1 or (self.decimal == "," and self.separator in ("", ",")):
+            raise InvalidParameter(
+                f"separator: found {self.separator!r}, expected one sign, and another than the decimal sign"
+            )
+        for name, unit in self.units.items():
+            symbol, _ = si_unit(unit, f"units.{name}")
+            suffix = unit_suffix(name)
+            if suffix is not None and units(suffix)[0] != symbol:
+                raise InvalidParameter(
+                    f"units.{name}: found {unit!r}, which is in {symbol}, expected a unit of {units(suffix)[0]}"
+                )
+
+
+def read_column_map(path: Path) -> ColumnMap:
+    """Read a column map from TOML with the keys of `ColumnMap`.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, is no TOML, or holds something else.
+    """
+    return read_toml(ColumnMap, path, "a column map")
+
+
+def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    """A table of text in our terms.
+
+    Raises
+    ------
+    InvalidFile
+        If the map names a column that is not there, or one twice, or no row is a trial.
+    """
+    if column_map == ColumnMap():
+        return raw
+    found = _measured(_kept(raw, column_map, file), column_map)
+    found = _renamed(found, column_map, file)
+    for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
+        found[name] = _text(text)
+    return _in_si(_meant(found, column_map, file), column_map, file)
+
+
+def trials_of(found: pd.DataFrame) -> pd.DataFrame:
+    """The rows that hold a trial: a level, an answer, an item or a catch trial. Other programs write rows for routines
+    without any of these, too."""
+    is_trial = found["catch"] == "1" if "catch" in found.columns else pd.Series(False, index=found.index)
+    for name in ("level", "response", "item", "level_measured"):
+        if name in found.columns:
+            is_trial |= found[name] != ""
+    return found[is_trial]
+
+
+def _text(value: str | float | bool) -> str:
+    """
+    >>> _text(True), _text(1.0), _text(0.5), _text("a")
+    ('1', '1', '0.5', 'a')
+    """
+    return value if isinstance(value, str) else f"{float(value):g}"
+
+
+def _kept(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    for theirs, values in column_map.keep.items():
+        _expect(raw, theirs, "the column map names in keep", file)
+        raw = raw[raw[theirs].isin(values)]
+        if raw.empty:
+            raise InvalidFile(f"{file}: found no row with {theirs} = {' or '.join(values)}, expected trials (keep)")
+    return raw
+
+
+def _measured(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
+    """Empty cells for what was not measured, decimal points for decimal commas."""
+    texts = [name for name in raw.columns if name != "row"]
+    found = raw.copy()
+    for name in texts:
+        if column_map.missing:
+            found[name] = found[name].where(~found[name].isin(column_map.missing), "")
+        if column_map.decimal == ",":
+            found[name] = found[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
+    return found
+
+
+def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    for ours, theirs in column_map.columns.items():
+        _expect(raw, theirs, f"the column map names for {ours!r}", file)
+        if ours != theirs and ours in raw.columns:
+            raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
+    found = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
+    return found.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in found})
+
+
+def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:
+    if theirs not in raw.columns:
+        hint = nearest(theirs, [str(column) for column in raw.columns])
+        raise InvalidFile(f"{file}: found no column {theirs!r}{hint}, which {where}")
+
+
+def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
+    found = {}
+    for ours, key in column_map.from_name.items():
+        part = re.search(rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)", file.name)
+        if part is None:
+            raise InvalidFile(f"{file}: found no {key}-... in the file's name, expected it for {ours!r} (from_name)")
+        found[ours] = part[1]
+    return found
+
+
+def _meant(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    for ours, meanings in column_map.values.items():
+        if ours not in found.columns:
+            hint = nearest(ours, [str(column) for column in found.columns])
+            raise InvalidFile(f"{file}: found no column {ours!r}{hint}, whose values the column map names")
+        found[ours] = found[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
+    return found
+
+
+def _in_si(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+    """Numbers in SI units; what is no number is left for the check of the table to name."""
+    for name, unit in column_map.units.items():
+        _expect(found, name, "the column map names in units", file)
+        symbol, factor = si_unit(unit, f"units.{name}")
+        numbers = pd.to_numeric(found[name].str.strip(), errors="coerce")
+        in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)  # 812 ms are 0.812 s to the last digit
+        scaled = [repr(float(number)) for number in in_si]
+        found[name] = found[name].where(numbers.isna(), scaled)
+        if name == "level":
+            found["level_unit"] = _level_unit(found, symbol, file)
+    return found
+
+
+def _level_unit(found: pd.DataFrame, symbol: str, file: Path) -> str:
+    said = sorted(set(found["level_unit"]) - {"", symbol}) if "level_unit" in found.columns else []
+    if said:
+        raise InvalidFile(
+            f"{file}: found the level_unit {said[0]!r}, expected {symbol!r}, to which units.level brings the levels"
+        )
+    return symbol

@@ -1,0 +1,95 @@
+"""The axis on which levels are fitted: as they stand, or as a logarithm where their scale is one of ratios."""
+
+from collections.abc import Callable, Mapping
+from typing import Literal, get_args
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.threshold.counts import Array
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+
+LevelScale = Literal["linear", "log10", "db"]
+LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
+    "log10": ("log10", np.log10),
+    "db": ("dB re 1", lambda level: 20 * np.log10(level)),
+}
+"""How a unit is named on each scale, and what becomes of a level."""
+PLACED = ("level", "level_delivered", "standard_level")
+FITTED = ("yes_no", "forced_choice", "comparison", "same_different", "adjustment")
+"""Tasks whose levels are put on the scale; magnitudes and measurements are analysed as ratios anyway."""
+CURVED = ("yes_no", "forced_choice", "comparison")
+WIDE = 20.0
+"""Levels that span a larger factor are seldom meant to lie on a linear axis; an unverified default."""
+
+
+def is_logarithm(unit: str) -> bool:
+    """Whether levels of this unit are logarithms of an amplitude.
+
+    >>> is_logarithm("dB re 1 V"), is_logarithm("log10 V"), is_logarithm("V")
+    (True, True, False)
+    """
+    return unit.startswith(("dB", "log10"))
+
+
+def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
+    """A checked table with its levels, settings and their unit on the scale: ``linear``, ``log10`` or ``db``.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such scale, or levels in a logarithm are to have another.
+    InvalidFile
+        For a level of 0 or below, which has no logarithm, with its row.
+    """
+    if scale not in get_args(LevelScale):
+        known = get_args(LevelScale)
+        raise InvalidParameter(
+            f"--level-scale: found {scale!r}, expected one of {', '.join(known)}{nearest(scale, known)}"
+        )
+    if scale == "linear":
+        return rows
+    name, of = LOGARITHMS[scale]
+    own = rows["task"].isin(FITTED)
+    units = rows["level_unit"] if "level_unit" in rows.columns else pd.Series("", index=rows.index)
+    for unit in units[own].unique():
+        if is_logarithm(unit):
+            raise InvalidParameter(
+                f"--level-scale: found {scale} for levels in {unit!r}, which are a logarithm, expected linear"
+            )
+    found = rows.assign(level_unit=units.where(~own, [f"{name} {unit}".rstrip() for unit in units]))
+    for column in PLACED:
+        if column in rows.columns:
+            found[column] = rows[column].where(~own, of(_positive(rows, column, rows[column].where(own))))
+    settings = own & (rows["task"] == "adjustment") & (rows["response"] != "")
+    set_to = of(_positive(rows, "response", rows["response"].where(settings).astype(float)))
+    found["response"] = rows["response"].where(~settings, [repr(float(level)) for level in set_to])
+    return found
+
+
+def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Array:
+    bad = rows[(levels <= 0).to_numpy()]
+    if len(bad):
+        first = bad.iloc[0]
+        raise InvalidFile(
+            f"{first['source']}, row {first['row']}, column {name!r}: found {first[name]}, expected a level above 0 on "
+            "a logarithmic scale (a catch trial has no level, and 1 in the column 'catch'), or --level-scale linear"
+        )
+    return np.array(levels, dtype=np.float64)
+
+
+def wide_levels(rows: pd.DataFrame) -> list[str]:
+    """A warning where levels that are no logarithm span a factor above `WIDE`."""
+    own = rows["task"].isin(CURVED)
+    if "level_unit" in rows.columns:
+        own &= ~rows["level_unit"].isin([unit for unit in rows["level_unit"].unique() if is_logarithm(unit)])
+    levels = rows.loc[own, "level"]
+    above = levels[levels > 0]
+    if above.empty or (levels < 0).any() or above.max() <= WIDE * above.min():
+        return []
+    low, high = float(above.min()), float(above.max())
+    return [
+        f"levels from {low:.3g} to {high:.3g} span a factor of {high / low:.3g} on a linear axis; if their scale is "
+        "one of ratios, as that of a contrast or a voltage, fit their logarithm (--level-scale log10 or db); "
+        "--level-scale linear says that it is not"
+    ]

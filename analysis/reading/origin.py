@@ -1,0 +1,117 @@
+"""Who answered, and to what: people or simulated participants, never pooled, and whether anything was played."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.analysis.reading.trials import Trials
+from tactometry.analysis.wording.labels import NAMED
+from tactometry.errors import InvalidFile, counted
+from tactometry.records.description import SIMULATED
+from tactometry.records.head import Head
+from tactometry.records.sittings import changes, heads
+
+Key = tuple[str, float]
+"""Participant and session."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Whether the participants of an analysis are simulated, with their seeds, and what must be said of it."""
+
+    is_simulated: bool = False
+    seeds: tuple[int, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def line(self) -> str:
+        """The first line of a report; empty where people answered.
+
+        >>> Origin(is_simulated=True, seeds=(5,)).line
+        'Simulated participants, no people (seed 5).'
+        """
+        return f"Simulated participants, no people ({self._seeds})." if self.is_simulated else ""
+
+    @property
+    def method(self) -> str:
+        """What a methods paragraph begins with; empty where people answered.
+
+        >>> Origin(is_simulated=True).method
+        'The participants were simulated by Tactometry (seed not known); no person took part. '
+        """
+        if not self.is_simulated:
+            return ""
+        return f"The participants were simulated by Tactometry ({self._seeds}); no person took part. "
+
+    @property
+    def _seeds(self) -> str:
+        told = ", ".join(map(str, self.seeds)) or "not known"
+        return f"{'seeds' if len(self.seeds) > 1 else 'seed'} {told}"
+
+
+def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
+    """The rows of people, or where there are none those of simulated participants.
+
+    A row says by its `rig` who answered, else the journal of its session; where neither does, it was people.
+    """
+    known = _heads(trials.path)
+    mask = _simulated(trials.rows, known)
+    seeds = tuple(sorted({told[0].seed for told in known.values() if told[0].rig == SIMULATED}))
+    warnings = (*_unplayed(trials.rows), *_changes(known))
+    if mask.all() and len(mask):
+        origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings)
+        return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
+    if not mask.any():
+        return trials, Origin(warnings=warnings)
+    left_out = f"simulated participants share this table with people and are left out ({_named(trials.rows[mask])})"
+    kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
+    return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings))
+
+
+def _heads(path: Path) -> dict[Key, tuple[Head, ...]]:
+    """The heads of all sittings, by session; a journal that is damaged is none."""
+    found: dict[Key, tuple[Head, ...]] = {}
+    for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
+        with suppress(InvalidFile):
+            told = heads(journal)
+            found |= {(told[0].participant, float(told[0].session)): told} if told else {}
+    return found
+
+
+def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> NDArray[np.bool_]:
+    rigs = rows["rig"].astype(str) if "rig" in rows.columns else pd.Series("", index=rows.index)
+    if known and "session" in rows.columns and (rigs == "").any():
+        by_journal = {key: told[0].rig for key, told in known.items()}
+        keys = zip(rows["participant"], rows["session"], strict=True)
+        rigs = rigs.mask(rigs == "", pd.Series([by_journal.get(key, "") for key in keys], index=rows.index))
+    return np.asarray(rigs == SIMULATED)
+
+
+def _unplayed(rows: pd.DataFrame) -> Iterator[str]:
+    """A level is analysed as it was asked for where none was delivered, so it is told that nothing played.
+
+    Only rows that name their rig can tell; a level that a participant sets is never one that was delivered.
+    """
+    if not {"rig", "level_delivered"} <= set(rows.columns):
+        return
+    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & (rows["task"] != "adjustment")]
+    silent = asked[asked["level_delivered"].isna()]
+    if len(silent):
+        yield f"nothing was played where a level was to be felt ({_named(silent)}): these answers are to no stimulus"
+
+
+def _named(rows: pd.DataFrame) -> str:
+    codes = list(dict.fromkeys(rows["participant"]))
+    more = f" and {len(codes) - NAMED} more" if len(codes) > NAMED else ""
+    return f"{', '.join(codes[:NAMED])}{more}: {counted(len(rows), 'row')}"
+
+
+def _changes(known: Mapping[Key, Sequence[Head]]) -> Iterator[str]:
+    for (code, session), told in known.items():
+        for change in changes(told):
+            yield f"{code}, session {session:g}: {change}"

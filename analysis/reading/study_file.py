@@ -1,0 +1,41 @@
+"""What the study of a data set states: a table of its `study.toml`, and the questionnaires that it may ask."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from tactometry.config.toml import located, read_table
+from tactometry.errors import InvalidParameter
+from tactometry.questionnaire import Questionnaire, load, own, shipped
+
+T = TypeVar("T")
+
+
+def stated(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
+    """What `read` makes of a table of the study in the folder `path`; of an empty one where there is none.
+
+    Raises
+    ------
+    InvalidFile
+        If the study cannot be read, or `read` refuses its table.
+    """
+    file = path / "study.toml"
+    table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}
+    with located(file):
+        if not isinstance(table, Mapping):
+            raise InvalidParameter(f"{name}: found {table!r:.60}, expected a table")
+        return read(table)
+
+
+def forms_of(path: Path) -> Mapping[str, Questionnaire]:
+    """The questionnaires that a data set may hold: the shipped ones, and those of its study's `[forms.NAME]`.
+
+    Raises
+    ------
+    InvalidFile
+        As `stated`.
+
+    >>> "attrakdiff" in forms_of(Path("no data set"))
+    True
+    """
+    return {name: load(name) for name in shipped()} | stated(path, "forms", own)

@@ -1,0 +1,142 @@
+"""A table on disk as text: its cells under their names, nothing of them understood yet.
+
+Every refusal is one sentence with the file and, where there is one, the row (the header is row 1).
+"""
+
+import csv
+import io
+import re
+from pathlib import Path
+
+import pandas as pd
+
+from tactometry.analysis.reading.arrow_text import plain_cells
+from tactometry.analysis.reading.json_table import json_cells
+from tactometry.errors import InvalidFile
+from tactometry.files.durable import read_file
+from tactometry.trials.row_rules import MOST_COLUMNS
+
+
+def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
+    """All cells as text, with the number of their row in the column `row`; a ``.json`` file is read by `json_cells`.
+
+    Columns without a name that are empty throughout are left out: PsychoPy ends each row with a comma. The `separator`
+    is by default a comma, in ``.tsv`` a tab.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, is no text in UTF-8 or no table, or has rows of different lengths, more than
+        `MOST_COLUMNS`, or a column without a name or with that of another.
+    """
+    text = _text(file)
+    if file.suffix == ".json":
+        return json_cells(text, file)
+    header = text[: text.find("\n")] if "\n" in text else text
+    if not separator:
+        separator = "\t" if file.suffix == ".tsv" else ","
+        _expect_commas(header, separator, file)
+    if (n := header.count(separator) + 1) > MOST_COLUMNS:
+        raise InvalidFile(
+            f"{file}, row 1: found {n} columns, expected at most {MOST_COLUMNS}: a row for each trial, a column for "
+            "what is known of it"
+        )
+    cells = plain_cells(text, separator)
+    if cells is None:
+        cells = _any_cells(text, separator, file)
+    return _with_header(cells, file)
+
+
+def _expect_commas(header: str, separator: str, file: Path) -> None:
+    if separator == "," and "," not in header and (";" in header or "\t" in header):
+        raise InvalidFile(
+            f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
+            "named .tsv with tabs); save it as comma-separated values with decimal points, or say so in a column map"
+        )
+
+
+def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
+    try:
+        cells = pd.read_csv(
+            io.StringIO(text),
+            sep=separator,
+            header=None,
+            dtype=str,
+            keep_default_na=False,
+            na_filter=False,
+            skip_blank_lines=False,
+            index_col=False,
+        )
+    except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
+        raise InvalidFile(f"{file}{_plainly(str(damage))}") from None
+    _refuse_short_rows(text, separator, cells.shape[1], file)
+    return cells
+
+
+def _refuse_short_rows(text: str, separator: str, n_columns: int, file: Path) -> None:
+    """The reader fills short rows up in silence: count the cells where there are not enough."""
+    try:
+        counts = _cell_counts(text, separator)
+    except csv.Error as damage:
+        raise InvalidFile(
+            f"{file}: found something that is no table ({damage}), expected comma-separated values"
+        ) from None
+    for row, n in enumerate(counts, start=1):
+        if 0 < n < n_columns:
+            raise InvalidFile(f"{file}, row {row}: found {n} cells, expected {n_columns} as in the header")
+
+
+def _cell_counts(text: str, separator: str) -> list[int]:
+    if '"' in text:
+        return [len(cells) for cells in csv.reader(io.StringIO(text), delimiter=separator)]
+    return [line.count(separator) + 1 if line.strip() else 0 for line in text.split("\n")]
+
+
+def _text(file: Path) -> str:
+    content = read_file(file, "a table of trials")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as damage:
+        row = content.count(b"\n", 0, damage.start) + 1
+        raise InvalidFile(
+            f"{file}, row {row}: found the byte 0x{content[damage.start]:02x}, expected UTF-8 text; save the table as "
+            "UTF-8"
+        ) from None
+    if "\0" in text:
+        raise InvalidFile(
+            f"{file}, row {text.count(chr(10), 0, text.index(chr(0))) + 1}: found a zero byte, expected text"
+        )
+    if not text.strip():
+        raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
+    return text
+
+
+def _plainly(message: str) -> str:
+    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
+    if found:
+        return f", row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
+    if "EOF inside string" in message:
+        return ": found a quotation mark that is never closed, expected it in pairs"
+    return f": found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
+
+
+def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
+    cells = _without_nameless(cells)
+    names = [str(name).strip() for name in cells.iloc[0]]
+    seen: set[str] = set()
+    for place, name in zip(map(int, cells.columns), names, strict=True):
+        if not name:
+            raise InvalidFile(f"{file}, row 1: found no name for column {place + 1}, expected one for each")
+        if name in seen:
+            raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
+        seen.add(name)
+    body = cells.iloc[1:].set_axis(names, axis=1)
+    blank = (body == "").all(axis=1) if len(names) > 1 else pd.Series(False, index=body.index)
+    body = body[~blank]
+    return body.assign(row=body.index + 1)
+
+
+def _without_nameless(cells: pd.DataFrame) -> pd.DataFrame:
+    """Without the columns in which no cell holds anything, not even the first."""
+    nameless = [place for place in cells.columns if not str(cells[place].iloc[0]).strip()]
+    return cells.drop(columns=[place for place in nameless if (cells[place].str.strip() == "").all()])

@@ -1,0 +1,403 @@
+"""Trials tables: found, read and checked, so that all later steps may trust them.
+
+Every refusal is one sentence with the file, the row (the header is row 1) and the column.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.analysis.reading.arrow_text import plain_numbers
+from tactometry.analysis.reading.column_map import ColumnMap, translated, trials_of
+from tactometry.analysis.reading.doubled_rows import doubled
+from tactometry.analysis.reading.level_scale import scaled, wide_levels
+from tactometry.analysis.reading.text_table import text_cells
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.files.durable import listed
+from tactometry.records.data_set import keys_of
+from tactometry.records.formats import ADDED
+from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED
+from tactometry.trials.row_rules import RESPONSES, TASKS, Rule, rows_text
+
+REQUIRED = ("participant", "level", "task", "response")
+NUMBERS = (
+    "level",
+    "onset_s",
+    "latency_s",
+    "force_mean_n",
+    "force_sd_n",
+    "force_in_band",
+    "level_delivered",
+    "level_measured",
+    "speed_target_m_per_s",
+    "speed_mean_m_per_s",
+    "standard_level",
+    "speed_in_band",
+)
+FLAGS = ("correct", "valid", "catch", "practice")
+WHOLE = ("session", "block", "trial", "attempt", "target", "n_gaps")
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+NUMBERED = frozenset({"same_different", "preference", "adjustment", "magnitude"})
+"""Tasks whose answers are read as numbers by the rule that a data set's check has of them."""
+FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
+"""Where trials stand in a data set: our own, then BIDS."""
+FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv", "*.json")
+"""Where they stand in a folder of another program, read through a column map."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """A checked trials table.
+
+    `rows` has one row per trial, with numbers as float (NaN: not measured) and the columns `source` (file)
+    and `row`. `factors` are the names of the columns that hold conditions. `n_files` files were read from
+    `path`.
+    """
+
+    rows: pd.DataFrame
+    factors: tuple[str, ...]
+    path: Path
+    n_files: int
+    notes: tuple[str, ...] = ()
+
+
+def read_trials(
+    path: Path,
+    *,
+    within: Sequence[str] | None = None,
+    column_map: ColumnMap | None = None,
+    level_scale: str | None = None,
+) -> Trials:
+    """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
+
+    With a `column_map` a folder may also hold another program's tables, one a participant or session.
+
+    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`
+    (empty: none). Levels are put on the `level_scale` (`scaled`), else on that of the map.
+
+    Raises
+    ------
+    InvalidFile
+        If there is nothing to read, or a table is damaged: file, row, column, what was found and expected.
+    InvalidParameter
+        If `within` names a column that is not there, or the levels cannot be put on the scale.
+    """
+    files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
+    given = column_map or ColumnMap()
+    raw = [_raw(file, given) for file in files]
+    own = raw if column_map is None else [_trials_of(table, file) for table, file in zip(raw, files, strict=True)]
+    tables = _alike([_checked(table, file) for table, file in zip(own, files, strict=True)])
+    if column_map is None:
+        for file, table in zip(files, tables, strict=True):
+            _refuse_misnamed(table, file)
+    headers = [list(table.columns) for table in tables]
+    for file, header in zip(files, headers, strict=True):
+        if header != headers[0]:
+            raise InvalidFile(
+                f"{file}: found other columns than in {files[0].name} ({_difference(header, headers[0])}), expected "
+                "the same; analyse different studies apart"
+            )
+    rows = pd.concat(tables, ignore_index=True)
+    named = _factors(headers[0], within, path)
+    for name in named:
+        rows[name] = _factor_values(rows, name)
+    factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
+    scale = level_scale or given.level_scale
+    notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows, named), *([] if scale else wide_levels(rows))]
+    return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
+
+
+def _routines(n: int) -> list[str]:
+    """What is said of rows that hold no trial."""
+    rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
+    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
+
+
+def _alike(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
+    """Tables that were recorded before there were the columns `ADDED` get them, empty, beside later ones."""
+    fullest = max(tables, key=lambda table: len(ADDED.intersection(table.columns)))
+    return [_with_added(table, list(fullest.columns)) for table in tables]
+
+
+def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
+    missing = [name for name in header if name in ADDED and name not in table.columns]
+    if not missing or set(header) != {*table.columns, *missing}:
+        return table
+    return table.assign(**{name: np.nan if name in (*NUMBERS, *WHOLE) else "" for name in missing})[header]
+
+
+def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
+    """The trials files of a data set (by default ours, or BIDS with behaviour), or the one file that `path` is.
+
+    Raises
+    ------
+    InvalidFile
+        If there is none.
+    """
+    if path.is_file():
+        return [path]
+    if not path.is_dir():
+        raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
+    found = next((files for form in forms if (files := _shown(path.glob(form)))), [])
+    if not found:
+        for folder in (path, path / "data"):
+            listed(folder)  # a glob keeps silent about one that may not be read
+        raise InvalidFile(
+            f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
+            "(--columns) and a folder of another program's tables"
+        )
+    return found
+
+
+def _shown(files: Iterable[Path]) -> list[Path]:
+    """Files, sorted, without those that a system hides beside them (``._x_data.csv``)."""
+    return sorted(file for file in files if not file.name.startswith("."))
+
+
+def _refuse_misnamed(table: pd.DataFrame, file: Path) -> None:
+    """A copy under another participant's name would count one person twice."""
+    code = keys_of(file.stem).get("participant")
+    if code is not None and (table["participant"] != code).any():
+        expected = f"{code!r} as in the file's name; remove the file if it is a copy"
+        _refuse(table, "participant", file, (table["participant"] != code).to_numpy(), expected)
+
+
+def _difference(header: list[str], first: list[str]) -> str:
+    odd = sorted(set(header) ^ set(first))
+    return ", ".join(odd) if odd else "in another order"
+
+
+def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
+    raw = translated(text_cells(file, column_map.separator), column_map, file)
+    for name in REQUIRED:
+        if name not in raw.columns:
+            hint = nearest(name, [str(column) for column in raw.columns])
+            raise InvalidFile(f"{file}: found no column {name!r}{hint}; name it with a column map (--columns)")
+    if raw.empty:
+        raise InvalidFile(f"{file}: found no row below the header, expected trials")
+    return raw
+
+
+def _trials_of(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
+    found = trials_of(raw)
+    if found.empty:
+        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
+    return found
+
+
+def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
+    table = raw.assign(source=str(file))
+    _all_match(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
+    _all_match(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
+    for name in (name for name in NUMBERS if name in table.columns):
+        table[name] = _numbers(table, name, file)
+    for name in (name for name in WHOLE if name in table.columns):
+        table[name] = _whole(table, name, file)
+    for name in (name for name in FLAGS if name in table.columns):
+        _all_match(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
+        table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
+    _check_answers(table, file)
+    return table
+
+
+_CODE = "a code of 1 to 32 letters and digits, no name and no path"
+
+
+def _all_match(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
+    wrong = {value for value in table[name].unique() if not holds(value)}
+    if wrong:
+        _refuse(table, name, file, table[name].isin(wrong).to_numpy(), expected)
+
+
+def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str) -> None:
+    """Raise for the rows that are bad, with the first of them."""
+    rows = [int(row) for row in table["row"].to_numpy()[np.asarray(bad, dtype=bool)]]
+    cell = table[name].iloc[int(np.flatnonzero(bad)[0])]
+    found = "" if pd.isna(cell) else str(cell)
+    shown = "nothing" if not found else repr(found if len(found) <= 40 else found[:40] + "...")
+    where = f"{file}{rows_text(rows[0], rows[1:], len(rows))}, column {name!r}"
+    raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, found)}")
+
+
+OWN = ("row", "source")
+"""Columns that reading adds: where a row stands in which file."""
+NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined"))
+"""What other programs write where nothing was measured."""
+NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
+"""Columns whose values other programs write in words."""
+
+
+def _meaning(name: str, found: str) -> str:
+    """How to say in a column map what a word means.
+
+    >>> _meaning("response", "y")
+    "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"
+    >>> _meaning("response", "None"), _meaning("response", "7")
+    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
+    """
+    if name not in NAMED_VALUES or not found or _NUMBER.fullmatch(found):
+        return ""
+    word = _toml_text(found)
+    if found.strip().lower() in NOT_MEASURED:
+        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
+    return f"; say what it means in a column map (--columns), below [values.{name}]: {word} = 1"
+
+
+def _toml_text(text: str) -> str:
+    r"""
+    >>> print(_toml_text("y"), _toml_text("don't\n"))
+    'y' "don't\u000a"
+    """
+    if text.isprintable() and "'" not in text:
+        return f"'{text}'"
+    signs = {"\\": "\\\\", '"': '\\"'}
+    return '"' + "".join(signs.get(s, s if s.isprintable() else f"\\u{ord(s):04x}") for s in text) + '"'
+
+
+_NUMBER = re.compile(r"[+-]?\d+\.?\d*")
+
+
+def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
+    values = parsed(table[name])
+    bad = ~np.isfinite(values.to_numpy())
+    if bad.any():
+        bad &= (table[name] != "").to_numpy()
+    if bad.any():
+        comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
+        _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
+    return values
+
+
+def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
+    """Numbers of text cells, NaN for what is none."""
+    numbers = plain_numbers(text)
+    return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
+
+
+def _numbers_of_words(text: "pd.Series[str]") -> NDArray[np.float64]:
+    """Each different text is read once."""
+    codes, different = pd.factorize(text)
+    words = [word or "nan" for word in different.tolist()]
+    try:
+        numbers = np.array(words, dtype=np.float64) if not any("_" in word for word in words) else None
+    except ValueError:
+        numbers = None
+    if numbers is None:
+        numbers = np.asarray(pd.to_numeric(pd.Series(words), errors="coerce"), dtype=np.float64)
+    return numbers[codes]
+
+
+def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
+    values = _numbers(table, name, file)
+    bad = (values.notna() & ((values != np.floor(values)) | (values < 0))).to_numpy()
+    if bad.any():
+        _refuse(table, name, file, bad, "a whole number from 0")
+    return values
+
+
+def _check_answers(table: pd.DataFrame, file: Path) -> None:
+    binary = table["task"].isin(["yes_no", "comparison"])
+    odd = binary & ~table["response"].isin(["", "0", "1", "0.0", "1.0"])
+    if odd.any():
+        _refuse(table, "response", file, odd.to_numpy(), "1, 0 or nothing in a yes/no or comparison task")
+    choice = table["task"] == "forced_choice"
+    odd = choice & ~table["response"].str.fullmatch(r"|[1-9]\d{0,2}(\.0)?")
+    if odd.any():
+        expected = "the number of an interval, from 1, or nothing in a forced choice"
+        _refuse(table, "response", file, odd.to_numpy(), expected)
+    for task in sorted(NUMBERED.intersection(table["task"].unique())):
+        rule, own = RESPONSES[task], table["task"] == task
+        fine = {text for text in table.loc[own, "response"].unique() if text == "" or _fits(rule, text)}
+        odd = own & ~table["response"].isin(fine)
+        if odd.any():
+            _refuse(table, "response", file, odd.to_numpy(), rule.words)
+    catch = table["catch"] == 1 if "catch" in table.columns else pd.Series(False, index=table.index)
+    lost = (binary | choice) & table["level"].isna() & ~catch
+    if lost.any():
+        _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
+
+
+def _fits(rule: Rule, text: str) -> bool:
+    """Other programs write a whole number as 1.0."""
+    return "_" not in text and rule.holds(text.removesuffix(".0"))
+
+
+def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) -> tuple[str, ...]:
+    theirs = [name for name in header if name not in OWN]
+    for name in within or ():
+        if name not in theirs:
+            raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, theirs)}")
+        if name in RESERVED - MAY_BE_FACTORS:
+            raise InvalidParameter(f"--within: found {name!r}, a name that is no factor's, expected factors of {path}")
+    if within is not None:
+        return tuple(dict.fromkeys(within))
+    if "procedure" not in header or "trial" not in header:
+        raise InvalidFile(
+            f"{path}: found no column {'trial' if 'trial' not in header else 'procedure'!r}, expected the factors "
+            "between 'trial' and 'procedure'; name the factors with --within A,B (--within '' where there are none)"
+        )
+    factors = stated_factors(header)
+    for name in factors:
+        if name in RESERVED:
+            raise InvalidFile(
+                f"{path}, row 1: found {name!r} between 'trial' and 'procedure', where factors stand, but the analysis "
+                "keeps that name for itself; rename the column, or name the factors with --within"
+            )
+    return tuple(factors)
+
+
+def stated_factors(header: Sequence[str]) -> list[str]:
+    """The columns between ``trial`` and ``procedure``, where a data set of ours has its factors.
+
+    >>> stated_factors(["participant", "trial", "frequency_hz", "procedure", "level"])
+    ['frequency_hz']
+    >>> stated_factors(["participant", "level"])
+    []
+    """
+    if not {"trial", "procedure"} <= set(header):
+        return []
+    return list(header[header.index("trial") + 1 : header.index("procedure")])
+
+
+def _is_filled(column: "pd.Series[Any]") -> bool:
+    """Whether any cell holds a value; of a factor whose levels a trial compares none does."""
+    return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
+
+
+def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
+    """Numbers where every cell is one, else text; an empty cell of a psychophysical trial is refused."""
+    text = rows[name].astype(str)
+    lost = (text == "") & rows["task"].isin(["yes_no", "forced_choice", "comparison"])
+    if lost.any():
+        first = rows[lost].iloc[0]
+        raise InvalidFile(
+            f"{first['source']}, row {first['row']}, column {name!r}: found nothing, expected the factor's value"
+        )
+    numbers = parsed(text)
+    if not np.isfinite(numbers[text != ""]).all():
+        return text
+    is_whole = bool((numbers == np.floor(numbers)).all() and (numbers.abs() < 2**53).all())
+    return numbers.astype(np.int64) if is_whole else numbers
+
+
+def used_rows(trials: Trials) -> pd.DataFrame:
+    """The rows that enter a fit: valid, answered, and no practice."""
+    rows = asked_rows(trials)
+    return rows[rows["response"] != ""]
+
+
+def asked_rows(trials: Trials) -> pd.DataFrame:
+    """The rows that are valid and no practice, answered or not."""
+    rows = trials.rows
+    asked = pd.Series(True, index=rows.index)
+    if "valid" in rows.columns:
+        asked &= rows["valid"] != 0
+    if "practice" in rows.columns:
+        asked &= rows["practice"] != 1
+    return rows[asked]

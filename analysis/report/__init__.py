@@ -1,0 +1,1 @@
+"""What is told: sentences, page, terminal, JSON, PDF; the last room, nothing computes here."""

@@ -1,0 +1,277 @@
+"""Results as sentences in the form of the American Psychological Association, made from the numbers."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from tactometry.analysis.anova.post_hoc import evidence
+from tactometry.analysis.mixed_models.linear import MixedModel
+from tactometry.analysis.wording.labels import level_of, percent_text, value_of
+from tactometry.analysis.wording.numbers import interval_texts, number_text
+
+INTERVAL_OF_ETA = "90 %"
+MOST_EVIDENCE = 10_000
+"""A larger Bayes factor is told as larger."""
+
+
+def p_text(p: float) -> str:
+    """
+    >>> p_text(0.03141), p_text(1e-9), p_text(0.9999)
+    ('p = .031', 'p < .001', 'p > .999')
+    """
+    if p < 0.001:
+        return "p < .001"
+    return "p > .999" if p > 0.9995 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def share_text(x: float) -> str:
+    """A number that cannot pass 1, without its leading zero.
+
+    >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
+    ('.845', '-.043', '1.000')
+    """
+    return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
+
+
+def _with_interval(value: float, low: float, high: float, unit: str, level: str = "95 %") -> str:
+    """
+    >>> _with_interval(-4.8125, -5.21, -4.41, "dB"), _with_interval(0.02, -0.3, 0.35, "")
+    ('-4.81 dB, 95 % CI [-5.21, -4.41]', '0.020, 95 % CI [-0.300, 0.350]')
+    """
+    texts = interval_texts(value, low, high)
+    return f"{texts[0]}{' ' + unit if unit else ''}, {level} CI [{texts[1]}, {texts[2]}]"
+
+
+def bayes_text(bf10: float) -> str:
+    """
+    >>> bayes_text(0.2312), bayes_text(143.4), bayes_text(4.3e5)
+    ('BF10 = 0.23', 'BF10 = 143', 'BF10 > 10 000')
+    """
+    if bf10 > MOST_EVIDENCE:
+        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")
+    return f"BF10 = {bf10:.2g}" if bf10 < 10 else f"BF10 = {bf10:.0f}"
+
+
+def anova_sentences(anova: pd.DataFrame) -> list[str]:
+    """For each effect F, corrected degrees of freedom where there is a correction, p, partial eta squared with its
+    interval and generalised eta squared.
+
+    >>> row = {"Source": "force", "ddof1": 2, "ddof2": 14, "F": 38.121, "p_CM_corr": 6e-6, "eps_CM": 0.9}
+    >>> size = {"np2": 0.845, "np2_low": 0.616, "np2_high": 0.892, "ng2": 0.106}
+    >>> print(*anova_sentences(pd.DataFrame([row | size])))
+    force: F(1.80, 12.60) = 38.12, p < .001, partial eta squared = .845, 90 % CI [.616, .892],
+    generalised eta squared = .106 (Chi-Muller, epsilon = 0.90)
+    """
+    return [_anova_sentence(row) for _, row in anova.iterrows() if pd.notna(row["F"])]
+
+
+def _anova_sentence(row: "pd.Series[Any]") -> str:
+    size = (
+        f"partial eta squared = {share_text(row['np2'])}, {INTERVAL_OF_ETA} CI [{share_text(row['np2_low'])}, "
+        f"{share_text(row['np2_high'])}], generalised eta squared = {share_text(row['ng2'])}"
+    )
+    how = f" (Chi-Muller, epsilon = {row['eps_CM']:.2f})" if row["eps_CM"] < 1 else ""
+    return f"{row['Source']}: {_f_text(row)}, {p_text(row['p_CM_corr'])}, {size}{how}"
+
+
+def simple_sentences(found: pd.DataFrame, by: str) -> list[str]:
+    """One for each value of `by`, of `simple_effects`.
+
+    >>> row = {"hz": 60, "Source": "force", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "p_corr": 0.009}
+    >>> simple_sentences(pd.DataFrame([row | {"np2": 0.536, "note": ""}]), "hz")
+    ['hz 60: force, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536']
+    """
+    return [
+        f"{value_of(by, row[by])}: {row['Source']}, "
+        + (
+            f"{_f_text(row)}, {p_text(row['p_corr'])} (Holm), partial eta squared = {share_text(row['np2'])}"
+            if pd.notna(row["F"])
+            else f"not tested, {row['note'] or 'the error is 0'}"
+        )
+        for _, row in found.iterrows()
+    ]
+
+
+def _f_text(row: "pd.Series[Any]") -> str:
+    return f_text(row["F"], row["ddof1"], row["ddof2"], row["eps_CM"])
+
+
+def f_text(f: float, first: float, second: float, epsilon: float = 1.0) -> str:
+    """F with its degrees of freedom, corrected where they are.
+
+    >>> f_text(8.1, 2, 14), f_text(8.1, 2, 14, 0.9), f_text(8.1, 1, 10.8)
+    ('F(2, 14) = 8.10', 'F(1.80, 12.60) = 8.10', 'F(1, 10.8) = 8.10')
+    """
+    degrees = f"{first * epsilon:.2f}, {second * epsilon:.2f}" if epsilon < 1 else f"{first:.0f}, {_df(second)}"
+    return f"F({degrees}) = {f:.2f}"
+
+
+def permutation_sentences(tested: pd.DataFrame) -> list[str]:
+    """
+    >>> table = pd.DataFrame({"Source": ["a * b"], "F": [1.2], "p_permutation": [0.25], "n_permutations": [512]})
+    >>> permutation_sentences(table)
+    ['a * b: permutation test of 512 changes of signs, F = 1.20, p = .250']
+    """
+    return [
+        f"{row['Source']}: permutation test of {row['n_permutations']} changes of signs, F = {row['F']:.2f}, "
+        f"{p_text(row['p_permutation'])}"
+        for _, row in tested.iterrows()
+    ]
+
+
+def pair_sentences(
+    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
+) -> list[str]:
+    """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared,
+    `factor` the one that was compared: its name says the unit.
+
+    >>> row = {"a": 60, "b": 120, "difference": -4.8125, "simultaneous_low": -5.21, "simultaneous_high": -4.41, "df": 7}
+    >>> row |= {"t": -28.527, "p_unc": 1e-8, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
+    >>> print(*pair_sentences(pd.DataFrame([row]), "dB", factor="frequency_hz"))
+    120 Hz less 60 Hz: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
+    extreme evidence for a difference
+    """
+    n = int(compared["p_unc"].notna().sum())
+    names = [_compared_name(row, by, factor) for _, row in compared.iterrows()]
+    rows = zip(names, compared.iterrows(), strict=True)
+    return [_pair_sentence(row, unit, correction, n, name) for name, (_, row) in rows]
+
+
+def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
+    if row["status"] != "ok":
+        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
+        return f"{name}: {told} in every participant: no test, as there is no error"
+    return f"{name}: {_compared(row, unit, n, correction)}, dz = {row['dz']:.2f}{_evidence(row)}"
+
+
+def _compared_name(row: "pd.Series[Any]", by: str, factor: str) -> str:
+    """Which values of a factor are compared, and at which value of another."""
+    place = f"{value_of(by, row[by])}: " if by else ""
+    return f"{place}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}"
+
+
+def _compared(row: "pd.Series[Any]", unit: str, n: int, correction: str, statistic: str = "t") -> str:
+    """Difference, interval, t and p of one of `n` comparisons; of several the interval and the p of all together."""
+    kind, how = (" simultaneous", f" ({correction})") if n > 1 else ("", "")
+    told = _with_interval(row["difference"], row["simultaneous_low"], row["simultaneous_high"], unit, f"95 %{kind}")
+    return f"{told}, {statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{how}"
+
+
+def _df(df: float) -> str:
+    """
+    >>> _df(9.0), _df(8.43)
+    ('9', '8.4')
+    """
+    return f"{df:.0f}" if abs(df - round(df)) < 1e-6 else f"{df:.1f}"
+
+
+def _evidence(row: "pd.Series[Any]") -> str:
+    return f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
+
+
+def group_sentences(
+    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
+) -> list[str]:
+    """One for each pair of `group_pairs`.
+
+    >>> row = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27}
+    >>> row |= {"df": 4.0, "t": 3.674, "p_unc": 0.021, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
+    >>> print(*group_sentences(pd.DataFrame([row]), "dB"))
+    right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
+    moderate evidence for a difference
+    """
+    n = int(compared["p_unc"].notna().sum())
+    return [
+        _group_sentence(row, unit, correction, n, _compared_name(row, by, factor)) for _, row in compared.iterrows()
+    ]
+
+
+def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
+    if row["status"] != "ok":
+        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
+        return f"{name}: {told}, alike in all participants of a group: no test, as there is no error"
+    compared = _compared(row, unit, n, correction, "Welch's t")
+    return f"{name}: {compared}, g = {row['g']:.2f}{_evidence(row)}"
+
+
+def equivalence_sentences(tested: pd.DataFrame, unit: str = "", factor: str = "") -> list[str]:
+    """One for each pair of `equivalence`, and of several one for all of them together.
+
+    >>> row = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
+    >>> table = pd.DataFrame([row])
+    >>> table.attrs |= {"p_all": 0.001, "bound": 1.0, "alpha": 0.05}
+    >>> print(*equivalence_sentences(table, "dB", "force_n"), sep=chr(10))
+    1 N and 0.5 N are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001
+    """
+    level = percent_text(1 - 2 * tested.attrs["alpha"])
+    bound = f"+-{tested.attrs['bound']:g}{' ' + unit if unit else ''}"
+    each = [
+        f"{level_of(factor, row['b'])} and {level_of(factor, row['a'])} "
+        f"{'are' if row['equivalent'] else 'were not shown to be'} equivalent within {bound}: difference "
+        f"{_with_interval(row['difference'], row['low'], row['high'], unit, level)}, TOST {p_text(row['p'])}"
+        for _, row in tested.iterrows()
+    ]
+    if len(each) == 1:
+        return each
+    verdict = "are" if tested.attrs["p_all"] < tested.attrs["alpha"] else "were not all shown to be"
+    all_of_them = f"all {len(tested)} pairs" if verdict == "are" else f"the {len(tested)} pairs"
+    return [*each, f"{all_of_them} {verdict} equivalent within {bound}, largest TOST {p_text(tested.attrs['p_all'])}"]
+
+
+def friedman_sentence(tested: pd.DataFrame) -> str:
+    """
+    >>> friedman_sentence(pd.DataFrame([{"Source": "force", "W": 0.95, "ddof1": 2, "Q": 7.6, "p_unc": 0.022, "n": 4}]))
+    "force: Friedman chi2(2, n = 4) = 7.60, p = .022, Kendall's W = .950"
+    """
+    row = tested.iloc[0]
+    return (
+        f"{row['Source']}: Friedman chi2({row['ddof1']}, n = {row['n']}) = {row['Q']:.2f}, {p_text(row['p_unc'])}, "
+        f"Kendall's W = {share_text(row['W'])}"
+    )
+
+
+def rank_sentences(tested: pd.DataFrame) -> list[str]:
+    """One for each effect of `aligned_rank_transform`."""
+    return [
+        f"{row['Source']}: aligned rank transform, F({row['ddof1'] * row['eps']:.2f}, {row['ddof2'] * row['eps']:.2f}) "
+        f"= {row['F']:.2f}, {p_text(row['p_GG_corr'])}"
+        for _, row in tested.iterrows()
+    ]
+
+
+def model_sentences(model: MixedModel) -> list[str]:
+    """The terms of a mixed model, its slopes, and its variances as standard deviations."""
+    terms = [
+        f"{row['term']}: F({row['df1']}, {row['df2']}) = {row['F']:.2f}, {p_text(row['p'])}"
+        for _, row in model.terms.iterrows()
+    ]
+    return [
+        *terms,
+        f"standard deviation between participants {number_text(model.participant_sd)}, residual "
+        f"{number_text(model.residual_sd)} "
+        f"({model.n} values of {model.n_participants} participants{_censored(model.n_censored)})",
+        *model.notes,
+    ]
+
+
+def _censored(n: int) -> str:
+    """
+    >>> _censored(0), _censored(2)
+    ('', '; 2 of them bounds of censored thresholds, by maximum likelihood')
+    """
+    bounds = "the bound of a censored threshold" if n == 1 else "bounds of censored thresholds"
+    return f"; {n} of them {bounds}, by maximum likelihood" if n else ""
+
+
+def alpha_sentences(found: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    """Cronbach's alpha of each row of `consistency`."""
+    sentences = []
+    for _, row in found.iterrows():
+        place = "".join(f"{row[name]} " for name in factors) + str(row["dimension"])
+        if pd.isna(row["alpha"]):
+            sentences.append(f"{place}: no Cronbach's alpha ({row['note']})")
+        else:
+            ends = f"[{share_text(row['alpha_low'])}, {share_text(row['alpha_high'])}]"
+            sentences.append(f"{place}: Cronbach's alpha = {share_text(row['alpha'])}, 95 % CI {ends}, n = {row['n']}")
+    return sentences

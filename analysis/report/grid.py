@@ -1,0 +1,45 @@
+"""A table for people: heads in words, cells as text."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.wording.labels import header_of
+from tactometry.analysis.wording.numbers import cell_text
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table as text."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def is_text(self) -> tuple[bool, ...]:
+        """For each column whether it holds words: the first does, and each with a cell without a digit.
+
+        >>> Grid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
+        (True, False, True)
+        """
+        cells = zip(*self.rows, strict=True) if self.rows else ((),) * len(self.header)
+        worded = [any(cell and not any(map(str.isdigit, cell)) for cell in column) for column in cells]
+        return (True, *worded[1:])
+
+
+def grid(table: pd.DataFrame, factors: Sequence[str]) -> Grid:
+    """Values of factors as they were stated, other numbers with three significant digits.
+
+    >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
+    Grid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
+    """
+    columns = [[_text(value, is_level=name in factors) for value in table[name]] for name in table.columns]
+    heads = tuple(header_of(str(name), factors) for name in table.columns)
+    return Grid(heads, tuple(zip(*columns, strict=True)) if columns else ())
+
+
+def _text(value: object, *, is_level: bool) -> str:
+    is_number = isinstance(value, int | float | np.number) and bool(np.isfinite(value))
+    return f"{value:g}" if is_level and is_number else cell_text(value)

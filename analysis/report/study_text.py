@@ -1,0 +1,260 @@
+"""What a data set's study says of itself: its title, and its procedure as a paragraph for a methods section.
+
+The file of the study is quoted: what it leaves to a default is not told.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tactometry.analysis.wording.labels import in_words, level_of, percent_text, split_unit
+from tactometry.config.quantity import as_si
+from tactometry.config.toml import located, read_table
+
+Table = Mapping[str, Any]
+STIMULI = {
+    "amplitude_modulated": "electrovibration whose amplitude was modulated",
+    "sine": "electrovibration by a sine of voltage",
+    "focus": "a time-reversal focus",
+    "pattern": "a pattern of time-reversal foci",
+    "hybrid": "time-reversal foci and electrovibration at once",
+    "measured_focus": "a time-reversal focus, read by a vibrometer",
+}
+TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
+TASKS = {
+    "yes_no": "told whether they felt a stimulus",
+    "forced_choice": "told in which interval the stimulus was",
+    "same_different": "told whether a standard and a level differed",
+    "comparison": "told which of a standard and a level was stronger",
+    "magnitude": "gave a number for the strength",
+    "localisation": "told which of the alternatives it was",
+    "preference": "told which of two they preferred",
+    "adjustment": "set the level",
+    "rating": "felt the stimulus, then filled in a questionnaire",
+}
+PROCEDURES = {
+    "constant_stimuli": "the method of constant stimuli",
+    "staircase": "a staircase",
+    "weighted_staircase": "a weighted staircase",
+    "method_of_limits": "the method of limits",
+    "quest": "QUEST",
+    "quest_plus": "QUEST+",
+    "psi": "the psi method",
+}
+WORDS = {
+    "catch_rate": "share of catch trials",
+    "form": "questionnaire",
+    "high": "highest level",
+    "hold_s": "force held before each stimulus",
+    "low": "lowest level",
+    "n_alternatives": "alternatives",
+    "n_attempts": "attempts at a trial at most",
+    "n_correct": "right answers needed",
+    "n_down": "right answers before a lower level",
+    "n_intervals": "intervals",
+    "n_of": "among the last",
+    "n_reversals": "reversals",
+    "n_touches": "touches before each rating",
+    "n_trials": "trials at most",
+    "n_up": "wrong answers before a higher level",
+    "ramp_s": "ramps",
+    "repeats": "presentations of each level",
+    "rest_after": "trials before a rest",
+    "shared": "all but the threshold shared by interleaved tracks",
+    "start": "first level",
+    "tolerance": "tolerance of the force",
+    "timeout_s": "time allowed for a touch",
+    "width_high": "largest width",
+    "width_low": "smallest width",
+    "voltage_peak_v": "peak voltage at most",
+}
+"""What a key is called where its own words would not do."""
+SHARES = ("catch_rate", "tolerance", "speed_tolerance")
+LEVELS = ("levels", "start", "low", "high", "standard_level")
+PLAN = {
+    "between": "Each participant met one level of {}.",
+    "sessions": "Each session held one level of {}.",
+    "interleave": "The levels of {} were interleaved within a block.",
+}
+ORDERS = {
+    "williams": "changed with the participant's number by Williams squares",
+    "complete": "changed with the participant's number over all orders",
+    "random": "was drawn at random",
+}
+
+
+@dataclass(frozen=True)
+class StudyText:
+    """The study's title and procedure in words, and the force (N) that was asked for where it is no factor."""
+
+    title: str = ""
+    procedure: str = ""
+    force_n: float | None = None
+
+
+def study_text(path: Path, unit: str) -> StudyText:
+    """Of the data set in the folder `path` (empty without a study), whose levels are in `unit`.
+
+    Raises
+    ------
+    InvalidFile
+        If the study cannot be read.
+    """
+    file = path / "study.toml"
+    if not file.is_file():
+        return StudyText()
+    study = read_table(file, "the study that ran")
+    with located(file):
+        touch = as_si(dict(_table(study, "touch")), "touch")
+    force = touch.get("force_n") if isinstance(touch, dict) else None
+    if not isinstance(force, int | float) or "force_n" in _table(study, "factors"):
+        force = None
+    return StudyText(str(study.get("title", "")), procedure_text(study, unit), force)
+
+
+def procedure_text(study: Table, unit: str) -> str:
+    """How the study was done.
+
+    >>> print(procedure_text({
+    ...     "factors": {"frequency_hz": [60, 240]}, "counterbalance": ["frequency_hz"],
+    ...     "touch": {"kind": "slide", "force_n": 1.0, "speed_m_per_s": "50 mm/s"},
+    ...     "task": {"kind": "yes_no", "catch_rate": 0.2},
+    ...     "procedure": {"kind": "staircase", "start": 40.0, "n_reversals": 8},
+    ... }, "dB re 1 V"))
+    The conditions were frequency (60, 240 Hz). The order of frequency changed with the participant's number by
+    Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants told whether they
+    felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
+    reversals 8).
+    """
+    told = [*_design(study), *_tables(study, unit), *_variants(study), *_bounds(study, unit)]
+    return in_words(" ".join(told), list(_table(study, "factors")))
+
+
+def _table(study: Table, name: str) -> Table:
+    found = study.get(name, {})
+    return found if isinstance(found, Mapping) else {}
+
+
+def _design(study: Table) -> Iterator[str]:
+    factors, plan = _table(study, "factors"), _table(study, "plan")
+    if factors:
+        each = [f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()]
+        kind = ", in all combinations" if len(each) > 1 and not _table(study, "nested") else ""
+        yield f"The conditions were {_listed(each)}{kind}."
+    for key, sentence in PLAN.items():
+        if plan.get(key):
+            yield sentence.format(_names(plan[key]))
+    orders = dict(_table(plan, "orders"))
+    orders["williams"] = [*study.get("counterbalance", ()), *orders.get("williams", ())]
+    for rule, names in orders.items():
+        if names:
+            yield f"The order of {_names(names)} {ORDERS.get(rule, rule)}."
+
+
+def _names(factors: Sequence[str]) -> str:
+    return _listed([split_unit(str(name))[0] for name in factors])
+
+
+def _listed(parts: Sequence[str]) -> str:
+    """
+    >>> _listed(["a"]), _listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
+    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
+
+
+def _levels(name: str, stated: Any) -> str:
+    """
+    >>> _levels("force_n", [0.5, 3.0]), _levels("speed_m_per_s", ["50 mm/s"]), _levels("pattern", ["P0", "P1"])
+    ('0.5, 3 N', '50 mm/s', 'P0, P1')
+    """
+    levels = stated if isinstance(stated, list) else [stated]
+    if any(isinstance(level, str) for level in levels):
+        return ", ".join(str(level).replace("_", " ") for level in levels)
+    unit = split_unit(name)[1]
+    return ", ".join(f"{level:g}" for level in levels) + (f" {unit}" if unit else "")
+
+
+def _tables(study: Table, unit: str) -> Iterator[str]:
+    """A sentence for each table that says how a trial went."""
+    rule = _start if _table(study, "task").get("kind") == "adjustment" else _procedure
+    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", _task), ("procedure", rule)):
+        if table := _table(study, name):
+            if "kind" in table:
+                yield f"{tell(str(table['kind']))}{_details(table, unit)}."
+            elif told := _told(table, unit):
+                yield f"{name.capitalize()}: {told}."
+    if practice := _table(study, "practice"):
+        yield f"Practice with feedback came first{_details(practice, unit)}."
+    for inquiry in _table(study, "inquiries").values():
+        if isinstance(inquiry, Mapping):
+            when = f"after each {inquiry['after']}" if inquiry.get("after") == "block" else "at the end of the session"
+            yield f"The questionnaire {inquiry.get('form', '')} was asked {when}."
+
+
+def _stimulus(kind: str) -> str:
+    return f"The stimulus was {STIMULI.get(kind, kind.replace('_', ' '))}"
+
+
+def _touch(kind: str) -> str:
+    return f"Touches were {TOUCHES.get(kind, kind)}"
+
+
+def _task(kind: str) -> str:
+    return "A sensor was read" if kind == "measurement" else f"Participants {TASKS.get(kind, kind.replace('_', ' '))}"
+
+
+def _procedure(kind: str) -> str:
+    return f"Levels were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
+
+
+def _start(kind: str) -> str:
+    return f"The levels at which adjustments began were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
+
+
+def _details(table: Table, unit: str) -> str:
+    """What else the table says, in brackets.
+
+    >>> _details({"kind": "press", "force_n": 1.5, "hold_s": "300 ms"}, "")
+    ' (force 1.5 N, force held before each stimulus 300 ms)'
+    """
+    told = _told(table, unit)
+    return f" ({told})" if told else ""
+
+
+def _told(table: Table, unit: str) -> str:
+    """Every key of a table but its kind."""
+    return ", ".join(_detail(key, value, unit) for key, value in table.items() if key != "kind")
+
+
+def _detail(key: str, value: Any, unit: str) -> str:
+    """
+    >>> _detail("tolerance", 0.2, ""), _detail("levels", [12, 16], "dB re 1 um"), _detail("feedback", True, "")
+    ('tolerance of the force 20 %', 'levels 12, 16 dB re 1 um', 'feedback')
+    """
+    words = WORDS.get(key, re.sub("^n ", "number of ", split_unit(key)[0]))
+    if isinstance(value, bool):
+        return words if value else f"no {words}"
+    if isinstance(value, Mapping):
+        return f"{words}{_details(value, unit)}"
+    if key in SHARES and isinstance(value, int | float):
+        return f"{words} {percent_text(value)}"
+    told = _levels(key, value) if isinstance(value, list) else level_of("" if isinstance(value, str) else key, value)
+    suffix = unit if key in LEVELS else unit.partition(" re ")[0] if key == "steps" else ""
+    return f"{words} {told} {suffix}".rstrip()
+
+
+def _variants(study: Table) -> Iterator[str]:
+    """What a factor's level changes, other than of simulated participants."""
+    for factor in _table(study, "variants"):
+        levels = _table(_table(study, "variants"), factor)
+        for level in levels:
+            if told := list(_tables(_table(levels, level), "")):
+                yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(told)}"
+
+
+def _bounds(study: Table, unit: str) -> Iterator[str]:
+    if limits := _details(_table(study, "limits"), unit):
+        yield f"Every signal was held within limits{limits}."

@@ -1,0 +1,177 @@
+"""Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+from tactometry.analysis.reading.trials import Trials
+from tactometry.analysis.tasks.cells import (
+    FITTED_TASKS,
+    Estimate,
+    answered,
+    catch_counts,
+    cell_keys,
+    fit_options,
+    stacked_counts,
+)
+from tactometry.analysis.tasks.tracks import FIXED
+from tactometry.analysis.threshold.counts import POOLED_BELOW, Array, Counts, checked, normalised
+from tactometry.analysis.threshold.goodness import STATISTICS, Goodness, Sequences, goodness
+from tactometry.analysis.threshold.mode import climb
+from tactometry.analysis.threshold.prior import Prior
+from tactometry.analysis.wording.labels import named_cells
+from tactometry.psychometric import shape_named
+
+SEED = 20010601
+"""Of the draws: the same data give the same bytes."""
+STRETCH = 10
+"""Trials in a stretch of time; there are 2 to `MOST_STRETCHES`."""
+MOST_STRETCHES = 20
+MOST_PLACES = 20_000
+"""Stretches times levels of a cell: draws of more would take longer than a report should."""
+FLAGGED_P = 0.01
+SURPRISING = 0.01
+"""As many flags as chance gives in at most this share of data sets are a warning."""
+TESTS = {
+    "deviance": "the answers lie farther from it than chance explains",
+    "level": "its residuals bend with the level, as where the true function has another form",
+    "order": "its residuals rise or fall with time, as with learning, tiring or a new criterion",
+    "overdispersion": "answers near in time are alike, as with lapses in a row, and intervals are too narrow",
+}
+"""The tests, in the order of `STATISTICS`, with what a small p says of the function."""
+P_COLUMNS = dict(zip(TESTS, ("deviance_p", "residual_level_p", "residual_order_p", "dispersion_p"), strict=True))
+MISFIT = "misfit"
+
+
+def goodness_columns(
+    trials: Trials, found: Sequence[Estimate], n_choices: int, unit: str, rng: np.random.Generator
+) -> pd.DataFrame:
+    """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
+    the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
+    rows = _in_order(trials)
+    values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
+    for task in FITTED_TASKS:
+        chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
+        for part in _of_like_size(found, chosen):
+            tested = _tested(rows, [found[n] for n in part], part, fit_options(task, n_choices, unit), rng)
+            values[part], p[part] = tested.statistics, tested.p
+    columns: dict[str, Any] = {"deviance_p": p[:, 0]}
+    for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
+        columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}
+    return pd.DataFrame(columns | {MISFIT: [_flags(each) for each in p]})
+
+
+def _flags(p: Array) -> str:
+    """
+    >>> _flags(np.array([0.001, 0.2, 0.01, np.nan]))
+    'deviance, order'
+    """
+    return ", ".join(name for name, value in zip(TESTS, p, strict=True) if value <= FLAGGED_P)
+
+
+def _in_order(trials: Trials) -> pd.DataFrame:
+    """The trials with a level as they followed each other, with the number of their `cell`, their `stretch` of time in
+    it, and whether levels of theirs `follow` the answers (a table that names no procedure may hold such)."""
+    rows = answered(trials)
+    rows = rows.assign(cell=rows.groupby(cell_keys(trials), sort=True, observed=True).ngroup())
+    rows = rows[~rows["is_catch"]]
+    if "session" in rows.columns:
+        rows = rows.sort_values("session", kind="stable")
+    cell = rows.groupby("cell")
+    n_trials, place = cell["yes"].transform("size").to_numpy(), cell.cumcount().to_numpy()
+    n_stretches = np.clip(n_trials // STRETCH, 2, MOST_STRETCHES)
+    follows = ~rows["procedure"].isin(FIXED) if "procedure" in rows.columns else True
+    return rows.assign(stretch=place * n_stretches // n_trials, follows=follows)
+
+
+def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[NDArray[np.int64]]:
+    """Cells with few levels apart from those with many, which would fill them up with empty places."""
+    n_levels = np.array([len(found[n].cell.levels) for n in chosen])
+    size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
+    places = n_levels * MOST_STRETCHES
+    return [np.array(chosen)[(size == one) & (places <= MOST_PLACES)] for one in np.unique(size)]
+
+
+def _tested(
+    rows: pd.DataFrame,
+    found: Sequence[Estimate],
+    cells: NDArray[np.int64],
+    options: Mapping[str, Any],
+    rng: np.random.Generator,
+) -> Goodness:
+    """The goodness of fit of estimates, which are those of the numbers `cells`."""
+    curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
+    own_cells = [each.cell for each in found]
+    levels, n_yes, n_trials = stacked_counts(own_cells)
+    counts = normalised(*checked(levels, n_yes, n_trials, positive=curve.on_log_levels))
+    alarms, catch = np.array(catch_counts(own_cells), dtype=np.float64)
+    del known["shape"]
+    prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
+    theta = climb(curve, counts, prior, _parameters(found, counts)).theta
+    own = rows[rows["cell"].isin(cells)]
+    number = np.searchsorted(cells, own["cell"])
+    follows = np.bincount(number, own["follows"], len(cells)) > 0
+    return goodness(curve, counts, prior, theta, _sequences(own, number, levels, counts), follows, rng)
+
+
+def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:
+    """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
+    rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in (each.fit for each in found)]
+    threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
+    return np.stack([(threshold - counts.centre) / counts.spread, np.log(width / counts.spread), lapse, guess], axis=1)
+
+
+def _sequences(rows: pd.DataFrame, number: NDArray[np.int64], levels: Array, counts: Counts) -> Sequences:
+    """The answers of the sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts, which
+    pool those that are equal but for rounding."""
+    apart = np.diff((levels - counts.centre[:, None]) / counts.spread[:, None], axis=1) > POOLED_BELOW
+    places = np.concatenate([np.zeros((len(levels), 1), dtype=np.int64), np.cumsum(apart, axis=1)], axis=1)
+    rank = rows.groupby("cell")["x"].rank("dense").to_numpy().astype(np.int64) - 1
+    where = (number, rows["stretch"].to_numpy(), places[number, rank])
+    n_yes, n_trials = (np.zeros((len(levels), int(rows["stretch"].max()) + 1, levels.shape[1])) for _ in range(2))
+    np.add.at(n_yes, where, rows["yes"].to_numpy())
+    np.add.at(n_trials, where, 1.0)
+    return Sequences(n_yes, n_trials)
+
+
+def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
+    """For each test the number of functions tested, of those flagged, the number that chance would flag, and what a
+    flag means. Empty where nothing was tested."""
+    tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
+    return pd.DataFrame(
+        [
+            (name, len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p), TESTS[name])
+            for name, p in tested.items()
+            if len(p)
+        ],
+        columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"],
+    )
+
+
+def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    """One for each test that flags more functions than chance does."""
+    found = []
+    for name, column in P_COLUMNS.items():
+        p = estimates[column].dropna()
+        flagged = estimates.loc[p.index[p <= FLAGGED_P]]
+        if _is_surprising(p):
+            found.append(
+                f"{len(flagged)} of {len(p)} fitted functions have p <= {FLAGGED_P:g} in the test of {name} (by chance "
+                f"about {FLAGGED_P * len(p):.1f} of {len(p)} tests): {TESTS[name]} ({named_cells(flagged, factors)})"
+            )
+    return found
+
+
+def _is_surprising(p: "pd.Series[float]") -> bool:
+    """More small p than uniform ones would be, at one of two bounds.
+
+    >>> _is_surprising(pd.Series([0.001] + 9 * [0.5])), _is_surprising(pd.Series([0.009] + 9 * [0.5]))
+    (True, False)
+    """
+    bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
+    n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
+    return bool(((n_small > 0) & (binom.sf(n_small - 1, len(p), bounds) <= SURPRISING)).any())

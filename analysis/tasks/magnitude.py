@@ -1,0 +1,99 @@
+"""Magnitude estimation: the exponent of the power law, from geometric means of the numbers given to each level.
+
+psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181): in logarithms a straight line, whose slope n does not
+depend on the unit of the numbers, which each participant chooses.
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import linregress
+from scipy.stats import t as student
+
+from tactometry.analysis.reading.trials import Trials, parsed, used_rows
+from tactometry.analysis.tasks.cells import delivered
+from tactometry.analysis.threshold.counts import Array
+from tactometry.errors import InvalidFile
+
+TASK = "magnitude"
+DEPENDENT = "exponent"
+GROWTH = "magnitude_levels"
+"""The name of the table of `growth_table`."""
+FEW_LEVELS = "fewer than two levels with a number above 0: no exponent"
+
+
+def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str, float | None]:
+    """The slope of log geometric means over log amplitudes (n,), by least squares with every level alike, and from
+    three levels on its t-interval.
+
+    >>> x = np.log([1.0, 2.0, 4.0, 1.0])
+    >>> {name: round(v, 3) for name, v in exponent(x, np.array([2.0, 4.0, 16.0, 8.0])).items()}
+    {'exponent': 1.0, 'exponent_low': -6.336, 'exponent_high': 8.336}
+    """
+    means = pd.Series(np.log(numbers)).groupby(levels).mean()
+    if len(means) < 2:
+        return {"exponent": None, "exponent_low": None, "exponent_high": None}
+    line, df = linregress(means.index.to_numpy(float), means.to_numpy()), len(means) - 2
+    slope = float(line.slope)
+    if not df:
+        return {"exponent": slope, "exponent_low": None, "exponent_high": None}
+    half = float(student.ppf((1 + interval) / 2, df) * line.stderr)
+    return {"exponent": slope, "exponent_low": slope - half, "exponent_high": slope + half}
+
+
+def magnitude_table(trials: Trials) -> pd.DataFrame:
+    """A row per participant and condition: the exponent with its interval, the numbers of ratings, of those that were 0
+    (not felt; no logarithm, left out), and of levels; empty without estimates of magnitude.
+
+    Raises
+    ------
+    InvalidFile
+        For a level that is no amplitude: not above 0 in a unit other than decibels.
+    """
+    rows = _ratings(trials)
+    if rows.empty:
+        return pd.DataFrame()
+    keys = ["participant", *trials.factors]
+    grouped = rows.groupby(keys, sort=True, observed=True)
+    return pd.DataFrame([dict(zip(keys, key, strict=True)) | _row(part) for key, part in grouped])
+
+
+def growth_table(trials: Trials) -> pd.DataFrame:
+    """A row per condition and level: the geometric mean over participants of their own geometric means, after each
+    participant's numbers were brought to the mean logarithm of all (modulus equalisation; Lane, Catania and Stevens
+    1961, Journal of the Acoustical Society of America 33(2), 160-167)."""
+    rows = _ratings(trials)
+    rows = rows[rows["number"] > 0] if len(rows) else rows
+    if rows.empty:
+        return pd.DataFrame()
+    keys = [*trials.factors, "x"]
+    own = rows.assign(log=np.log(rows["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
+    own = own - own.groupby("participant").transform("mean") + own.groupby("participant").mean().mean()
+    found = own.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
+    return found.assign(geometric_mean=np.exp(found["geometric_mean"])).rename(columns={"x": "level"})
+
+
+def _ratings(trials: Trials) -> pd.DataFrame:
+    """The numbers given to stimuli, with their levels and the logarithms of these."""
+    rows = used_rows(trials)
+    rows = rows[(rows["task"] == TASK) & rows["level"].notna()]
+    if rows.empty:
+        return rows
+    x = delivered(rows)
+    in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)
+    bad = rows[~in_db & (x <= 0)]
+    if len(bad):
+        raise InvalidFile(
+            f"{bad.iloc[0]['source']}, row {bad.iloc[0]['row']}, column 'level': found {x[bad.index[0]]:g}, expected "
+            "an amplitude above 0 or a level_unit in decibels (dB ...)"
+        )
+    log_level = np.where(in_db, x * np.log(10) / 20, np.log(x.where(~in_db, 1.0)))
+    return rows.assign(number=parsed(rows["response"]), x=x, log_level=log_level)
+
+
+def _row(part: pd.DataFrame) -> dict[str, Any]:
+    felt = part[part["number"] > 0]
+    found = exponent(felt["log_level"].to_numpy(float), felt["number"].to_numpy(float))
+    counts = {"n_ratings": len(part), "n_zero": len(part) - len(felt), "n_levels": felt["x"].nunique()}
+    return {"task": TASK, **found, **counts, "note": FEW_LEVELS if found["exponent"] is None else ""}

@@ -1,0 +1,87 @@
+"""Measurements: what was left of an amplitude, as its loss per condition with intervals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.outcomes.group_means import mean_with_interval
+from tactometry.analysis.reading.trials import Trials, used_rows
+from tactometry.errors import InvalidFile
+
+TASK = "measurement"
+NEEDED = ("level_unit", "level_measured")
+
+
+def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> "pd.Series[float]":
+    """1 - A' / A of levels in decibels, where `in_db`, or in an amplitude's own unit.
+
+    >>> loss_of(pd.Series([20.0, 4.0]), pd.Series([14.0, 3.0]), pd.Series([True, False])).round(3).tolist()
+    [0.499, 0.25]
+    """
+    left = pd.Series(np.where(in_db, measured - level, 0.0), level.index)
+    share = np.divide(measured, level, out=np.ones(len(level)), where=~in_db.to_numpy())
+    return pd.Series(1 - np.where(in_db, 10 ** (left / 20), share), level.index)
+
+
+def losses(trials: Trials) -> pd.DataFrame:
+    """Per participant and condition the mean `loss` of the readings with its t-interval over them, their number, and
+    the mean applied force where it was measured; empty without measurements.
+
+    Raises
+    ------
+    InvalidFile
+        If a measured level is 0, which nothing can be lost of.
+    """
+    rows = used_rows(trials)
+    rows = rows[rows["task"] == TASK]
+    if not len(rows) or any(name not in rows.columns for name in NEEDED):
+        return pd.DataFrame()
+    rows = rows[rows["level"].notna() & rows["level_measured"].notna()]
+    in_db = rows["level_unit"].str.startswith("dB")
+    _check_levels(rows[~in_db])
+    readings = rows.assign(loss=loss_of(rows["level"].astype(float), rows["level_measured"].astype(float), in_db))
+    grouped = readings.groupby(["participant", *trials.factors], sort=True, observed=True)
+    return pd.DataFrame(
+        [dict(zip(["participant", *trials.factors], key, strict=True)) | _reading(part) for key, part in grouped]
+    )
+
+
+def loss_table(own: pd.DataFrame, factors: Sequence[str], interval: float = 0.95) -> pd.DataFrame:
+    """Per condition the mean loss with its t-interval, over participants, or over the readings of a single one."""
+    grouped = [((), own)] if not factors else own.groupby(list(factors), sort=True, observed=True)
+    return pd.DataFrame([dict(zip(factors, key, strict=True)) | _condition(part, interval) for key, part in grouped])
+
+
+def _check_levels(linear: pd.DataFrame) -> None:
+    if len(linear) and (linear["level"] == 0).any():
+        row = linear[linear["level"] == 0].iloc[0]
+        raise InvalidFile(f"{row['source']}, row {row['row']}, column 'level': found 0, expected an amplitude above 0")
+
+
+def _reading(part: pd.DataFrame, interval: float = 0.95) -> dict[str, object]:
+    found = mean_with_interval(part["loss"].to_numpy(float), interval)
+    row: dict[str, object] = {"loss": found.pop("mean"), "loss_low": None, "loss_high": None}
+    row |= {name.replace("mean", "loss"): value for name, value in found.items()} | {"n_readings": len(part)}
+    if "force_mean_n" in part.columns and part["force_mean_n"].notna().any():
+        row["force_mean_n"] = float(part["force_mean_n"].mean())
+    return row
+
+
+def _condition(part: pd.DataFrame, interval: float) -> dict[str, object]:
+    row: dict[str, object] = dict.fromkeys(("mean", "mean_low", "mean_high", "sd"))
+    if len(part) == 1:
+        one = part.iloc[0]
+        row |= {"mean": one["loss"], "mean_low": one["loss_low"], "mean_high": one["loss_high"]}
+    else:
+        row |= mean_with_interval(part["loss"].to_numpy(float), interval)
+    row |= {"n": len(part), "n_readings": int(part["n_readings"].sum())}
+    if "force_mean_n" in part.columns:
+        row["force_mean_n"] = float(part["force_mean_n"].mean())
+    return row | {"text": _text(row)}
+
+
+def _text(row: dict[str, object]) -> str:
+    low, high = row["mean_low"], row["mean_high"]
+    within = "" if low is None or high is None else f" [{100 * float(str(low)):.1f}, {100 * float(str(high)):.1f}]"
+    return f"{100 * float(str(row['mean'])):.1f} %{within}"

@@ -1,0 +1,211 @@
+"""What is preferred to what: worths of items from paired comparisons.
+
+The log odds that the first of a pair is preferred are the difference of the two items' worths plus an effect of the
+order (Bradley and Terry 1952, Biometrika 39, 324-345; order: Davidson and Beaver 1977, Biometrics 33, 693-702).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.stats import norm
+from scipy.stats import t as student
+
+from tactometry.analysis.reading.trials import Trials, parsed, used_rows
+from tactometry.analysis.threshold.counts import Array
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.trials.row_rules import rows_text
+
+Texts = NDArray[np.str_]
+
+TASK, ORDER = "preference", "first of the pair"
+ROBUST_FROM = 5
+"""Participants from which standard errors count that the answers of one person are alike."""
+
+
+class WorthStatus(StrEnum):
+    OK = "ok"
+    DISCONNECTED = "disconnected"
+
+
+@dataclass(frozen=True)
+class Worths:
+    """A Bradley-Terry model.
+
+    `worths` has a row per item: `item, n_pairs, n_preferred, worth, standard_error, low, high`; worths are logarithms
+    of odds with mean 0, missing unless the status is ``ok``. `order` is how much the first of a pair gains, with the
+    same columns. `disconnected`: some items were never preferred to some others, directly or through others, so that
+    worths have no finite maximum (Ford 1957); `note` says which.
+    """
+
+    worths: pd.DataFrame
+    order: pd.DataFrame
+    status: WorthStatus
+    note: str
+
+    def chance(self, item: str, other: str) -> float:
+        """That `item` is preferred to `other`, without an effect of the order.
+
+        Raises
+        ------
+        InvalidParameter
+            For an unknown item, or without finite worths.
+        """
+        known = self.worths.set_index("item")["worth"]
+        for name in (item, other):
+            if name not in known.index or self.status is not WorthStatus.OK:
+                raise InvalidParameter(
+                    f"item: found {name!r} ({self.status.value}), expected an item with a worth of "
+                    f"{', '.join(map(str, known.index))}{nearest(str(name), [str(one) for one in known.index])}"
+                )
+        return float(1 / (1 + np.exp(known[other] - known[item])))
+
+
+def bradley_terry(
+    first: Sequence[str],
+    second: Sequence[str],
+    preferred: Sequence[int],
+    participants: Sequence[str] | None = None,
+    *,
+    interval: float = 0.95,
+) -> Worths:
+    """Worths of the items of paired comparisons, by maximum likelihood.
+
+    Parameters
+    ----------
+    first, second : (n_trials,) sequence of str
+        The items of each pair, in their order.
+    preferred : (n_trials,) sequence of int
+        1 where the first, 2 where the second was preferred.
+    participants : (n_trials,) sequence of str, optional
+        From 5 participants on standard errors are those of answers that go together within a participant (the sandwich
+        estimator), intervals t with n - 1 degrees of freedom; else answers count as independent.
+
+    Raises
+    ------
+    InvalidParameter
+        For an answer other than 1 or 2, an item against itself, lengths that differ, or no trial.
+
+    >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
+    ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
+    >>> found.worths["worth"].round(2).tolist(), round(found.chance("a", "c"), 2)
+    ([0.76, -0.0, -0.76], 0.82)
+    """
+    a, b, answer = np.asarray(first, dtype=str), np.asarray(second, dtype=str), np.asarray(preferred)
+    _check(a, b, answer, participants)
+    items = sorted(set(a) | set(b))
+    winner, loser = np.where(answer == 1, a, b), np.where(answer == 1, b, a)
+    counts = pd.DataFrame(
+        {
+            "item": items,
+            "n_pairs": [int(((a == one) | (b == one)).sum()) for one in items],
+            "n_preferred": [int((winner == one).sum()) for one in items],
+        }
+    )
+    note = _gap(items, winner, loser)
+    if note:
+        nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
+        return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
+    estimates, errors, df = _fitted(items, a, b, answer, participants)
+    reach = float(norm.ppf((1 + interval) / 2) if df is None else student.ppf((1 + interval) / 2, df))
+    columns = {
+        "worth": estimates,
+        "standard_error": errors,
+        "low": estimates - reach * errors,
+        "high": estimates + reach * errors,
+    }
+    table = pd.DataFrame(columns)
+    worths = pd.concat([counts, table.iloc[:-1]], axis=1)
+    return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
+
+
+def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str] | None) -> None:
+    n = {len(a), len(b), len(answer)} | (set() if participants is None else {len(participants)})
+    if len(n) > 1 or not len(a):
+        raise InvalidParameter(
+            f"first, second, preferred: found {', '.join(map(str, sorted(n)))} values, expected one a trial each"
+        )
+    for row in np.flatnonzero(~np.isin(answer, (1, 2))):
+        raise InvalidParameter(f"preferred, row {row}: found {answer[row]}, expected 1 (the first) or 2 (the second)")
+    for row in np.flatnonzero(a == b):
+        raise InvalidParameter(f"first, second, row {row}: found {a[row]} against itself, expected two items")
+
+
+def _gap(items: Sequence[str], winner: Texts, loser: Texts) -> str:
+    """Which items were never preferred to which others, directly or through others (Ford's condition)."""
+    places = {item: place for place, item in enumerate(items)}
+    beats = np.zeros((len(items), len(items)))
+    beats[[places[w] for w in winner], [places[one] for one in loser]] = 1
+    n, group = connected_components(beats, directed=True, connection="strong")
+    for low, high in permutations(range(n), 2):
+        if not beats[np.ix_(group == low, group == high)].any():
+            names = [", ".join(item for item, g in zip(items, group, strict=True) if g == part) for part in (low, high)]
+            return f"{names[0]} never preferred to {names[1]}: no finite worths"
+    return ""
+
+
+def _fitted(
+    items: Sequence[str],
+    a: Texts,
+    b: Texts,
+    answer: NDArray[Any],
+    participants: Sequence[str] | None,
+) -> tuple[Array, Array, int | None]:
+    """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (None: normal)."""
+    import statsmodels.api as sm
+
+    signs = np.array([[float(one == x) - float(one == y) for one in items] for x, y in zip(a, b, strict=True)])
+    basis = np.vstack([np.eye(len(items) - 1), np.full(len(items) - 1, -1.0)])
+    design = np.column_stack([signs @ basis, np.ones(len(a))])
+    codes = pd.factorize(np.asarray(participants, dtype=str))[0] if participants is not None else np.zeros(len(a), int)
+    n = int(codes.max()) + 1
+    robust = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if n >= ROBUST_FROM else {}
+    found = sm.GLM((answer == 1).astype(float), design, family=sm.families.Binomial()).fit(tol=1e-12, **robust)
+    whole = np.zeros((len(items) + 1, len(items)))
+    whole[:-1, :-1], whole[-1, -1] = basis, 1.0
+    covariance = whole @ np.asarray(found.cov_params()) @ whole.T
+    return whole @ np.asarray(found.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else None
+
+
+def preference_table(trials: Trials) -> pd.DataFrame:
+    """The worths of the items in each condition, then the order's effect; empty without paired preferences.
+
+    Raises
+    ------
+    InvalidFile
+        If the table does not say which two items were compared.
+    """
+    rows = used_rows(trials)
+    rows = rows[rows["task"] == TASK]
+    if rows.empty:
+        return pd.DataFrame()
+    _check_pairs(rows)
+    varied = [name for name in trials.factors if rows[name].nunique() > 1]
+    grouped = rows.groupby(varied, sort=True, observed=True) if varied else [((), rows)]
+    return pd.concat([_of_a_condition(dict(zip(varied, key, strict=True)), part) for key, part in grouped])
+
+
+def _check_pairs(rows: pd.DataFrame) -> None:
+    expected = "the two items of a preference in item and item_b, the one that came first in item"
+    for name in ("item", "item_b"):
+        if name not in rows.columns:
+            hint = nearest(name, [str(column) for column in rows.columns])
+            raise InvalidFile(f"{rows['source'].iloc[0]}: found no column {name!r}{hint}, expected {expected}")
+    alike = (rows["item"] == rows["item_b"]) | (rows["item"] == "") | (rows["item_b"] == "")
+    if alike.any():
+        first = rows[alike].iloc[0]
+        where = f"{first['source']}{rows_text(first['row'], list(rows[alike]['row'])[1:], int(alike.sum()))}"
+        raise InvalidFile(f"{where}: found the items {first['item']!r} and {first['item_b']!r}, expected {expected}")
+
+
+def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFrame:
+    answers = [int(answer) for answer in parsed(part["response"])]
+    found = bradley_terry(part["item"].tolist(), part["item_b"].tolist(), answers, part["participant"].tolist())
+    table = pd.concat([found.worths, found.order.assign(item=ORDER, n_pairs=len(part))], ignore_index=True)
+    return table.assign(note=found.note, **condition)[[*condition, *table.columns, "note"]]

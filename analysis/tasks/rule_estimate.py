@@ -1,0 +1,110 @@
+"""What the rule that chose the levels made of the answers itself: the mean of reversals, the mean of a posterior."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from statistics import fmean, stdev
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.reading.trials import Trials
+from tactometry.analysis.tasks.cells import Estimate, answered
+from tactometry.analysis.tasks.tracks import FIXED
+
+RUN = ("session", "study", "block")
+"""What, of one participant, tells one block from another."""
+DISCARDED = 2
+"""Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
+COLUMNS = ("rule_estimate", "rule_sd", "rule_n", "rule_note")
+
+
+@dataclass(frozen=True)
+class RuleEstimate:
+    """The estimate of one run, its spread (standard deviation of the reversals, or of the posterior), from how many
+    reversals or answers, and what it is or why there is none."""
+
+    estimate: float | None
+    sd: float | None
+    n: int | None
+    note: str
+
+
+Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
+"""From the trials of a block in their order, with `yes` and the level `x`, to each track's estimate."""
+
+
+def rule_columns(trials: Trials, found: Sequence[Estimate], replay: Replay | None = None) -> pd.DataFrame:
+    """A row for each estimate, in their order: of all trials that the rule was told. Of several runs the means of
+    estimates and spreads, and all reversals or answers."""
+    rows = answered(trials)
+    runs = _runs(rows[~rows["is_catch"]], trials.factors, replay)
+    rows_of = ((each.cell.participant, *each.cell.condition, each.cell.task) for each in found)
+    return pd.DataFrame([_together(runs.get(key, [])) for key in rows_of], columns=list(COLUMNS))
+
+
+def _runs(
+    rows: pd.DataFrame, factors: Sequence[str], replay: Replay | None
+) -> dict[tuple[object, ...], list[RuleEstimate]]:
+    """The estimates of the runs of each participant, condition and task."""
+    unsaid = {name: rows[name].fillna(0) for name in RUN if name in rows.columns}
+    rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "", **unsaid)
+    of_block = ["participant", *(name for name in RUN if name in rows.columns)]
+    own = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
+    found: dict[tuple[object, ...], list[RuleEstimate]] = {}
+    for (*block, track), run in _groups(rows, [*of_block, "track"]):
+        told = None if replay is None else own[tuple(block)].get(str(track))
+        for key, part in _groups(run, ["participant", *factors, "task"]):
+            found.setdefault(key, []).append(from_rows(part) if told is None else told)
+    return found
+
+
+def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
+    """The rows of each combination of values, in the order of these; without a search where there is one only."""
+    first = rows.iloc[0] if len(rows) else None
+    if first is not None and all((rows[name] == first[name]).all() for name in keys):
+        yield tuple(first[name] for name in keys), rows
+    else:
+        yield from rows.groupby(list(keys), sort=True, observed=True, dropna=False)
+
+
+def _together(runs: Sequence[RuleEstimate]) -> tuple[float | None, float | None, int | None, str]:
+    known = [(run.estimate, run.sd, run.n) for run in runs if run.estimate is not None]
+    notes = "; ".join(dict.fromkeys(run.note for run in runs)) or "no trial of a rule"
+    if not known:
+        return None, None, None, notes
+    estimates, sds, n = zip(*known, strict=True)
+    several = f"mean of {len(known)} of {len(runs)} runs: " if len(runs) > 1 else ""
+    spreads = [sd for sd in sds if sd is not None]
+    return fmean(estimates), fmean(spreads) if spreads else None, sum(filter(None, n)), several + notes
+
+
+def from_rows(run: pd.DataFrame) -> RuleEstimate:
+    """The estimate of a run of which only the levels are known: the mean of a staircase's reversals."""
+    names = set(run["procedure"]) if "procedure" in run.columns else set()
+    name = str(next(iter(names))) if len(names) == 1 else ""
+    if not name:
+        return RuleEstimate(None, None, None, "no rule: the table does not say which chose the levels")
+    if name in FIXED:
+        return RuleEstimate(None, None, None, f"no rule: the levels of {name} do not depend on the answers")
+    if "stair" not in name.lower():
+        return RuleEstimate(None, None, None, f"the parameters of {name} are not known: no study.toml beside the table")
+    return of_reversals(reversals(run["x"].tolist()), "seen in the levels")
+
+
+def reversals(levels: Sequence[float]) -> list[float]:
+    """The levels at which a track turns round; the last trial's turn, which no level follows, is not among them.
+
+    >>> reversals([8, 6, 4, 4, 6, 6, 4, 6])
+    [4, 6, 4]
+    """
+    moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
+    return [level for (_, before), (level, after) in pairwise(moves) if before != after]
+
+
+def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
+    """The mean of reversals without the first two, made even in number."""
+    kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]
+    if len(kept) < 2:
+        return RuleEstimate(None, None, None, f"too few reversals: {len(turns)} {where}")
+    return RuleEstimate(fmean(kept), stdev(kept), len(kept), f"mean of reversals {where}")

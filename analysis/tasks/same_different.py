@@ -1,0 +1,103 @@
+"""Sensitivity in same-different trials, under either rule of decision, per participant, condition and level.
+
+Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
+"""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
+
+from tactometry.analysis.reading.trials import Trials, parsed, used_rows
+from tactometry.analysis.tasks.cells import is_catch
+from tactometry.analysis.tasks.signal_detection import LARGEST_D_PRIME, z_score
+
+TASK = "same_different"
+
+
+def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
+    """d' of an observer who answers "different" where the difference of the two sensations passes a criterion k.
+
+    False alarms are 2 Phi(-k / sqrt 2), hits Phi((d' - k) / sqrt 2) + Phi((-d' - k) / sqrt 2), with the log-linear rule
+    for both rates. 0 where different pairs are called different no more often than the same ones.
+
+    Raises
+    ------
+    InvalidParameter
+        If a count is negative or above its number of trials, or there are no trials.
+
+    >>> round(differencing_sensitivity(30, 50, 10, 50), 3)
+    2.13
+    """
+    hit, false_alarm = (ndtr(z) for z in _rates(n_hits, n_different, n_false_alarms, n_same))
+    if hit <= false_alarm:
+        return 0.0
+    k = -sqrt(2) * ndtri(false_alarm / 2)
+    return float(brentq(lambda d: ndtr((d - k) / sqrt(2)) + ndtr((-d - k) / sqrt(2)) - hit, 0, 4 * LARGEST_D_PRIME))
+
+
+def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
+    """d' of an observer who names each of the two sensations on its own and compares the names (independent
+    observations): 2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) / 2) is the unbiased rate correct.
+
+    Raises
+    ------
+    InvalidParameter
+        As `differencing_sensitivity`.
+
+    >>> round(independent_sensitivity(30, 50, 10, 50), 3)
+    1.823
+    """
+    hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
+    correct = ndtr((hit - false_alarm) / 2)
+    return 2 * float(ndtri((1 + sqrt(max(2 * correct - 1, 0.0))) / 2))
+
+
+def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> tuple[float, float]:
+    """As standard normal deviates."""
+    return (
+        z_score("n_hits", n_hits, "n_different", n_different),
+        z_score("n_false_alarms", n_false_alarms, "n_same", n_same),
+    )
+
+
+def same_different_table(trials: Trials) -> pd.DataFrame:
+    """A row per participant, condition and level: counts, and d' by both rules, or a note why there is none; empty
+    without such trials."""
+    rows = used_rows(trials)
+    rows = rows[rows["task"] == TASK]
+    if rows.empty:
+        return pd.DataFrame()
+    rows = rows.assign(different=parsed(rows["response"]), is_same=is_catch(rows))
+    keys = ["participant", *trials.factors]
+    found = [
+        dict(zip(keys, key, strict=True)) | row
+        for key, part in rows.groupby(keys, sort=True, observed=True)
+        for row in _cell(part)
+    ]
+    return pd.DataFrame(found)
+
+
+def _cell(part: pd.DataFrame) -> list[dict[str, Any]]:
+    same, other = part[part["is_same"]]["different"], part[~part["is_same"]]
+    found = []
+    for level, answers in other.groupby("level")["different"]:
+        counts = (int(answers.sum()), len(answers), int(same.sum()), len(same))
+        row = {"level": level} | dict(zip(("n_hits", "n_different", "n_false_alarms", "n_same"), counts, strict=True))
+        rules = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
+        note = _undefined(*counts)
+        found.append(row | {name: np.nan if note else rule(*counts) for name, rule in rules.items()} | {"note": note})
+    return found
+
+
+def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
+    """Why there is no d'. Of answers that are all alike the log-linear rule makes one from the numbers of trials alone:
+    1.2 of no hit in 4 and no false alarm in 15."""
+    if not n_same:
+        return "no same pairs"
+    if n_hits + n_false_alarms in (0, n_different + n_same):
+        return "all answers alike"
+    return ""

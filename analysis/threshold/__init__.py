@@ -1,0 +1,1 @@
+"""A psychometric function fitted to counts."""

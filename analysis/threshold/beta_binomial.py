@@ -1,0 +1,90 @@
+"""Beta-binomial answers: the chance of a level varies from block to block (Schuett et al. 2016).
+
+eta in [0, 1) is the overdispersion: nu = 1/eta^2 - 1, and the chance of a block is drawn from
+Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2). eta = 0 is the binomial.
+Its prior is Beta(1, 10).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import gammaln, polygamma, psi
+
+from tactometry.analysis.threshold.counts import Array, Counts
+from tactometry.analysis.threshold.likelihood import Expansion, curvature_of_chances
+from tactometry.analysis.threshold.mode import Mode, find_mode
+from tactometry.analysis.threshold.prior import BETA_B, Prior
+from tactometry.psychometric import Shape
+
+BINOMIAL_BELOW = 1e-4
+"""Below this the beta-binomial differs from the binomial by less than its own rounding."""
+LARGEST = 0.99
+COARSE = (0.0, 0.03, 0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.65)
+GOLDEN = (np.sqrt(5) - 1) / 2
+N_GOLDEN = 16
+SMALLEST_CHANCE = 1e-100
+
+
+def log_prior_of(eta: Array | float) -> Array:
+    """Beta(1, 10) without its constant."""
+    return np.asarray((BETA_B - 1) * np.log1p(-eta))
+
+
+def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:
+    """Log chance of one order of k yes in n answers at the mean chance p = 1 - q, elementwise.
+
+    >>> from scipy.special import binom
+    >>> round(float(binom(20, 15) * np.exp(log_weight(np.array(0.75), np.array(0.25), 15, 20, 0.2))), 9)
+    0.148414569
+    """
+    if eta < BINOMIAL_BELOW:
+        return np.asarray(k * np.log(p) + (n - k) * np.log(q))
+    nu = 1 / eta**2 - 1
+    a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
+    rising = gammaln(k + a) - gammaln(a) + gammaln(n - k + b) - gammaln(b)
+    return np.asarray(rising + gammaln(nu) - gammaln(n + nu))
+
+
+def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
+    """The log-likelihood at eta (n_sets,), with gradient and Hessian along (threshold, log width, lapse,
+    guess)."""
+    p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
+    k, n = counts.n_yes, counts.n_trials
+    nu = (1 / np.square(eta) - 1)[:, None]
+    a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
+    value = gammaln(k + a) - gammaln(a) + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu)
+    first = nu * (psi(k + a) - psi(a) - psi(n - k + b) + psi(b))
+    second = nu**2 * sum(
+        np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0) for count, x in ((k, a), (n - k, b))
+    )
+    gradient = np.einsum("nl,nli->ni", first, by)
+    hessian = np.einsum("nl,nli,nlj->nij", second, by, by) + np.einsum("nl,nlij->nij", first, by_by)
+    return Expansion(value.sum(axis=1), gradient, hessian)
+
+
+def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
+    """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
+    covariance is at that eta."""
+    places, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
+
+    def at(eta: Array) -> Mode:
+        return _at(shape, counts, replace(prior, overdispersion=eta), near)
+
+    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in places], axis=1)
+    best = densities.argmax(axis=1)
+    low, high = places[np.maximum(best - 1, 0)], np.append(places, LARGEST)[best + 1]
+    for _ in range(N_GOLDEN):
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        to_left = at(left).log_density >= at(right).log_density
+        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
+    eta = (low + high) / 2
+    eta = np.where(at(np.zeros(len(counts))).log_density >= at(eta).log_density, 0.0, eta)
+    return at(eta), eta
+
+
+def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
+    """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
+    found, other = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
+    places = np.arange(len(counts)) + np.where(other.log_density > found.log_density, len(counts), 0)
+    highest = found.joined(other)[places]
+    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))

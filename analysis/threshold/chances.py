@@ -1,0 +1,163 @@
+"""Counts of answers at a point z of a psychometric function: log-likelihood and exact derivatives along z, lapse and
+guess rate.
+
+The chances are sums of positive parts, so they may pass through the linear scale as long as no chance comes near the
+smallest float; data sets where one does are done again in log space.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import expit, ndtr
+
+from tactometry.analysis.threshold.counts import Array
+from tactometry.psychometric import SHAPES, Shape, log_mixture
+
+SMALLEST_LINEAR = 1e-140
+"""A chance whose square is still a float."""
+_LARGEST_LOG_RATIO = 300.0
+_ROOT_TWO_PI = float(np.sqrt(2 * np.pi))
+
+
+class ByPoint(NamedTuple):
+    """Log-likelihood and its derivatives along z, lapse (l) and guess rate (g), elementwise."""
+
+    value: Array
+    z: Array
+    zz: Array
+    lapse: Array
+    z_lapse: Array
+    lapse_lapse: Array
+    guess: Array
+    z_guess: Array
+    guess_guess: Array
+    lapse_guess: Array
+
+
+def weighted(count: Array, log_chance: Array) -> Array:
+    """count * log_chance, where no count gives 0 even at log 0."""
+    with np.errstate(invalid="ignore"):
+        return np.where(count > 0, count * log_chance, 0.0)
+
+
+def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> ByPoint:
+    """For `answers` (n_yes, n_no) at z (..., n_levels), and rates that broadcast to it.
+
+    >>> at, none = np.zeros((1, 1)), np.zeros(1)
+    >>> found = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
+    >>> float(found.z[0, 0]), float(found.zz[0, 0])
+    (1.0, -1.0)
+    """
+    with np.errstate(all="ignore"):
+        found, lowest = _linear(shape, z, guess, lapse, answers)
+        lost = ~(lowest > SMALLEST_LINEAR).all(axis=-1)
+        if not lost.any():
+            return found
+        rates = (np.broadcast_to(rate, z.shape)[lost] for rate in (guess, lapse))
+        again = _logarithmic(shape, z[lost], *rates, *(np.broadcast_to(n, z.shape)[lost] for n in answers))
+        for whole, part in zip(found, again, strict=True):
+            whole[lost] = part
+    return found
+
+
+def _normal(z: Array) -> tuple[Array, Array, Array]:
+    return ndtr(z), ndtr(-z), np.exp(-0.5 * z * z) / _ROOT_TWO_PI
+
+
+def _logistic(z: Array) -> tuple[Array, Array, Array]:
+    cdf, sf = expit(z), expit(-z)
+    return cdf, sf, cdf * sf
+
+
+def _gumbel(z: Array) -> tuple[Array, Array, Array]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        rate = np.exp(z)
+        sf = np.exp(-rate)
+        return -np.expm1(-rate), sf, np.where(sf > 0, rate * sf, 0.0)
+
+
+def _reversed_gumbel(z: Array) -> tuple[Array, Array, Array]:
+    cdf, sf, pdf = _gumbel(-z)
+    return sf, cdf, pdf
+
+
+_LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
+    SHAPES["normal"]: _normal,
+    SHAPES["logistic"]: _logistic,
+    SHAPES["gumbel"]: _gumbel,
+    SHAPES["weibull"]: _gumbel,
+    SHAPES["reversed_gumbel"]: _reversed_gumbel,
+}
+
+
+def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
+    """S, 1 - S and the density of S at z, each with its relative precision."""
+    return _LINEAR[shape](z)
+
+
+def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[ByPoint, Array]:
+    """And the smaller of the two chances."""
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    yes, no = guess + span * cdf, lapse + span * sf
+    k_yes, k_no = answers[0] / yes, answers[1] / no
+    kk_yes, kk_no = k_yes / yes, k_no / no
+    first, second, steep = k_yes - k_no, kk_yes + kk_no, span * pdf
+    found = ByPoint(
+        answers[0] * np.log(yes) + answers[1] * np.log(no),
+        first * steep,
+        first * bend(steep, shape.score(z)) - second * steep * steep,
+        -first * cdf,
+        pdf * (kk_no * (1 - guess) - kk_yes * guess),
+        -second * cdf * cdf,
+        first * sf,
+        pdf * (kk_no * lapse - kk_yes * (1 - lapse)),
+        -second * sf * sf,
+        second * cdf * sf,
+    )
+    return found, np.minimum(yes, no)
+
+
+def expected_information(shape: Shape, z: Array, guess: Array, lapse: Array, n_trials: Array) -> Array:
+    """Fisher's information along z of `n_trials` answers, elementwise; 0 where a chance has vanished."""
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    variance = (guess + span * cdf) * (lapse + span * sf)
+    with np.errstate(all="ignore"):
+        return np.asarray(np.where(variance > 0, n_trials * np.square(span * pdf) / variance, 0.0))
+
+
+def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
+    yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
+    value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])
+    return ByPoint(value, *(n_yes * a + n_no * b for a, b in zip(yes[1:], no[1:], strict=True)))
+
+
+def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
+    """log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
+    log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
+    chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
+    sign = 1.0 if answer else -1.0
+    density, up, down = (_ratio(part, chance) for part in (shape.log_pdf(z), log_cdf, log_sf))
+    steep = (1 - guess - lapse) * density
+    by_z, by_l, by_g = sign * steep, -sign * up, sign * down
+    by_zz = sign * bend(steep, shape.score(z)) - steep * steep
+    if answer:
+        by_zl, by_zg = -density * _ratio(np.log(guess), chance), -density * _ratio(np.log1p(-lapse), chance)
+    else:
+        by_zl, by_zg = density * _ratio(np.log1p(-guess), chance), density * _ratio(np.log(lapse), chance)
+    return chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
+
+
+def bend(steep: Array, score: Array) -> Array:
+    """steep * score, 0 where the density has vanished: it does so faster than its logarithm bends."""
+    with np.errstate(invalid="ignore"):
+        return np.where(steep > 0, steep * score, 0.0)
+
+
+def _ratio(log_part: Array, log_chance: Array) -> Array:
+    """exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
+    with np.errstate(invalid="ignore"):
+        difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
+    return np.asarray(np.exp(np.minimum(difference, _LARGEST_LOG_RATIO)))

@@ -1,0 +1,237 @@
+"""Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a
+status."""
+
+from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.analysis.threshold.counts import Array, checked, normalised
+from tactometry.analysis.threshold.methods import Fitting
+from tactometry.analysis.threshold.prior import BETA_B, Prior
+from tactometry.analysis.threshold.result import ThresholdFit
+from tactometry.analysis.threshold.status import Status
+from tactometry.arguments.require import one_of, positive
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.psychometric import shape_named
+
+METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
+OVERDISPERSED = ("ml", "map", "posterior")
+ESTIMATES = ("mode", "median", "mean")
+
+
+def fit(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    *,
+    shape: str,
+    guess_rate: float | None,
+    lapse_rate: float | None = None,
+    method: str = "posterior",
+    interval: float = 0.95,
+    n_false_alarms: int = 0,
+    n_catch: int = 0,
+    robust_range: bool = False,
+    scale_free_width: bool = False,
+    rate_beta: float = BETA_B,
+    equal_asymptotes: bool = False,
+    narrowest_spacings: float = 1.0,
+    overdispersion: bool = False,
+    estimate: str = "mode",
+    n_resamples: int = 1000,
+    rng: np.random.Generator | None = None,
+) -> ThresholdFit:
+    """Fit a psychometric function to the answers at each level.
+
+    Parameters
+    ----------
+    levels, n_correct, n_trials : (n_levels,) array_like
+        Levels in any unit and order, correct (or "yes") answers, trials. Rows without trials are ignored,
+        equal levels are pooled.
+    shape : str
+        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
+    guess_rate : float or None
+        Lower asymptote: 1/m in forced choice; None to estimate it under its prior (yes/no).
+    lapse_rate : float or None
+        Distance of the upper asymptote from 1; None to estimate it under its prior, for every method.
+    method : str
+        ``ml`` maximum likelihood with Wald interval; ``profile`` the same with the profile likelihood's
+        interval; ``map`` posterior mode with Laplace interval; ``posterior`` the posterior's `estimate` with its
+        marginal central interval; ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
+        The intervals of ``ml``, ``map`` and ``profile`` cover less than they say where levels follow the answers.
+    interval : float
+        Coverage of the interval, between 0 and 1.
+    n_false_alarms, n_catch : int
+        "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
+    scale_free_width : bool
+        Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) from the smallest spacing, or a
+        twentieth of the range, on, instead of flat in the width: with few trials that lets wide functions pull the
+        posterior mean of the threshold.
+    rate_beta : float
+        The prior of free rates is Beta(1, `rate_beta`).
+    equal_asymptotes : bool
+        Whether the free lapse rate and guess rate are one: who lapses in a comparison says either with the same chance
+        (psignifit 4's ``equalAsymptote``).
+    narrowest_spacings : float
+        In smallest spacings of the levels: where the width's prior ends; it falls to there from twice that.
+    robust_range : bool
+        Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
+        instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
+        about the function.
+    estimate : str
+        What ``posterior`` gives for the threshold: ``mode`` (where the prior of the width is flat, in the width or its
+        logarithm; the median where the mode lies outside of its interval or on an edge of the priors, and the middle
+        of a step), ``median`` or ``mean``. In forced choice the mean and the median lie below the truth.
+    overdispersion : bool
+        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10); for ``ml``,
+        ``map`` (their intervals at the eta found) and ``posterior``. The status is that of the binomial.
+
+    Returns
+    -------
+    ThresholdFit
+
+    Raises
+    ------
+    InvalidParameter
+        For what is no number, an impossible count (naming the row), an unknown name or a rate outside [0, 1).
+
+    Notes
+    -----
+    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision
+    Research 122, 105-123). A bound of a threshold outside of the levels, and of the width of a step, is
+    always the posterior's.
+
+    Examples
+    --------
+    >>> found = fit([1, 2, 3, 4, 5], [10, 11, 15, 19, 20], 20, shape="normal", guess_rate=0.5)
+    >>> found.status.value, 2.5 < found.threshold < 3.5
+    ('ok', True)
+    >>> fit([1, 2, 3], [20, 20, 20], 20, shape="normal", guess_rate=0.5).threshold is None
+    True
+    """
+    x = np.asarray(levels)
+    if x.ndim > 1:
+        raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected one; stacks of data sets go to fit_many")
+    return fit_many(
+        np.atleast_1d(x)[None],
+        np.atleast_1d(np.asarray(n_correct))[None],
+        np.atleast_1d(np.asarray(n_trials))[None],
+        shape=shape,
+        guess_rate=guess_rate,
+        lapse_rate=lapse_rate,
+        method=method,
+        interval=interval,
+        n_false_alarms=[n_false_alarms],
+        n_catch=[n_catch],
+        robust_range=robust_range,
+        scale_free_width=scale_free_width,
+        rate_beta=rate_beta,
+        equal_asymptotes=equal_asymptotes,
+        narrowest_spacings=narrowest_spacings,
+        overdispersion=overdispersion,
+        estimate=estimate,
+        n_resamples=n_resamples,
+        rng=rng,
+    )[0]
+
+
+def fit_many(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    *,
+    shape: str,
+    guess_rate: float | None,
+    lapse_rate: float | None = None,
+    method: str = "posterior",
+    interval: float = 0.95,
+    n_false_alarms: ArrayLike = 0,
+    n_catch: ArrayLike = 0,
+    robust_range: bool = False,
+    scale_free_width: bool = False,
+    rate_beta: float = BETA_B,
+    equal_asymptotes: bool = False,
+    narrowest_spacings: float = 1.0,
+    overdispersion: bool = False,
+    estimate: str = "mode",
+    n_resamples: int = 1000,
+    rng: np.random.Generator | None = None,
+) -> tuple[ThresholdFit, ...]:
+    """As `fit`, for stacks (n_sets, n_levels) of data sets, which broadcast; catch trials of shape (n_sets,).
+
+    Sets of different length are filled up with rows of 0 trials.
+
+    >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
+    ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
+    ['separated', 'threshold_below_range']
+    """
+    curve = shape_named(shape)
+    _check_options(guess_rate, lapse_rate, method, interval, rng)
+    one_of("estimate", estimate, ESTIMATES)
+    positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
+    if overdispersion and method not in OVERDISPERSED:
+        raise InvalidParameter(
+            f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
+        )
+    x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
+    if curve.on_log_levels:
+        x = np.log(np.where(n > 0, x, 1.0))
+    counts = normalised(x, k, n, robust_range=robust_range)
+    alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
+    if (alarms > catch).any():
+        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
+    if equal_asymptotes and not (guess_rate is None and lapse_rate is None and not catch.any()):
+        raise InvalidParameter(
+            f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {catch.sum():g} catch "
+            "trials, expected None, None and no trial: the one rate is estimated from the answers"
+        )
+    prior = Prior(
+        *(counts.gap, lapse_rate, guess_rate, alarms, catch),
+        scale_free_width=scale_free_width,
+        rate_beta=rate_beta,
+        equal_asymptotes=equal_asymptotes,
+        narrowest_spacings=narrowest_spacings,
+    )
+    fitting = Fitting(shape, curve, counts, prior, method, interval, estimate, overdispersion)
+    return fitting.results(n_resamples, rng)
+
+
+def _check_options(
+    guess_rate: float | None,
+    lapse_rate: float | None,
+    method: str,
+    interval: float,
+    rng: np.random.Generator | None,
+) -> None:
+    for name, rate in (("guess_rate", guess_rate), ("lapse_rate", lapse_rate)):
+        if rate is not None and not 0 <= rate < 1:
+            raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
+    largest = 0.5
+    if (largest if guess_rate is None else guess_rate) + (largest if lapse_rate is None else lapse_rate) > 1 or (
+        (guess_rate or 0) + (lapse_rate or 0) >= 1
+    ):
+        raise InvalidParameter(
+            f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
+            "(a free rate may reach 0.5)"
+        )
+    if method not in METHODS:
+        raise InvalidParameter(
+            f"method: found {method!r}, expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}"
+        )
+    if not 0 < interval < 1:
+        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
+    if method == "bootstrap" and rng is None:
+        raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")
+
+
+def _catch(values: ArrayLike, n_sets: int) -> Array:
+    found = np.broadcast_to(np.asarray(values, dtype=np.float64), (n_sets,))
+    if not ((found >= 0) & (found == np.floor(found))).all():
+        raise InvalidParameter(f"n_false_alarms, n_catch: found {values!r}, expected whole numbers, 0 or more")
+    return found
+
+
+__all__: Sequence[str] = ["METHODS", "Status", "ThresholdFit", "fit", "fit_many"]

@@ -1,0 +1,199 @@
+"""Whether a fitted function explains the answers: deviance and residuals against those of answers drawn from itself.
+
+The reference of each statistic is the parametric bootstrap: answers are drawn at the fitted parameters and the levels
+as presented, and the function is fitted anew to each draw. Without the second fit its p would be too large, as the
+answers were free to pull the function towards them (Wichmann and Hill 2001, Perception & Psychophysics 63,
+1293-1313). No chi-squared stands for it: with one or two answers at a level the deviance is not distributed so. The
+draws of a data set end when `ENOUGH` of them are as extreme as the answers (Besag and Clifford 1991, Biometrika 78,
+301-304): what fits well is told soon.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold.chances import weighted
+from tactometry.analysis.threshold.counts import Array, Bools, Counts
+from tactometry.analysis.threshold.likelihood import GUESS, log_chances, saturated_log_likelihood
+from tactometry.analysis.threshold.mode import climb
+from tactometry.analysis.threshold.prior import Prior
+from tactometry.psychometric import Shape
+
+STATISTICS = ("deviance", "residual_level_z", "residual_order_z", "dispersion")
+TWO_SIDED = np.array([False, True, True, False])
+N_STATISTICS = len(STATISTICS)
+ENOUGH = 6
+"""Draws as extreme as the answers, after which no more are made: the p then errs by a third of itself."""
+ROUNDS = (20, 20, 40, 80, 160, 320, 359)
+N_DRAWS = sum(ROUNDS)
+MOST_AT_ONCE = 1_000_000
+"""Numbers of answers that are drawn in one go: 8 MB."""
+SMALL_DECREMENT = 1e-3
+"""In log density: how near a draw's fit comes to its mode, far below what deviances differ by."""
+FEEDBACK = np.array([1.0, 1.0, 1.3, 1.3])
+"""Where levels follow the answers, residuals in time vary more about a fitted function than those of draws at the same
+levels, which answer nothing: trend and dispersion are divided by this before they are compared. Measured over
+staircases, QUEST and QUEST+ of 40 to 80 trials (1.1 to 1.35 times), and an unverified default elsewhere."""
+EQUAL = 1e-9
+SMALLEST_VARIANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Sequences:
+    """Answers (n_sets, n_stretches, n_levels) of data sets in stretches of consecutive trials, at the levels of their
+    `Counts`."""
+
+    n_yes: Array
+    n_trials: Array
+
+    def __getitem__(self, which: NDArray[np.int64]) -> "Sequences":
+        return Sequences(self.n_yes[which], self.n_trials[which])
+
+
+@dataclass(frozen=True)
+class Goodness:
+    """Statistics and their p (n_sets, 4), in the order of `STATISTICS`.
+
+    The deviance; the standardised bend of the residuals over the levels (above 0: at both ends more answers are yes or
+    correct than the function says, in the middle fewer); their standardised trend over the stretches of time (above 0:
+    in the end more answers are yes or correct than the function says); and the dispersion, the squared residuals of the
+    stretches over their binomial variance, near 1 where answers are independent of each other. It is the mean of two:
+    of the plain residuals, which a criterion or threshold that comes and goes enlarges, and of those weighted with the
+    predicted rate less its mean, which lapses and guesses in a row do.
+    """
+
+    statistics: Array
+    p: Array
+
+
+def goodness(
+    shape: Shape,
+    counts: Counts,
+    prior: Prior,
+    theta: Array,
+    answers: Sequences,
+    follows: Bools,
+    rng: np.random.Generator,
+) -> Goodness:
+    """Of the functions `theta` (n_sets, 4), the modes under `prior`, for the answers in their order; `follows`
+    (n_sets,) says where levels were chosen by the answers before."""
+    found = statistics(shape, counts, theta, answers)
+    compared = found / np.where(follows[:, None], FEEDBACK, 1.0)
+    tally = _Tally(np.zeros(found.shape, dtype=np.int64), np.zeros(found.shape, dtype=np.int64))
+    for n_draws in ROUNDS:
+        for chosen in _portions(tally.is_open(), n_draws * answers.n_trials[0].size):
+            drawn = _drawn(shape, counts[chosen], prior[chosen], theta[chosen], answers[chosen], n_draws, rng)
+            tally.add(chosen, _is_as_extreme(drawn, compared[chosen][:, None]))
+    return Goodness(found, tally.p())
+
+
+def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -> Array:
+    """The four statistics of each data set, (n_sets, 4)."""
+    log_yes, log_no = log_chances(shape, counts.u, theta)
+    psi, variance, k, n = np.exp(log_yes), np.exp(log_yes + log_no), counts.n_yes, counts.n_trials
+    deviance = saturated_log_likelihood(counts) - (weighted(k, log_yes) + weighted(n - k, log_no)).sum(axis=1)
+    off = answers.n_yes - answers.n_trials * psi[:, None]
+    spread = answers.n_trials * variance[:, None]
+    away = psi - _mean(psi, n * variance)
+    parts = (
+        2 * deviance,
+        _bend(counts.u, k - n * psi, n * variance),
+        _trend(off.sum(axis=2), spread.sum(axis=2)),
+        (_dispersion(off, spread, np.ones_like(away)) + _dispersion(off, spread, away)) / 2,
+    )
+    return np.stack(parts, axis=1)
+
+
+def _bend(u: Array, off: Array, variance: Array) -> Array:
+    """z of the residuals' sum, weighted with the part of the squared level that no line explains: threshold and width
+    take up what does not bend."""
+    away = u - _mean(u, variance)
+    line = _mean(away**3, variance) / np.maximum(_mean(away**2, variance), SMALLEST_VARIANCE)
+    return _z(away**2 - _mean(away**2, variance) - line * away, off, variance)
+
+
+def _trend(off: Array, variance: Array) -> Array:
+    """z of the residuals' sum, weighted with the time from its mean."""
+    time = np.arange(off.shape[1], dtype=np.float64)[None]
+    return _z(time - _mean(time, variance), off, variance)
+
+
+def _mean(x: Array, weight: Array) -> Array:
+    return np.asarray(
+        (weight * x).sum(axis=1, keepdims=True) / np.maximum(weight.sum(axis=1), SMALLEST_VARIANCE)[:, None]
+    )
+
+
+def _z(weight: Array, off: Array, variance: Array) -> Array:
+    return np.asarray(
+        (off * weight).sum(axis=1) / np.sqrt(np.maximum((variance * weight**2).sum(axis=1), SMALLEST_VARIANCE))
+    )
+
+
+def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
+    """The squares of the stretches' residuals, with a weight (n_sets, n_levels) each, over their expectation."""
+    squares = np.square((off * weight[:, None]).sum(axis=2)).sum(axis=1)
+    return np.asarray(squares / np.maximum((spread * weight[:, None] ** 2).sum(axis=(1, 2)), SMALLEST_VARIANCE))
+
+
+def _drawn(
+    shape: Shape,
+    counts: Counts,
+    prior: Prior,
+    theta: Array,
+    answers: Sequences,
+    n_draws: int,
+    rng: np.random.Generator,
+) -> Array:
+    """The statistics (n_sets, n_draws, 4) of answers drawn from the functions and fitted anew."""
+    same = np.repeat(np.arange(len(counts)), n_draws)
+    chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
+    trials = answers.n_trials.astype(np.int64)
+    yes = rng.binomial(trials[:, None], chance[:, None, None], (len(counts), n_draws, *trials.shape[1:]))
+    again = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
+    alarms = rng.binomial(prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
+    resampled = counts[same].with_yes(again.n_yes.sum(axis=1))
+    again_at = replace(prior[same], n_false_alarms=alarms)
+    refitted = climb(shape, resampled, again_at, theta[same], small_decrement=SMALL_DECREMENT)
+    return statistics(shape, resampled, refitted.theta, again).reshape(len(counts), n_draws, N_STATISTICS)
+
+
+def _is_as_extreme(drawn: Array, found: Array) -> Bools:
+    """At least as large, of those with two sides in size; what differs by rounding alone is equal."""
+    drawn, found = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, found))
+    return np.asarray(drawn >= found - EQUAL * np.maximum(1.0, np.abs(found)))
+
+
+@dataclass(frozen=True)
+class _Tally:
+    """How many draws were made for each p (n_sets, 4), and how many of them were as extreme as the answers; a p that
+    has `ENOUGH` of these is closed."""
+
+    n_drawn: NDArray[np.int64]
+    n_extreme: NDArray[np.int64]
+
+    def is_open(self) -> NDArray[np.int64]:
+        """The data sets of which some p needs more draws."""
+        return np.flatnonzero((self.n_extreme < ENOUGH).any(axis=1))
+
+    def add(self, sets: NDArray[np.int64], extreme: Bools) -> None:
+        """Count `extreme` (n_sets, n_draws, 4), of each p up to the draw that closes it."""
+        before = self.n_extreme[sets]
+        so_far = before[:, None] + np.cumsum(extreme, axis=1)
+        counted = np.minimum((so_far < ENOUGH).sum(axis=1) + 1, extreme.shape[1])
+        is_open = before < ENOUGH
+        self.n_drawn[sets] += np.where(is_open, counted, 0)
+        self.n_extreme[sets] = np.where(is_open, np.minimum(so_far[:, -1], ENOUGH), before)
+
+    def p(self) -> Array:
+        """Besag and Clifford's: of a closed one the share, else with the answers themselves as one draw more."""
+        closed = self.n_extreme >= ENOUGH
+        return np.where(closed, self.n_extreme / np.maximum(self.n_drawn, 1), (self.n_extreme + 1) / (self.n_drawn + 1))
+
+
+def _portions(sets: NDArray[np.int64], n_numbers: int) -> Iterator[NDArray[np.int64]]:
+    """The data sets in parts of which each draws at most `MOST_AT_ONCE` numbers, where one set draws `n_numbers`."""
+    size = max(1, MOST_AT_ONCE // n_numbers)
+    yield from (sets[start : start + size] for start in range(0, len(sets), size))

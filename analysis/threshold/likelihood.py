@@ -1,0 +1,135 @@
+"""Binomial log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
+
+A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess
+rate.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.analysis.threshold.chances import ByPoint, bend, by_point, expected_information, linear, weighted
+from tactometry.analysis.threshold.counts import Array, Counts
+from tactometry.psychometric import Shape, log_mixture
+
+N_PARAMETERS = 4
+THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
+
+
+def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
+    """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    z = _z(shape, u, theta)
+    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., GUESS, None], theta[..., LAPSE, None])
+
+
+def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
+    """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
+    z = _z(shape, u, theta[:, :1])
+    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    if guess.min() == 0 or lapse.min() == 0:
+        return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
+    yes, no = ((1 - guess - lapse) * part for part in linear(shape, z)[:2])
+    yes += guess
+    no += lapse
+    return np.log(yes, out=yes), np.log(no, out=no)
+
+
+def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
+    """Sum of k log psi + (n - k) log(1 - psi), without the binomial coefficient; shape (n_sets,)."""
+    yes, no = log_chances(shape, counts.u, theta)
+    terms = weighted(counts.n_yes, yes) + weighted(counts.n_trials - counts.n_yes, no)
+    return np.asarray(terms.sum(axis=-1))
+
+
+def saturated_log_likelihood(counts: Counts) -> Array:
+    """The largest log-likelihood any function of the level can reach; shape (n_sets,)."""
+    return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
+
+
+def constant_log_likelihood(k: Array, n: Array) -> Array:
+    """Of k in n answers at their own rate k / n; 0 without trials."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return weighted(k, np.log(k / n)) + weighted(n - k, np.log((n - k) / n))
+
+
+def _z(shape: Shape, u: Array, theta: Array) -> Array:
+    with np.errstate(over="ignore"):
+        slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH])
+    return shape.z50 + (u - theta[..., THRESHOLD, None]) * slope[..., None]
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Value (n,), gradient (n, 4) and Hessian (n, 4, 4) of a log density."""
+
+    value: Array
+    gradient: Array
+    hessian: Array
+
+    def __add__(self, other: "Expansion") -> "Expansion":
+        return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
+
+
+def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
+    """The log-likelihood with its exact gradient and Hessian."""
+    z = _z(shape, counts.u, theta)
+    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _chain(shape, z, theta, by_point(shape, z, guess, lapse, (counts.n_yes, counts.n_trials - counts.n_yes)))
+
+
+def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
+    """From derivatives along z to those along threshold and log width; summed over the levels."""
+    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
+    zz_v = by.zz * to_v
+    z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
+    zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
+    zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
+    zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
+    mv = (mv - z1) * to_m
+    rows = (
+        (zz * to_m * to_m, mv, zl * to_m, zg * to_m),
+        (mv, vv - zv, vl, vg),
+        (zl * to_m, vl, ll, lg),
+        (zg * to_m, vg, lg, gg),
+    )
+    hessian = np.empty((*to_m.shape, N_PARAMETERS, N_PARAMETERS))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            hessian[..., i, j] = entry
+    return Expansion(by.value.sum(axis=-1), np.stack([z1 * to_m, zv, lapse, guess], axis=-1), hessian)
+
+
+def _sums(*parts: Array) -> list[Array]:
+    return [part.sum(axis=-1) for part in parts]
+
+
+def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
+    """Fisher's information (n, 2, 2) of threshold and log width."""
+    z = _z(shape, counts.u, theta)
+    info = expected_information(shape, z, theta[..., GUESS, None], theta[..., LAPSE, None], counts.n_trials)
+    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
+    one, by_v, by_vv = _sums(info, info * to_v, info * to_v * to_v)
+    mm, mv = one * to_m * to_m, by_v * to_m
+    return np.stack([np.stack([mm, mv], axis=-1), np.stack([mv, by_vv], axis=-1)], axis=-2)
+
+
+def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
+    """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
+    z = _z(shape, u, theta)
+    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    cdf, sf, pdf = (np.exp(part(z)) for part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
+    span, nothing = 1 - guess - lapse, np.zeros_like(z)
+    to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
+    to_v = shape.z50 - z
+    steep, bent = span * pdf, span * bend(pdf, shape.score(z))
+    mv, ml, vl = bent * to_m * to_v - steep * to_m, -pdf * to_m, -pdf * to_v
+    rows = [
+        [bent * to_m * to_m, mv, ml, ml],
+        [mv, bent * to_v * to_v - steep * to_v, vl, vl],
+        [ml, vl, nothing, nothing],
+        [ml, vl, nothing, nothing],
+    ]
+    hessian = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    gradient = np.stack([steep * to_m, steep * to_v, -cdf, sf], axis=-1)
+    return guess + span * cdf, lapse + span * sf, gradient, hessian

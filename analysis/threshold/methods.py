@@ -1,0 +1,250 @@
+"""The fits of many data sets by one method: statuses from the data, numbers from the method, and where it has none (no
+curvature at its mode, a step, a bound) from the posterior."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from tactometry.analysis.threshold import intervals
+from tactometry.analysis.threshold.beta_binomial import find_overdispersed_mode
+from tactometry.analysis.threshold.counts import Array, Bools, Counts
+from tactometry.analysis.threshold.evidence import verdict_shares
+from tactometry.analysis.threshold.likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
+from tactometry.analysis.threshold.marginals import Marginals
+from tactometry.analysis.threshold.mode import Mode, find_mode
+from tactometry.analysis.threshold.prior import Prior
+from tactometry.analysis.threshold.result import ThresholdFit
+from tactometry.analysis.threshold.shared_grid import batched_marginals
+from tactometry.analysis.threshold.status import (
+    AFTER_A_TRACK,
+    NOTES,
+    TOO_NARROW,
+    Status,
+    proportion_interval,
+    stand_as_after_a_track,
+    statuses,
+)
+from tactometry.analysis.threshold.step import Step, best_step
+from tactometry.psychometric import Shape
+
+Statuses = NDArray[np.object_]
+ON_LIKELIHOOD = ("ml", "profile")
+CENSORED = (Status.BELOW, Status.ABOVE)
+TOLD = (Status.OK, Status.SEPARATED)
+FITTED_ANYWAY = (Status.NON_MONOTONE, Status.TOO_FEW_LEVELS)
+WIDEST_SD = 0.5
+"""In ranges of the levels: the 95 % interval of a threshold with a larger standard error exceeds all levels, and a
+curvature so weak is none to rest on."""
+WIDEST_LOG_SD = 1.5
+"""Of the logarithm of a width: an interval from a twentieth to twenty times the width says nothing."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """Estimates (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width; the
+    overdispersion (n_sets,) or None."""
+
+    theta: Array
+    threshold: Array
+    width: Array
+    eta: Array | None
+
+    def where(self, chosen: Bools, other: "Point") -> "Point":
+        """This one, and another in some sets."""
+        pairs = ((self.theta, other.theta), (self.threshold, other.threshold), (self.width, other.width))
+        theta, threshold, width = (np.where(chosen[:, None], theirs, own) for own, theirs in pairs)
+        return Point(theta, threshold, width, self.eta)
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """Data sets with what is known before them, and how they are fitted."""
+
+    shape: str
+    curve: Shape
+    counts: Counts
+    prior: Prior
+    method: str
+    interval: float
+    estimate: str
+    overdispersed: bool
+
+    def results(self, n_resamples: int, rng: np.random.Generator | None) -> tuple[ThresholdFit, ...]:
+        mode = find_mode(self.curve, self.counts, self.prior)
+        likeliest = find_mode(self.curve, self.counts, replace(self.prior, on_curve=False), mode.theta)
+        step = best_step(self.curve, self.counts, likeliest)
+        binomial = self._marginals(mode)
+        shares = verdict_shares(self.counts, self.prior, binomial)
+        status = np.array(statuses(self.counts, self.prior, shares, step), dtype=object)
+        own, eta = likeliest if self.method in ON_LIKELIHOOD else mode, None
+        if self.overdispersed:
+            free = replace(self.prior, on_curve=self.method not in ON_LIKELIHOOD)
+            own, eta = find_overdispersed_mode(self.curve, self.counts, free)
+        point = self._of_posterior(mode, binomial, step)
+        if self.method == "posterior":
+            if eta is not None:
+                point = self._of_posterior(own, self._marginals(own, eta), step, eta)
+        else:
+            rests = is_regular(own) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
+            curved = self._of_curvature(own, eta, rests, n_resamples, rng)
+            # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
+            rests &= np.isfinite(curved.threshold).all(axis=1)
+            lost = (status == Status.OK) & ~rests
+            status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
+            point = curved.where(~rests, point)
+        if self.method in ON_LIKELIHOOD:
+            stepped = (status == Status.SEPARATED) & _within(step.place, point.threshold)
+            point.theta[stepped, THRESHOLD] = step.place[stepped]
+        after_a_track = np.zeros(len(self.counts), dtype=bool)
+        if self.method in TOO_NARROW:
+            after_a_track = stand_as_after_a_track(self.counts)
+        told = _Told(self, status, shares, point, mode, binomial, self._deviance(own), after_a_track)
+        return tuple(told.result(i) for i in range(len(self.counts)))
+
+    def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
+        """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
+        found, chosen = Marginals.empty(len(self.counts)), np.flatnonzero(self.counts.n_levels > 1)
+        prior = replace(self.prior[chosen], overdispersion=None if eta is None else eta[chosen])
+        each = batched_marginals(self.curve, self.counts[chosen], prior, mode[chosen], self.interval)
+        found.put(chosen, each, np.ones(len(chosen), dtype=bool))
+        return found
+
+    def _of_posterior(self, mode: Mode, found: Marginals, step: Step, eta: Array | None = None) -> Point:
+        """The mode, median or mean. Of a step the mode is a whole stretch, whose middle is taken; where the mode lies
+        on an edge of the priors or outside of its own interval, the median stands for it."""
+        median, theta = found.mean.copy(), _with_width(mode.theta)
+        median[:, [THRESHOLD, LOG_WIDTH]] = found.median
+        if self.estimate == "mean":
+            return Point(found.mean, found.threshold, found.width, None if eta is None else found.overdispersion)
+        theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
+        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], found.threshold)
+        is_wide = _within(theta[:, LOG_WIDTH], found.width)
+        is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
+        theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
+        return Point(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
+
+    def _of_curvature(
+        self, own: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None
+    ) -> Point:
+        """The mode with Wald's intervals; where a set `rests` on it, the threshold's by profile or bootstrap if these
+        are asked for."""
+        z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
+        threshold = own.theta[:, [THRESHOLD]] + z * own.threshold_sd[:, None]
+        with np.errstate(over="ignore"):
+            width = np.exp(own.theta[:, [LOG_WIDTH]] + z * own.log_width_sd[:, None])
+        chosen = np.flatnonzero(rests)
+        if self.method in ("profile", "bootstrap") and len(chosen):
+            threshold[chosen] = self._refined(chosen, own[chosen], n_resamples, rng)
+        return Point(_with_width(own.theta), threshold, width, eta)
+
+    def _refined(
+        self, chosen: NDArray[np.int64], own: Mode, n_resamples: int, rng: np.random.Generator | None
+    ) -> Array:
+        """The intervals that cost more than a Hessian."""
+        sets, prior = self.counts[chosen], self.prior[chosen]
+        if rng is not None and self.method == "bootstrap":
+            return intervals.bootstrap(self.curve, sets, prior, own, self.interval, n_resamples, rng)
+        return intervals.profile(self.curve, sets, replace(prior, on_curve=False), own, self.interval)
+
+    def _deviance(self, own: Mode) -> Array:
+        best = saturated_log_likelihood(self.counts)
+        return np.maximum(2 * (best - log_likelihood(self.curve, self.counts, own.theta)), 0.0)
+
+
+def is_regular(own: Mode) -> Bools:
+    """Whether the curvature at a mode is one to rest on."""
+    return np.asarray(own.interior & (own.threshold_sd < WIDEST_SD) & (own.log_width_sd < WIDEST_LOG_SD))
+
+
+def _with_width(theta: Array) -> Array:
+    """With the width in place of its logarithm."""
+    with np.errstate(over="ignore"):
+        return np.concatenate([theta[:, :LOG_WIDTH], np.exp(theta[:, [LOG_WIDTH]]), theta[:, LOG_WIDTH + 1 :]], axis=1)
+
+
+def _within(x: Array, ends: Array) -> Bools:
+    return np.asarray((ends[:, 0] <= x) & (x <= ends[:, 1]))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """Everything known of each data set, to be said of one after the other in the unit of its levels."""
+
+    of: Fitting
+    status: Statuses
+    shares: Array
+    point: Point
+    mode: Mode
+    found: Marginals
+    deviance: Array
+    after_a_track: Bools
+
+    def result(self, i: int) -> ThresholdFit:
+        of, status, point = self.of, Status(self.status[i]), self.point
+        told, spread = self._is_told(i, status), float(of.counts.spread[i])
+        low, high = (self._level(i, end) for end in point.threshold[i])
+        m, width, lapse, guess = (float(value) for value in point.theta[i])
+        has_ends, has_width = told or status in CENSORED, told and status != Status.SEPARATED
+        centres = (self.mode.theta[i, THRESHOLD], self.found.median[i, 0], self.found.mean[i, THRESHOLD])
+        mode, median, mean = (self._level(i, float(u)) if told else None for u in centres)
+        below, within, above = self._shares(i)
+        return ThresholdFit(
+            threshold=self._level(i, m) if told else None,
+            width=width * spread if has_width else None,
+            lapse_rate=lapse if told else None,
+            guess_rate=guess if told else None,
+            overdispersion=float(point.eta[i]) if told and point.eta is not None else None,
+            interval_low=low if has_ends and status != Status.BELOW else None,
+            interval_high=high if has_ends and status != Status.ABOVE else None,
+            width_low=_finite(float(point.width[i, 0]) * spread) if has_width else None,
+            width_high=_finite(float(point.width[i, 1]) * spread) if told else None,
+            status=status,
+            deviance=float(self.deviance[i]) if told else None,
+            n_trials=int(of.counts.n_trials[i].sum()),
+            n_levels=int(of.counts.n_levels[i]),
+            shape=of.shape,
+            method=of.method,
+            interval=of.interval,
+            note=self._note(i, status),
+            threshold_mode=mode,
+            threshold_median=median,
+            threshold_mean=mean,
+            probability_below=below,
+            probability_within=within,
+            probability_above=above,
+        )
+
+    def _is_told(self, i: int, status: Status) -> bool:
+        if status in TOLD:
+            return True
+        inside = abs(float(self.point.theta[i, THRESHOLD])) <= 0.5
+        return inside and status in FITTED_ANYWAY and bool(self.of.counts.n_levels[i] > 1)
+
+    def _shares(self, i: int) -> tuple[float | None, ...]:
+        if self.of.counts.n_levels[i] < 2:
+            return None, None, None
+        within, below, above = (float(share) for share in self.shares[i, :3])
+        return below, within, above
+
+    def _level(self, i: int, u: float) -> float | None:
+        level = float(self.of.counts.centre[i] + self.of.counts.spread[i] * u)
+        if self.of.curve.on_log_levels:
+            with np.errstate(over="ignore"):
+                level = float(np.exp(level))
+        return _finite(level)
+
+    def _note(self, i: int, status: Status) -> str:
+        counts = self.of.counts
+        if status == Status.TOO_FEW_LEVELS and counts.n_levels[i] == 1:
+            k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
+            low, high = proportion_interval(k, n, self.of.interval)
+            return f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
+        if status == Status.OK and self.after_a_track[i]:
+            return AFTER_A_TRACK
+        return NOTES[status]
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

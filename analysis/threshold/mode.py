@@ -1,0 +1,260 @@
+"""The mode of many posteriors (or likelihoods) at once: damped Newton steps from every summit of a coarse grid.
+
+The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where
+lapse and guess rates often come to lie.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold.counts import Array, Counts, Which
+from tactometry.analysis.threshold.likelihood import (
+    GUESS,
+    LAPSE,
+    LOG_WIDTH,
+    N_PARAMETERS,
+    THRESHOLD,
+    Expansion,
+    expansion,
+    log_likelihood,
+    saturated_log_likelihood,
+)
+from tactometry.analysis.threshold.prior import Prior, log_prior, prior_expansion
+from tactometry.analysis.threshold.starts import Starts, grid_starts, step_starts
+from tactometry.psychometric import Shape
+
+MAX_STEPS = 80
+SMALL_DECREMENT = 1e-13
+ROUNDING = 1e-14
+"""Relative, of a log density: near the top a step up may look like one down."""
+ENDLESS_GAIN, ENDLESS_STEP = 1e-7, 1e-3
+"""A log width that still moves so far for so little gain has no end: separated answers, whose likelihood rises with the
+steepness for ever."""
+WORTH_LEAVING = 0.6
+EQUAL = 1e-9
+POOR_FIT = 2.0
+"""A deviance above this times its degrees of freedom."""
+STEP_MARGIN = 1.0
+"""How far below the mode in log density a step may be and yet lead above it."""
+SMALLEST_CURVATURE = 1e-12
+
+
+@dataclass(frozen=True)
+class Mode:
+    """Parameters (n_sets, 4) at the largest log density, that density, and the covariance there (Laplace).
+
+    The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
+    threshold or width lie on a bound: there is no mode.
+    """
+
+    theta: Array
+    log_density: Array
+    covariance: Array
+    interior: NDArray[np.bool_]
+
+    def __getitem__(self, which: Which) -> "Mode":
+        return Mode(self.theta[which], self.log_density[which], self.covariance[which], self.interior[which])
+
+    def joined(self, other: "Mode") -> "Mode":
+        """The sets of this one, then those of the other."""
+        names = ("theta", "log_density", "covariance", "interior")
+        return Mode(*(np.concatenate([getattr(self, name), getattr(other, name)]) for name in names))
+
+    @property
+    def threshold_sd(self) -> Array:
+        return np.sqrt(self.covariance[:, THRESHOLD, THRESHOLD])
+
+    @property
+    def log_width_sd(self) -> Array:
+        return np.sqrt(self.covariance[:, LOG_WIDTH, LOG_WIDTH])
+
+
+def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Array:
+    """Log-likelihood plus log prior; shape (n_sets,)."""
+    return log_likelihood(shape, counts, theta) + log_prior(prior, theta)
+
+
+def find_mode(shape: Shape, counts: Counts, prior: Prior, near: Array | None = None) -> Mode:
+    """Climb from every summit of a coarse grid, or from `near` (n_sets, 4) alone; then again from the steps that may be
+    as dense, and in sets that fit poorly from the best narrow and the best wide node of the grid."""
+    if near is None:
+        found = _highest(shape, counts, prior, grid_starts(shape, counts, prior)[0])
+    else:
+        found = climb(shape, counts, prior, near)
+    again = _second_starts(shape, counts, prior, found)
+    return _highest(shape, counts, prior, again, found) if len(again.sets) else found
+
+
+def _second_starts(shape: Shape, counts: Counts, prior: Prior, found: Mode) -> Starts:
+    if prior.overdispersion is not None:
+        return Starts.none()
+    deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, found.theta))
+    poor = np.flatnonzero(deviance > POOR_FIT * np.maximum(counts.n_levels - len(prior.free), 1))
+    halves = grid_starts(shape, counts[poor], prior[poor])[1]
+    return Starts(poor[halves.sets], halves.theta) + step_starts(shape, counts, prior, found.log_density - STEP_MARGIN)
+
+
+def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: Mode | None = None) -> Mode:
+    """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
+    does not choose."""
+    found, sets = climb(shape, counts[starts.sets], prior[starts.sets], starts.theta), starts.sets
+    if known is not None:
+        found, sets = known.joined(found), np.concatenate([np.arange(len(counts)), sets])
+    highest = np.full(len(counts), -np.inf)
+    np.maximum.at(highest, sets, found.log_density)
+    equal = np.flatnonzero(found.log_density >= highest[sets] - EQUAL)
+    return found[equal[np.unique(sets[equal], return_index=True)[1]]]
+
+
+def climb(
+    shape: Shape, counts: Counts, prior: Prior, start: Array, *, small_decrement: float = SMALL_DECREMENT
+) -> Mode:
+    """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
+    theta = start.copy()
+    low, high = prior.bounds()
+    theta = prior.tied(np.clip(theta, low, high))
+    part = _Open(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
+    here, at = _expand(shape, part.counts, prior, theta), theta.copy()
+    for _ in range(MAX_STEPS):
+        held = _held(at, here.gradient, part.low, part.high)
+        step, decrement = _step(here, held, part.damping)
+        trial = prior.tied(np.clip(at + step, part.low, part.high))
+        there = _expand(shape, part.counts, part.prior, trial)
+        better = there.value >= here.value - ROUNDING * np.abs(here.value)
+        at = np.where(better[:, None], trial, at)
+        part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
+        here = _chosen(better, there, here)
+        is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
+        small = small_decrement * np.maximum(1.0, np.abs(here.value))
+        going = (decrement > small) & ~is_endless & (part.damping < 1e15)
+        theta[part.sets] = at
+        if not going.any():
+            break
+        if going.mean() < WORTH_LEAVING:
+            part, here, at = part[going], _part(here, going), at[going]
+    return _described(shape, counts, prior, theta)
+
+
+@dataclass(frozen=True)
+class _Open:
+    """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
+
+    sets: NDArray[np.int64]
+    counts: Counts
+    prior: Prior
+    low: Array
+    high: Array
+    damping: Array
+
+    def __getitem__(self, which: NDArray[np.bool_]) -> "_Open":
+        counts = self.counts[which].by_level()
+        return _Open(
+            self.sets[which], counts, self.prior[which], self.low[which], self.high[which], self.damping[which]
+        )
+
+
+def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        whole = _answers(shape, counts, prior, theta) + prior_expansion(prior, theta)
+    if prior.equal_asymptotes:
+        whole = _along_both(whole)
+    fixed = [place for place in range(N_PARAMETERS) if place not in prior.free]
+    whole.gradient[:, fixed] = 0.0
+    return whole
+
+
+def _along_both(whole: Expansion) -> Expansion:
+    """The derivatives along the lapse rate where the guess rate moves with it."""
+    gradient, hessian = whole.gradient.copy(), whole.hessian.copy()
+    gradient[:, LAPSE] += gradient[:, GUESS]
+    hessian[:, LAPSE] += hessian[:, GUESS]
+    hessian[:, :, LAPSE] += hessian[:, :, GUESS]
+    return Expansion(whole.value, gradient, hessian)
+
+
+def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
+    """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
+    if prior.overdispersion is None or not (prior.overdispersion > 0).any():
+        return expansion(shape, counts, theta)
+    from tactometry.analysis.threshold.beta_binomial import BINOMIAL_BELOW, overdispersed_expansion
+
+    eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
+    spread = overdispersed_expansion(shape, counts, theta, eta)
+    return _chosen(prior.overdispersion >= BINOMIAL_BELOW, spread, expansion(shape, counts, theta))
+
+
+def _part(whole: Expansion, which: NDArray[np.bool_]) -> Expansion:
+    return Expansion(whole.value[which], whole.gradient[which], whole.hessian[which])
+
+
+def _chosen(better: NDArray[np.bool_], there: Expansion, here: Expansion) -> Expansion:
+    return Expansion(
+        np.where(better, there.value, here.value),
+        np.where(better[:, None], there.gradient, here.gradient),
+        np.where(better[:, None, None], there.hessian, here.hessian),
+    )
+
+
+def _held(theta: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """Fixed parameters, and those on a bound with the density rising beyond it."""
+    return np.asarray((low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0)))
+
+
+def _step(here: Expansion, held: NDArray[np.bool_], damping: Array) -> tuple[Array, Array]:
+    """The damped Newton step of the parameters that are not held, and the Newton decrement."""
+    gradient = np.where(held, 0.0, here.gradient)
+    step = convex_solve(_without(-here.hessian, held), gradient, damping)
+    return step, (step * gradient).sum(axis=1)
+
+
+def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
+    """Solutions (n, p) of n small systems (n, p, p) made positive definite: on the scale of its diagonal each pivot of
+    the square-root-free Cholesky factors is replaced by its size, at least 1e-8, plus the damping (n,).
+
+    Vectorised over the systems, which LAPACK's eigenvalues are not (Gill, Murray and Wright, Practical
+    Optimization, 1981, section 4.4.2).
+
+    >>> convex_solve(np.array([[[4.0, 2.0], [2.0, 2.0]]]), np.array([[2.0, 2.0]]), np.zeros(1)).round(12) + 0
+    array([[0., 1.]])
+    """
+    p = right.shape[1]
+    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE).T
+    a = [[matrix[:, i, j] / (scale[i] * scale[j]) for j in range(p)] for i in range(p)]
+    x, pivots = [right[:, i] / scale[i] for i in range(p)], []
+    for j in range(p):
+        pivots.append(np.maximum(np.abs(a[j][j]), 1e-8) + damping)
+        for i in range(j + 1, p):
+            factor = a[j][i] / pivots[j]
+            x[i] = x[i] - factor * x[j]
+            for k in range(i, p):
+                a[i][k] = a[i][k] - factor * a[j][k]
+    for j in reversed(range(p)):
+        x[j] = (x[j] - sum(a[j][k] * x[k] for k in range(j + 1, p))) / pivots[j]
+    return np.stack([x[i] / scale[i] for i in range(p)], axis=1)
+
+
+def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
+    """The matrix with rows and columns of the held parameters replaced by those of the unit matrix."""
+    either = held[:, :, None] | held[:, None, :]
+    return np.where(either, np.eye(N_PARAMETERS), matrix)
+
+
+def _convex_inverse(matrix: Array, damping: Array) -> Array:
+    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced
+    by its absolute value, at least 1e-8, plus the damping."""
+    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
+    outer = scale[:, :, None] * scale[:, None, :]
+    values, vectors = np.linalg.eigh(matrix / outer)
+    values = np.maximum(np.abs(values), 1e-8) + damping[:, None]
+    return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
+
+
+def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
+    here = _expand(shape, counts, prior, theta)
+    low, high = prior.bounds()
+    held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
+    inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
+    covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
+    return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))

@@ -1,0 +1,269 @@
+"""Posterior distributions of psychometric functions by quadrature on a box that follows the posterior.
+
+Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a
+density dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows
+where a face still holds density and shrinks where none is left, before the final grid is laid.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from tactometry.analysis.threshold.beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
+from tactometry.analysis.threshold.chances import linear, weighted
+from tactometry.analysis.threshold.counts import Array, Counts, Which
+from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from tactometry.analysis.threshold.marginals import Marginals, beyond_levels, described, log_cell
+from tactometry.analysis.threshold.mode import Mode
+from tactometry.analysis.threshold.prior import Prior, log_mass, log_prior_axes
+from tactometry.psychometric import Shape, log_mixture
+
+NEGLIGIBLE = 14.0
+"""A log density this far below the mode's is outside."""
+FINAL_NODES = (37, 27)
+RATE_NODES = 10
+INTERIOR_RATE_NODES = 12
+"""A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
+SEARCH_NODES = (13, 11, 5, 5)
+FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
+"""The search keeps off rates of exactly 0, where a chance may vanish."""
+ETA_NODES = 10
+ETA_SEARCH = (0.0, 0.15, 0.35, 0.6)
+SINGLE_TRIALS = 3000
+FEW = 3
+"""Answers of a kind at a level of many: their chances are multiplied before the logarithm is taken."""
+FACTORS = 16
+SMALLEST_RATE = 1e-18
+"""A product of `FACTORS` smaller ones is no float."""
+START_SD = np.array([10.0, 10.0, 6.0, 6.0])
+MAX_SEARCHES = 12
+
+
+@dataclass(frozen=True)
+class _Box:
+    low: Array
+    high: Array
+
+    def __getitem__(self, which: Which) -> "_Box":
+        return _Box(self.low[which], self.high[which])
+
+
+def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
+    """Means and central intervals of every data set, one data set's grid at a time in memory."""
+    if not len(counts):
+        return Marginals.empty(0)
+    boxes = _found_box(shape, counts, prior, mode)
+    each = [
+        _marginal_densities(
+            shape, counts[here], prior[here], boxes[here], _eta_nodes(shape, counts[here], prior[here], mode[here])
+        )
+        for here in (slice(i, i + 1) for i in range(len(counts)))
+    ]
+    mean, threshold, log_width, eta, log_total, beyond = (np.array(part) for part in zip(*each, strict=True))
+    ends = [(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD])]
+    ends += [(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH])]
+    return described(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
+
+
+def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Array, Array]:
+    """Nodes of the overdispersion and their weights times its prior, for one data set: 0 alone for the
+    binomial."""
+    if prior.overdispersion is None:
+        return np.zeros(1), np.ones(1)
+    axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
+    tried = np.linspace(0.005, LARGEST, 100)
+    along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
+    kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
+    end = min(LARGEST, 1.3 * float(tried[kept].max(initial=0.005)))
+    unit, weights = rate_rule(ETA_NODES)
+    nodes = end * unit
+    return nodes, weights * np.exp(log_prior_of(nodes))
+
+
+def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
+    """The smallest box, up to a node, outside of which the density is negligible."""
+    ends = _Box(*prior.bounds())
+    sd = np.sqrt(np.maximum(np.diagonal(mode.covariance, axis1=1, axis2=2), 0.0))
+    reach = np.where(sd > 0, START_SD * sd, np.inf)
+    box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
+    open_sets = np.arange(len(counts))
+    for _ in range(MAX_SEARCHES):
+        part = box[open_sets]
+        new = _adapted(
+            part,
+            ends[open_sets],
+            _profiles(shape, counts[open_sets], prior[open_sets], part),
+            mode.log_density[open_sets],
+        )
+        moved = (np.abs(new.low - part.low) + np.abs(new.high - part.high)) > 0.2 * (part.high - part.low)
+        box.low[open_sets], box.high[open_sets] = new.low, new.high
+        open_sets = open_sets[moved.any(axis=1)]
+        if not len(open_sets):
+            break
+    return box
+
+
+def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Array]:
+    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
+    n_nodes)."""
+    profiles: list[list[Array]] = [[] for _ in range(N_PARAMETERS)]
+    for i in range(len(counts)):
+        axes = [
+            np.linspace(max(box.low[i, place], FLOOR[place]), box.high[i, place], n)
+            if place in prior.free
+            else box.low[i, place, None]
+            for place, n in enumerate(SEARCH_NODES)
+        ]
+        here = slice(i, i + 1)
+        etas = (0.0,) if prior.overdispersion is None else (float(prior.overdispersion[i]), *ETA_SEARCH)
+        each = [_log_density_grid(shape, counts[here], prior[here], axes, eta) + log_prior_of(eta) for eta in etas]
+        density = np.maximum.reduce(each)
+        for place in range(N_PARAMETERS):
+            profiles[place].append(density.max(axis=tuple(j for j in range(N_PARAMETERS) if j != place)))
+    return [np.array(profile) for profile in profiles]
+
+
+def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
+    low, high = box.low.copy(), box.high.copy()
+    for place, profile in enumerate(profiles):
+        if profile.shape[1] == 1:
+            continue
+        size = box.high[:, place] - box.low[:, place]
+        step = size / (profile.shape[1] - 1)
+        inside = profile > np.maximum(best, profile.max(axis=1))[:, None] - NEGLIGIBLE
+        first, last = inside.argmax(axis=1), profile.shape[1] - 1 - inside[:, ::-1].argmax(axis=1)
+        grown = np.where(first == 0, box.low[:, place] - 0.6 * size, box.low[:, place] + (first - 1) * step)
+        low[:, place] = np.maximum(grown, ends.low[:, place])
+        grown = np.where(
+            last == profile.shape[1] - 1,
+            box.high[:, place] + 0.6 * size,
+            box.low[:, place] + (last + 1) * step,
+        )
+        high[:, place] = np.minimum(grown, ends.high[:, place])
+    return _Box(low, high)
+
+
+@cache
+def _gauss(n: int) -> tuple[Array, Array]:
+    points, weights = np.polynomial.legendre.leggauss(n)
+    return points, weights
+
+
+def rate_rule(n: int) -> tuple[Array, Array]:
+    """Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
+    points, weights = _gauss(n)
+    return (points + 1) / 2, weights
+
+
+def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
+    """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
+    nodes, weights = [], []
+    for place in range(N_PARAMETERS):
+        if place not in prior.free:
+            unit, weight = np.zeros(1), np.ones(1)
+        elif place in (LAPSE, GUESS):
+            unit, weight = rate_rule(RATE_NODES if low[place] == 0 else INTERIOR_RATE_NODES)
+        else:
+            unit = np.linspace(0, 1, FINAL_NODES[place])
+            weight = np.ones(FINAL_NODES[place])
+        nodes.append(low[place] + (high[place] - low[place]) * unit)
+        weights.append(weight)
+    return nodes, weights
+
+
+def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Array], eta: float) -> Array:
+    """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
+    lengths."""
+    used = counts.n_trials[0] > 0
+    u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
+    m, v, lapse, guess = *axes[:GUESS], prior.guess_nodes(axes[LAPSE], axes[GUESS])
+    z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
+    if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
+        log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
+        yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
+        k, rest = (count[:, None, None, None, None] for count in (k, n - k))
+        return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0) + _log_prior_grid(prior, axes))
+    cdf, sf, _ = (part[..., None, None] for part in linear(shape, z))
+    if eta < BINOMIAL_BELOW:
+        total = _linear_log_likelihood(cdf, sf, guess, lapse[:, None], k, n)
+    else:
+        total = _overdispersed(cdf, sf, guess, lapse[:, None], (k, n, eta))
+    return np.asarray(total + _log_prior_grid(prior, axes))
+
+
+def _overdispersed(cdf: Array, sf: Array, guess: Array, lapse: Array, answers: tuple[Array, Array, float]) -> Array:
+    span, (k, n, eta) = 1 - guess - lapse, answers
+    parts = (
+        log_weight(guess + span * cdf[i], lapse + span * sf[i], float(k[i]), float(n[i]), eta) for i in range(len(k))
+    )
+    return np.asarray(sum(parts))
+
+
+def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k: Array, n: Array) -> Array:
+    """With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale."""
+    span = 1 - guess - lapse
+    return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
+
+
+def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
+    """Sum over the levels of count * log(floor + span * parts).
+
+    Up to `SINGLE_TRIALS` answers single precision errs by less than 1e-3 in the sum.
+    """
+    few = (count <= FEW) & (len(count) > FACTORS)
+    total = _log_products(np.repeat(parts[few], count[few].astype(int), axis=0), floor, span)
+    precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
+    many = ~few & (count > 0)
+    low, size = floor.astype(precision), span.astype(precision)
+    each = np.zeros(total.shape, dtype=precision)
+    for n, part in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
+        each += n * np.log(low + size * part)
+    return np.asarray(total + each)
+
+
+def _log_products(parts: Array, floor: Array, span: Array) -> Array:
+    """Sum over the first axis of log(floor + span * parts): a product of `FACTORS` chances is a polynomial in floor and
+    span, whose coefficients are the elementary symmetric polynomials of the parts. One product of matrices evaluates
+    it at every rate."""
+    floors, spans = (rate.ravel() for rate in np.broadcast_arrays(floor, span))
+    total = np.zeros((parts.shape[1] * parts.shape[2], spans.size))
+    for start in range(0, len(parts), FACTORS):
+        factors = parts[start : start + FACTORS].reshape(-1, len(total))
+        symmetric = np.zeros((len(factors) + 1, len(total)))
+        symmetric[0] = 1
+        for factor in factors:
+            symmetric[1:] += factor * symmetric[:-1]
+        power = np.arange(len(factors) + 1)[:, None]
+        total += np.log(symmetric.T @ (floors ** power[::-1] * spans**power))
+    return total.reshape(*parts.shape[1:3], *span.shape)
+
+
+def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
+    """The prior is a product: its logarithm is a sum along the axes."""
+    threshold, log_width, lapse, guess = log_prior_axes(prior, axes)
+    return (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
+
+
+def _marginal_densities(
+    shape: Shape, counts: Counts, prior: Prior, box: _Box, etas: tuple[Array, Array]
+) -> tuple[Array, Array, Array, float, float, Array]:
+    """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
+    of the integral over all, and the shares beyond the levels."""
+    axes, weights = _nodes(prior, box.low[0], box.high[0])
+    densities = np.stack([_log_density_grid(shape, counts, prior, axes, float(eta)) for eta in etas[0]])
+    densities += axes[LOG_WIDTH][:, None, None]
+    highest = densities.max()
+    densities -= highest
+    masses = np.exp(densities, out=densities)
+    masses *= weights[LAPSE][:, None] * weights[GUESS]
+    along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
+    mass = np.tensordot(etas[1], masses, axes=1)
+    curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
+    along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
+    nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
+    mean = prior.tied(np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)]))
+    log_total = float(highest + np.log(curve.sum()) + log_cell(prior, box.low[0], box.high[0], curve.shape))
+    beyond = (beyond_levels(shape, counts, axes) * curve).sum(axis=(1, 2)) / curve.sum()
+    mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())
+    return mean, along[THRESHOLD], along[LOG_WIDTH], mean_eta, log_total, beyond

@@ -1,0 +1,207 @@
+"""The priors of psignifit 4 (Schuett et al. 2016), on the scale of `Counts.u`, with exact derivatives.
+
+Threshold: flat on the tested range, falling as a cosine to 0 half a range outside. Width: flat between twice
+the smallest spacing and the range, falling as a cosine to 0 at the smallest spacing and at three times the
+range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]; equal asymptotes are one rate. Catch trials enter as
+what they are: n_false_alarms of n_catch answers whose chance is the guess rate. All are densities of (threshold,
+width, lapse, guess).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactometry.analysis.threshold.counts import Array, Which
+from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, Expansion
+
+BETA_B = 10.0
+LARGEST_RATE = 0.5
+WIDEST = 3.0
+FURTHEST = 1.0
+"""The threshold's prior ends at u = -1 and u = 1."""
+WIDTH_NODES = 400
+NARROWEST = 0.05
+"""A scale-free width is not narrower than this part of the range: two levels that a track left close together say
+nothing of it."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known before the data.
+
+    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
+    width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
+    there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The prior of free rates is
+    Beta(1, `rate_beta`); with `equal_asymptotes` both are one, at the place of the lapse rate. The least width is
+    `narrowest_spacings` of the smallest spacing.
+    """
+
+    gap: Array
+    lapse_rate: float | None
+    guess_rate: float | None
+    n_false_alarms: Array
+    n_catch: Array
+    on_curve: bool = True
+    scale_free_width: bool = False
+    threshold: Array | None = None
+    overdispersion: Array | None = None
+    rate_beta: float = BETA_B
+    equal_asymptotes: bool = False
+    narrowest_spacings: float = 1.0
+
+    def __getitem__(self, which: Which) -> "Prior":
+        return replace(
+            self,
+            gap=self.gap[which],
+            n_false_alarms=self.n_false_alarms[which],
+            n_catch=self.n_catch[which],
+            threshold=None if self.threshold is None else self.threshold[which],
+            overdispersion=None if self.overdispersion is None else self.overdispersion[which],
+        )
+
+    @property
+    def narrowest(self) -> Array:
+        """The least width (n_sets,)."""
+        least = self.narrowest_spacings * self.gap
+        return np.maximum(least, NARROWEST) if self.scale_free_width else least
+
+    @property
+    def log_rate_mass(self) -> float:
+        """The logarithm of the integral of a rate's density."""
+        return float(np.log((1 - (1 - LARGEST_RATE) ** self.rate_beta) / self.rate_beta))
+
+    @property
+    def free(self) -> list[int]:
+        """The places of the free parameters in a parameter vector."""
+        rates = ((LAPSE, self.lapse_rate), (GUESS, 0.0 if self.equal_asymptotes else self.guess_rate))
+        return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
+
+    def tied(self, theta: Array) -> Array:
+        """Parameters (..., 4) with the guess rate that follows from the lapse rate."""
+        if not self.equal_asymptotes:
+            return theta
+        return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
+
+    def guess_nodes(self, lapse: Array, guess: Array) -> Array:
+        """Guess rates that broadcast against lapse rates (n_lapse, 1): nodes of their own, or those of the lapses."""
+        return lapse[:, None] if self.equal_asymptotes else guess
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
+        n = self.gap.shape[0]
+        low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
+        reach = FURTHEST if self.on_curve else 20.0
+        low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
+        low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)
+        high[:, LOG_WIDTH] = np.log(WIDEST if self.on_curve else 1e4)
+        for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
+            if place not in self.free:
+                low[:, place] = high[:, place] = rate or 0.0
+        if self.threshold is not None:
+            low[:, THRESHOLD] = high[:, THRESHOLD] = self.threshold
+        return low, high
+
+
+def log_prior(prior: Prior, theta: Array) -> Array:
+    """The log density at theta (n_sets, ..., 4), without a constant; shape (n_sets, ...)."""
+    return prior_expansion(prior, theta, derivatives=False).value
+
+
+def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> Expansion:
+    """The log prior, with gradient and Hessian unless they are not wanted.
+
+    The density is that along the axis on which the width's prior is flat, the width or its logarithm, so that a mode is
+    the likelihood's where the priors are flat.
+    """
+    parts = _rate_parts(prior, theta)
+    if prior.on_curve:
+        gap = prior.narrowest.reshape(-1, *([1] * (theta.ndim - 2)))
+        parts |= {
+            THRESHOLD: log_threshold(theta[..., THRESHOLD]),
+            LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap),
+        }
+    value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
+    if not derivatives:
+        return Expansion(value, value, value)
+    gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
+    for place, (_, first, second) in parts.items():
+        gradient[..., place], hessian[..., place, place] = first, second
+    return Expansion(value, gradient, hessian)
+
+
+def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Array]]:
+    parts = {}
+    nothing = np.zeros(1)
+    if prior.lapse_rate is None:
+        parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing, prior.rate_beta)
+    if GUESS in prior.free:
+        fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
+        parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa, prior.rate_beta)
+    return parts
+
+
+def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
+    """Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
+    b = beta - 1 + n_no
+    safe = np.maximum(x, 1e-300)
+    value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
+    inside = np.maximum(x, 1e-100)
+    first = -b / (1 - x) + n_yes / inside
+    return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
+
+
+def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
+    """2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
+        cos = np.maximum(np.cos(angle), 1e-8)
+    return (
+        np.where(angle < np.pi / 2, value, -np.inf),
+        -2 * rate * np.sin(angle) / cos,
+        -2 * np.square(rate) / cos**2,
+    )
+
+
+def log_threshold(m: Array) -> tuple[Array, Array, Array]:
+    """Flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1, and its derivatives."""
+    outside = np.maximum(np.abs(m) - 0.5, 0.0)
+    value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
+    return value, first, np.where(outside > 0, second, 0.0)
+
+
+def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
+    """Flat in the width w = exp(v), or in its logarithm; the derivatives are along v. The fall at the wide end has
+    precedence."""
+    w = np.exp(v)
+    wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
+    at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
+    at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
+    value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
+    slope = 1.0 if scale_free else 0.0
+    return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
+
+
+def log_mass(prior: Prior) -> Array:
+    """The logarithm of the integral of the density over threshold, width and free rates, without the answers to catch
+    trials; shape (n_sets,)."""
+    low = np.log(prior.narrowest)[:, None]
+    v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
+    density = np.exp(log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)[0] + v)
+    along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
+    return np.asarray(along + sum(place in (LAPSE, GUESS) for place in prior.free) * prior.log_rate_mass)
+
+
+def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
+    """The log densities of the free parameters of one data set along four axes of nodes; zeros for a fixed
+    one."""
+    along = [np.zeros(len(axis)) for axis in axes]
+    if prior.on_curve:
+        along[THRESHOLD] = log_threshold(axes[THRESHOLD])[0]
+        along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.narrowest, scale_free=prior.scale_free_width)[0]
+    if prior.lapse_rate is None:
+        along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1), prior.rate_beta)[0]
+    if GUESS in prior.free:
+        n_no = prior.n_catch - prior.n_false_alarms
+        along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no, prior.rate_beta)[0]
+    return along

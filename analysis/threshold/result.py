@@ -1,0 +1,62 @@
+"""What a fit of one data set says."""
+
+from dataclasses import dataclass
+
+from tactometry.analysis.threshold.status import Status
+from tactometry.psychometric import PsychometricFunction
+
+
+@dataclass(frozen=True)
+class ThresholdFit:
+    """What the answers say about one threshold.
+
+    `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
+    in natural logarithms of the level). None: the data do not tell. Where only a bound is known
+    (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
+    the bound. `deviance` is that of the mode the method rests on (the likelihood's for ``ml`` and
+    ``profile``, the posterior's otherwise). `note` says what lies behind a status; for ``ok`` it is empty, but where
+    ``ml``, ``map`` or ``profile`` meet the levels of an adaptive track.
+
+    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method.
+    `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the
+    status rests: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
+    rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two
+    levels).
+    """
+
+    threshold: float | None
+    width: float | None
+    lapse_rate: float | None
+    guess_rate: float | None
+    overdispersion: float | None
+    interval_low: float | None
+    interval_high: float | None
+    width_low: float | None
+    width_high: float | None
+    status: Status
+    deviance: float | None
+    n_trials: int
+    n_levels: int
+    shape: str
+    method: str
+    interval: float
+    note: str
+    threshold_mode: float | None = None
+    threshold_median: float | None = None
+    threshold_mean: float | None = None
+    probability_below: float | None = None
+    probability_within: float | None = None
+    probability_above: float | None = None
+
+    @property
+    def function(self) -> PsychometricFunction | None:
+        """The fitted curve, or None where there is none."""
+        if None in (self.threshold, self.width, self.lapse_rate, self.guess_rate):
+            return None
+        return PsychometricFunction(
+            self.shape,
+            self.threshold,  # type: ignore[arg-type]
+            self.width,  # type: ignore[arg-type]
+            self.guess_rate,  # type: ignore[arg-type]
+            self.lapse_rate,  # type: ignore[arg-type]
+        )

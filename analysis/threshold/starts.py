@@ -1,0 +1,211 @@
+"""Where the climbs to a mode begin: every summit of a coarse grid, and steep functions whose density is known in closed
+form.
+
+A density may have several summits, such as a shallow function without lapses and steep ones between any two levels.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold.chances import weighted
+from tactometry.analysis.threshold.counts import Array, Bools, Counts
+from tactometry.analysis.threshold.likelihood import (
+    GUESS,
+    LAPSE,
+    N_PARAMETERS,
+    constant_log_likelihood,
+    log_chances_by_curve,
+)
+from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_prior, log_rate
+from tactometry.psychometric import Shape
+
+N_WIDTHS = 10
+WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
+BEYOND = np.array([0.6, 0.75, 0.93])
+"""Thresholds outside of the levels."""
+MOST_PLACES = 25
+RATES = {1: (0.003, 0.03, 0.1, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
+"""Nodes of a free rate, by the number of free rates."""
+LOW = 25.0
+"""A summit of the coarse grid this far below its highest is none."""
+CHUNK = 2_000_000
+FLOOR = -1e6
+N_STEPS = 3
+STEEP = 0.7
+"""Width of a steep start, in spacings of the levels."""
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Parameters `theta` (n_starts, 4) for the data sets number `sets` (n_starts,)."""
+
+    sets: NDArray[np.int64]
+    theta: Array
+
+    @classmethod
+    def none(cls) -> "Starts":
+        return cls(np.zeros(0, dtype=np.int64), np.zeros((0, N_PARAMETERS)))
+
+    def __add__(self, other: "Starts") -> "Starts":
+        return Starts(np.concatenate([self.sets, other.sets]), np.concatenate([self.theta, other.theta]))
+
+
+# Of a coarse grid
+def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Starts]:
+    """The summits of the grid, and the best node of its narrow and of its wide half for each data set.
+
+    Sets with the same levels and catch trials share the chances: one product of matrices."""
+    found = []
+    catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
+    for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
+        sizes, nodes = _nodes(prior, counts[members[:1]])
+        by_curve = log_chances_by_curve(shape, counts.u[members[0]], nodes.reshape(-1, sizes[2], N_PARAMETERS))
+        chances = [np.maximum(part, FLOOR).reshape(len(nodes), -1) for part in by_curve]
+        size = max(1, CHUNK // len(nodes))
+        for part in (members[start : start + size] for start in range(0, len(members), size)):
+            density = _density(chances, counts[part]) + log_prior(prior[part[:1]], nodes[None])
+            found.append(_tops(part, density.reshape(len(part), *sizes), nodes.reshape(*sizes, N_PARAMETERS)))
+    if not found:
+        return Starts.none(), Starts.none()
+    summits, halves = (
+        Starts(np.concatenate([each.sets for each in kind]), np.concatenate([each.theta for each in kind]))
+        for kind in zip(*found, strict=True)
+    )
+    return summits, halves
+
+
+def same_rows(rows: Array) -> list[NDArray[np.int64]]:
+    """The places of equal rows, group by group."""
+    if not len(rows) or (rows == rows[0]).all():
+        return [np.arange(len(rows))] if len(rows) else []
+    _, group = np.unique(rows, axis=0, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group.ravel()[order])) + 1)
+
+
+def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
+    """Nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
+    narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
+    free = RATES[2 if LAPSE in prior.free and GUESS in prior.free else 1]
+    axes = (
+        np.linspace(np.log(narrow), np.log(WIDEST_NODE), N_WIDTHS).tolist(),
+        _places(one.u[0, one.n_trials[0] > 0]).tolist(),
+        free if prior.lapse_rate is None else [prior.lapse_rate],
+        free if GUESS in prior.free else [prior.guess_rate or 0.0],
+    )
+    sizes = (len(axes[0]), len(axes[1]), len(axes[2]) * len(axes[3]))
+    return sizes, prior.tied(np.array(list(product(*axes)))[:, [1, 0, 2, 3]])
+
+
+def _places(levels: Array) -> Array:
+    """Thresholds at the levels, at their middles and beyond them; of many levels equidistant ones."""
+    x = np.unique(np.clip(levels, -BEYOND[-1], BEYOND[-1]))
+    inside = np.concatenate([x, (x[1:] + x[:-1]) / 2])
+    if len(inside) > MOST_PLACES or not len(inside):
+        inside = np.linspace(-0.5, 0.5, MOST_PLACES)
+    both = np.concatenate([-BEYOND, BEYOND])
+    return np.unique(np.concatenate([inside, both[(both < inside.min()) | (both > inside.max())]]))
+
+
+def _density(chances: list[Array], counts: Counts) -> Array:
+    """Log-likelihoods (n_sets, n_nodes) on the same levels, of log chances of yes and of no (n_nodes, n_levels)."""
+    answers = (counts.n_yes, counts.n_trials - counts.n_yes)
+    return np.asarray(sum(n @ part.T for n, part in zip(answers, chances, strict=True)))
+
+
+def _tops(sets: NDArray[np.int64], density: Array, nodes: Array) -> tuple[Starts, Starts]:
+    """From densities (n_sets, n_widths, n_thresholds, n_rates): the tops over widths and thresholds of the best rates,
+    and the best of the narrow and of the wide half."""
+    rate = density.argmax(axis=3)
+    ridge = np.take_along_axis(density, rate[..., None], axis=3)[..., 0]
+    high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
+    i, v, m = np.nonzero(_is_top(ridge) & high)
+    every, middle = np.arange(len(sets)), ridge.shape[1] // 2
+    halves = []
+    for first, half in ((0, ridge[:, :middle]), (middle, ridge[:, middle:])):
+        v_half, m_half = np.divmod(half.reshape(len(sets), -1).argmax(axis=1), ridge.shape[2])
+        halves.append(nodes[first + v_half, m_half, rate[every, first + v_half, m_half]])
+    return Starts(sets[i], nodes[v, m, rate[i, v, m]]), Starts(np.tile(sets, 2), np.concatenate(halves))
+
+
+def _is_top(ridge: Array) -> Bools:
+    """Where a density (n_sets, n_widths, n_thresholds) is higher than at all eight neighbours, the first of equals."""
+    _, a, b = ridge.shape
+    padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
+    top = np.ones(ridge.shape, dtype=bool)
+    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):
+        top &= ridge >= padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
+        top &= ridge > padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
+    return top
+
+
+# Of steps
+def step_starts(shape: Shape, counts: Counts, prior: Prior, at_least: Array) -> Starts:
+    """The `N_STEPS` densest steps, between two levels or at one level with any rate there, of each data set, if their
+    log density (without the prior of threshold and width) reaches `at_least` (n_sets,)."""
+    density, theta = (np.concatenate(pair, axis=1) for pair in zip(*_steps(shape, counts, prior), strict=True))
+    best = np.argsort(-density, axis=1)[:, :N_STEPS]
+    sets, place = np.nonzero(np.take_along_axis(density, best, axis=1) >= at_least[:, None])
+    return Starts(sets, theta[sets, best[sets, place]])
+
+
+def _steps(shape: Shape, counts: Counts, prior: Prior) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Log densities (n_sets, n_steps) and parameters (n_sets, n_steps, 4) of the steps between and at the levels."""
+    u, k, n = counts.u, counts.n_yes, counts.n_trials
+    n_levels, used = u.shape[1], n > 0
+    between = used[:, 1:] & used[:, :-1]
+    spacing = np.where(between, np.diff(u, axis=1), np.inf)
+    narrow = 1.5 * counts.gap[:, None]
+    outer = np.full((len(counts), 1), np.inf)
+    nearest = np.minimum(np.hstack([outer, spacing]), np.hstack([spacing, outer]))
+    cut, at = np.arange(1, n_levels), np.arange(n_levels)
+    density, lapse, guess = _asymptotes(counts, prior, cut, cut)
+    width = np.maximum(narrow, STEEP * np.where(between, spacing, 1.0))
+    first = (
+        np.where(between, density, -np.inf),
+        np.stack([(u[:, 1:] + u[:, :-1]) / 2, np.log(width), lapse, guess], axis=-1),
+    )
+    density, lapse, guess = _asymptotes(counts, prior, at, at + 1)
+    rate = np.divide(k, n, out=np.full_like(k, 0.5), where=used)
+    share = np.clip((rate - guess) / np.maximum(1 - guess - lapse, 1e-9), 0.03, 0.97)
+    width = np.maximum(narrow, STEEP * np.where(np.isfinite(nearest), nearest, 1.0))
+    shift = (shape.at(np.log(share), np.log1p(-share)) - shape.z50) / shape.z_width
+    second = (
+        np.where(used, density + constant_log_likelihood(k, n), -np.inf),
+        np.stack([u - shift * width, np.log(width), lapse, guess], axis=-1),
+    )
+    return first, second
+
+
+def _asymptotes(
+    counts: Counts, prior: Prior, below: NDArray[np.int64], above: NDArray[np.int64]
+) -> tuple[Array, Array, Array]:
+    """Of the levels before `below` and from `above` on: log density (n_sets, n_steps), lapse and guess rates."""
+    none = np.zeros((len(counts), 1))
+    k, n = (np.hstack([none, np.cumsum(part, axis=1)]) for part in (counts.n_yes, counts.n_trials))
+    alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
+    n_up = n[:, -1:] - n[:, above]
+    misses = n_up - (k[:, -1:] - k[:, above])
+    guess = _rate(k[:, below] + alarms, n[:, below] + catch, prior.guess_rate, prior.rate_beta)
+    lapse = _rate(misses, n_up, prior.lapse_rate, prior.rate_beta)
+    if prior.equal_asymptotes:
+        guess = lapse = _rate(k[:, below] + misses, n[:, below] + n_up, None, prior.rate_beta)
+    density = _log_chance(k[:, below], n[:, below], guess) + _log_chance(misses, n_up, lapse)
+    if GUESS in prior.free:
+        density = density + log_rate(guess, alarms, catch - alarms, prior.rate_beta)[0]
+    if prior.lapse_rate is None:
+        density = density + log_rate(lapse, none, none, prior.rate_beta)[0]
+    return density, lapse, guess
+
+
+def _rate(k: Array, n: Array, fixed: float | None, beta: float) -> Array:
+    """The mode of a rate under its prior, or the one that is known."""
+    return np.full(k.shape, fixed) if fixed is not None else np.clip(k / (n + beta - 1), 1e-6, LARGEST_RATE)
+
+
+def _log_chance(k: Array, n: Array, rate: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.maximum(weighted(k, np.log(rate)) + weighted(n - k, np.log1p(-rate)), FLOOR)

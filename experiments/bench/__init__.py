@@ -1,0 +1,1 @@
+"""A bench: its file, calibration, preflight, learnt responses."""

@@ -1,0 +1,376 @@
+"""Bench files: the screen, the output, the sensors and the limits of one bench, strictly read."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from tactometry.config.quantity import as_si
+from tactometry.config.strict import build
+from tactometry.config.toml import located, read_table
+from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
+from tactometry.devices.measured import Measured
+from tactometry.devices.outputs.gain import Gain, stated
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullSettings
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import StreamedSensor, streamed_force, streamed_position
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.rigs.texts import languages
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+
+LONGEST_DELAY_S = 0.05
+"""Of a sensor: half of the time after which a silent one is lost (unverified default)."""
+RAMP_S = 0.005
+"""Of a signal that does not begin and end at rest by itself (unverified default)."""
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured."""
+
+    fullscreen: bool = True
+    width_px: int = 1280
+    height_px: int = 800
+    height_m: float | None = None
+    language: str = "en"
+
+    def __post_init__(self) -> None:
+        for name in ("width_px", "height_px"):
+            if getattr(self, name) < 320:
+                raise InvalidParameter(f"Screen.{name}: found {getattr(self, name)}, expected at least 320 pixels")
+        if self.language not in languages():
+            raise InvalidParameter(
+                f"Screen.language: found {self.language!r}, expected one of {', '.join(languages())}"
+                f"{nearest(self.language, languages())}"
+            )
+        if self.height_m is not None and not 0 < self.height_m < 10:
+            raise InvalidParameter(f"Screen.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
+
+
+@dataclass(frozen=True)
+class OutputPart:
+    """The output, what its numbers become, what it drives, and the ramps of its signals.
+
+    `ungated` says that it may play under a finger whose force nobody measures.
+    """
+
+    settings: OutputSettings = field(default_factory=NullSettings)
+    gain: Gain | None = None
+    load: Load | None = None
+    ramp_s: float = RAMP_S
+    ungated: bool = False
+
+    def __post_init__(self) -> None:
+        if self.settings.connected:
+            stated(self.gain, "OutputPart.gain")
+        if not 0 <= self.ramp_s <= 1:
+            raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
+
+
+@dataclass(frozen=True)
+class SensorPart:
+    """A sensor; `delay_s` is how long its stamps are after what they tell of, as measured."""
+
+    settings: SensorSettings
+    delay_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.delay_s <= LONGEST_DELAY_S:
+            raise InvalidParameter(
+                f"SensorPart.delay_s: found {self.delay_s:g}, expected from 0 to {LONGEST_DELAY_S:g} s: a stop comes "
+                "so much later"
+            )
+
+    def reader(self) -> Reader:
+        return Reader(self.settings.source(), self.delay_s)
+
+
+@dataclass(frozen=True)
+class ForcePart:
+    """The force: one channel (from 0) of a sensor of the file; `release` if it must leave its band between touches."""
+
+    sensor: str
+    calibration: ForceCalibration
+    channel: int = 0
+    release: bool = True
+
+
+@dataclass(frozen=True)
+class PositionPart:
+    """The finger's position: one channel (from 0) of a sensor per axis, which counts `zero_counts` at position 0."""
+
+    sensor: str
+    channels: tuple[int, ...]
+    metres_per_count: float
+    zero_counts: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise InvalidParameter("PositionPart.channels: found none, expected at least one")
+        if self.zero_counts and len(self.zero_counts) != len(self.channels):
+            raise InvalidParameter(
+                f"PositionPart.zero_counts: found {len(self.zero_counts)}, expected one for each channel, or none"
+            )
+        if not 0 < abs(self.metres_per_count) < float("inf"):
+            raise InvalidParameter(
+                f"PositionPart.metres_per_count: found {self.metres_per_count}, expected a finite number but 0"
+            )
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """Impulse responses of this bench: `responses` is the file that `tactometry calibrate responses` wrote."""
+
+    responses: str
+
+
+@dataclass(frozen=True)
+class Devices:
+    """The devices of a bench, none of them open."""
+
+    output: Guarded
+    force: StreamedSensor | None
+    position: StreamedSensor | None
+    readers: Mapping[str, Reader]
+
+
+@dataclass(frozen=True)
+class BenchFile:
+    """One bench. Its limits stand beside those of the study: the tighter one holds."""
+
+    screen: Screen = field(default_factory=Screen)
+    output: OutputPart = field(default_factory=OutputPart)
+    limits: Limits | None = None
+    sensors: Mapping[str, SensorPart] = field(default_factory=dict)
+    force: ForcePart | None = None
+    position: PositionPart | None = None
+    time_reversal: Learnt | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("force", "position"):
+            part = getattr(self, name)
+            if part is not None and part.sensor not in self.sensors:
+                raise InvalidParameter(
+                    f"{name}.sensor: found {part.sensor!r}, expected one of the file's sensors "
+                    f"({', '.join(self.sensors) or 'it has none'}){nearest(part.sensor, self.sensors)}"
+                )
+
+    def limits_with(self, study: Limits) -> Limits:
+        """The tighter of both limits."""
+        return study if self.limits is None else study.tighter(self.limits)
+
+    def devices(self, study: Limits, today: date, *, touched: bool = True) -> Devices:
+        """The devices, to be opened by the bench; `touched` if a finger will be on it.
+
+        Raises
+        ------
+        InvalidParameter
+            If a channel is not one of its sensor, or nothing that knows of the finger gates a connected output that
+            is touched.
+        DeviceFailed
+            If a calibration is older than the file allows, or was not made with this output.
+        """
+        if touched:
+            self.check_gate()
+        driver = self.output.settings.driver(self.output.gain)
+        if driver.connected and self.output.gain is not None:
+            self.output.gain.check("output.gain", self.output.settings.chain(), today)
+        limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
+        readers = {name: each.reader() for name, each in self.sensors.items()}
+        return Devices(
+            Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
+        )
+
+    def check_gate(self) -> None:
+        """Refuse a connected output that nothing stops when the finger leaves, unless the file says so.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no force sensor and `ungated` is not stated, or both are, or the sensor is a recording.
+        """
+        if not self.output.settings.connected:
+            return
+        if self.force is None and not self.output.ungated:
+            raise InvalidParameter(
+                "force: found none, expected the sensor that stops the output when the finger leaves; state it, or "
+                "ungated = true in [output]; nothing was played"
+            )
+        if self.force is not None and self.output.ungated:
+            raise InvalidParameter("output.ungated: found true beside [force], expected one of them")
+        if self.force is not None and not self.sensors[self.force.sensor].settings.live:
+            raise InvalidParameter(
+                f"force.sensor: found {self.force.sensor!r}, a recording, which knows of no finger, expected a sensor; "
+                "nothing was played"
+            )
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What the file allows and a session should be told."""
+        settings = self.output.settings
+        allowed = {
+            "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
+            "output.shared = true: other programs may play to the output and change its volume": getattr(
+                settings, "shared", False
+            ),
+            "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
+        }
+        return tuple(f"bench file, {words}" for words, said in allowed.items() if said)
+
+    @property
+    def release(self) -> bool:
+        """Whether the force must leave its band between touches."""
+        return self.force is None or self.force.release
+
+    def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
+        if self.force is None:
+            return None
+        self.force.calibration.measured.check("force", today)
+        reader = readers[self.force.sensor]
+        _check_channels("force.channel", (self.force.channel,), reader)
+        return streamed_force(reader, self.force.channel, self.force.calibration)
+
+    def _position(self, readers: Mapping[str, Reader]) -> StreamedSensor | None:
+        if self.position is None:
+            return None
+        reader = readers[self.position.sensor]
+        _check_channels("position.channels", self.position.channels, reader)
+        part = self.position
+        return streamed_position(reader, part.channels, part.metres_per_count, part.zero_counts)
+
+
+def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | float | bool | None]:
+    """What a journal says of the devices: calibrations with date and author, load, counts, delays and drifts."""
+    gain, load = bench.output.gain, bench.output.load
+    facts: dict[str, str | int | float | bool | None] = {
+        "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
+        "output_gain_measured": None if gain is None else _when(gain.measured),
+        "output_system_volume": None if gain is None else gain.system_volume,
+        "output_ungated": bench.output.ungated,
+        "output_load": None if load is None else load.kind,
+        "output_capacitance_f": None if load is None else load.capacitance_f,
+        "ramp_s": bench.output.ramp_s,
+        "force_release": bench.release,
+        "force_measured": None if bench.force is None else _when(bench.force.calibration.measured),
+    }
+    facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
+    for sensor, reader in devices.readers.items():
+        facts[f"{sensor}_delay_s"] = bench.sensors[sensor].delay_s
+        facts |= {f"{sensor}_{name}": value for name, value in reader.facts().items()}
+    return facts
+
+
+def _when(measured: Measured) -> str | None:
+    said = [str(part) for part in (measured.on, measured.by) if part is not None]
+    return " ".join(said) or None
+
+
+def load_bench(path: Path | None) -> BenchFile:
+    """A bench file, or the default bench without one.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, or holds anything unknown or impossible.
+    """
+    if path is None:
+        return BenchFile()
+    tables = read_table(path, "a bench file")
+    with located(path):
+        return parse_bench(tables)
+
+
+def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
+    """A bench from the tables of its file.
+
+    Raises
+    ------
+    InvalidParameter
+        If anything is unknown, missing or impossible; the sentence opens with the key path.
+
+    Examples
+    --------
+    >>> bench = parse_bench({"output": {"kind": "file", "folder": "played"}, "limits": {"voltage_peak_v": "2 kV"}})
+    >>> bench.limits.voltage_peak_v
+    2000.0
+    """
+    table = as_si(dict(tables), "")
+    assert isinstance(table, dict)
+    for key in table:
+        if key not in _PARTS:
+            raise InvalidParameter(
+                f"{key}: found an unknown key, expected one of {', '.join(_PARTS)}{nearest(key, _PARTS)}"
+            )
+        if not isinstance(table[key], dict):
+            raise InvalidParameter(f"{key}: found {table[key]!r}, expected a table")
+    return BenchFile(**{key: _PARTS[key](table[key], key) for key in table})
+
+
+def _screen(table: dict[str, Any], path: str) -> Screen:
+    return build(Screen, table, path)
+
+
+def _limits(table: dict[str, Any], path: str) -> Limits:
+    return build(Limits, table, path)
+
+
+def _output(table: dict[str, Any], path: str) -> OutputPart:
+    own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
+    kept = {key: table[key] for key in ("ramp_s", "ungated") if key in table}
+    device = settings(OUTPUTS, {"kind": "null", **own}, path)
+    gain = build(Gain, table["gain"], f"{path}.gain") if "gain" in table else None
+    load = build(Load, table["load"], f"{path}.load") if "load" in table else None
+    if own.get("kind") == "packed":
+        kept = {"ramp_s": 0.0, **kept}
+    return build(OutputPart, kept, path, hidden=("settings", "gain", "load"), settings=device, gain=gain, load=load)
+
+
+def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorPart]:
+    for name, inner in table.items():
+        if not isinstance(inner, dict):
+            raise InvalidParameter(f"{path}.{name}: found {inner!r}, expected a table")
+    return {name: _sensor(inner, f"{path}.{name}") for name, inner in table.items()}
+
+
+def _sensor(table: dict[str, Any], path: str) -> SensorPart:
+    own = {key: value for key, value in table.items() if key != "delay_s"}
+    kept = {key: table[key] for key in ("delay_s",) if key in table}
+    return build(SensorPart, kept, path, hidden=("settings",), settings=settings(SENSORS, own, path))
+
+
+def _force(table: dict[str, Any], path: str) -> ForcePart:
+    own = {key: value for key, value in table.items() if key in ("sensor", "channel", "release")}
+    calibration = build(ForceCalibration, {key: table[key] for key in table if key not in own}, path)
+    return build(ForcePart, own, path, calibration=calibration)
+
+
+def _position(table: dict[str, Any], path: str) -> PositionPart:
+    return build(PositionPart, table, path)
+
+
+def _time_reversal(table: dict[str, Any], path: str) -> Learnt:
+    return build(Learnt, table, path)
+
+
+_PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
+    "screen": _screen,
+    "output": _output,
+    "limits": _limits,
+    "sensors": _sensors,
+    "force": _force,
+    "position": _position,
+    "time_reversal": _time_reversal,
+}
+
+
+def _check_channels(where: str, channels: tuple[int, ...], reader: Reader) -> None:
+    for channel in channels:
+        if not 0 <= channel < reader.source.n_channels:
+            raise InvalidParameter(
+                f"{where}: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of "
+                f"{reader.source.name}"
+            )

@@ -1,0 +1,1 @@
+"""What becomes of the estimates of simulated participants: statuses, coverage, bias."""

@@ -1,0 +1,74 @@
+"""How often intervals of just noticeable differences and points of subjective equality hold the truth, by the spread
+of the function, trials and lapses (`python benchmarks/census_comparisons.py`).
+
+A lapse is an answer that is "more" or "less" with the same chance, whatever was felt: at a rate of 5 % the asymptotes
+are 0.025 and 0.975. Points of equality lie anywhere in the middle quarter of the levels.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.special import ndtr
+
+from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE, fit_options
+from tactometry.analysis.threshold.fitting import fit_many
+
+LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())
+SDS, N_TRIALS, LAPSE_RATES = (1.5, 2.5), (20, 40), (0.0, 0.02, 0.03, 0.05)
+FARTHEST_PSE = 1.5
+FITTED: Mapping[str, Any] = fit_options("comparison", 2, "")
+WITHOUT_LAPSES: Mapping[str, Any] = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0}
+
+
+@dataclass(frozen=True)
+class Person:
+    """Standard deviation of the function, trials at each level, and the share of trials without attention."""
+
+    sd: float
+    n_trials: int
+    lapse_rate: float
+
+
+PEOPLE = tuple(Person(*each) for each in product(SDS, N_TRIALS, LAPSE_RATES))
+
+
+def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.ndarray", "np.ndarray"]:
+    """True points of equality (n_sets,), and how often each level was "more" (n_sets, n_levels)."""
+    pse = rng.uniform(-FARTHEST_PSE, FARTHEST_PSE, n_sets)
+    felt = ndtr((np.array(LEVELS) - pse[:, None]) / person.sd)
+    return pse, rng.binomial(person.n_trials, person.lapse_rate / 2 + (1 - person.lapse_rate) * felt)
+
+
+def census(
+    people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FITTED
+) -> Iterator[pd.DataFrame]:
+    """A table for each person, with a row for each of `n_sets` data sets, fitted as `analyse` does, or with other
+    `options` of `fit`. Open ends of intervals, and those that are not told, hold all on their side."""
+    for person in people:
+        pse, n_more = answers(person, n_sets, rng)
+        found = fit_many(LEVELS, n_more, person.n_trials, **options)
+        ends = [[one.interval_low, one.interval_high, one.width_low, one.width_high, one.width] for one in found]
+        table = pd.DataFrame(ends, columns=["pse_low", "pse_high", "jnd_low", "jnd_high", "jnd"], dtype=float)
+        table[["jnd_low", "jnd_high", "jnd"]] *= DIFFERENCE_PER_WIDTH
+        named = {"sd": person.sd, "n_trials": person.n_trials, "lapse_rate": person.lapse_rate}
+        yield table.assign(**named, true_pse=pse, true_jnd=JND_PER_SD * person.sd)
+
+
+def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
+    """Of each person: data sets, share of the intervals that hold the difference, that lie above it and below it, that
+    hold the point of equality, and the median of the differences over the truth."""
+    rows = [(*key, *_row(each)) for key, each in outcomes.groupby(["sd", "n_trials", "lapse_rate"], sort=False)]
+    return pd.DataFrame(rows, columns=["sd", "n_trials", "lapse_rate", *COLUMNS])
+
+
+COLUMNS = ("n", "jnd_covered", "jnd_above", "jnd_below", "pse_covered", "jnd_over_truth")
+
+
+def _row(each: pd.DataFrame) -> tuple[float, ...]:
+    above, below = ((each["jnd_low"] > each["true_jnd"]).mean(), (each["jnd_high"] < each["true_jnd"]).mean())
+    missed = (each["pse_low"] > each["true_pse"]) | (each["pse_high"] < each["true_pse"])
+    return len(each), 1 - above - below, above, below, 1 - missed.mean(), (each["jnd"] / each["true_jnd"]).median()

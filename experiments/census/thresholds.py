@@ -1,0 +1,248 @@
+"""What becomes of simulated participants' thresholds: statuses, coverage, bias and length of intervals, by procedure,
+task, number of trials and place of the threshold. The tables of docs/analysis.md are made of it
+(`python benchmarks/census.py`).
+
+Every participant answers a whole track of the procedure itself; its first n trials are a track of n.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit_many
+from tactometry.protocols import (
+    ConstantStimuli,
+    ParameterGrid,
+    Procedure,
+    Quest,
+    QuestPlus,
+    Staircase,
+    WeightedStaircase,
+)
+from tactometry.psychometric import PsychometricFunction
+
+Array = NDArray[np.float64]
+SHAPE, LAPSE_RATE, FALSE_ALARM_RATE = "gumbel", 0.02, 0.03
+WIDTHS_DB = (4.0, 16.0)
+"""Participants differ: their widths are drawn between these, evenly on a logarithm."""
+LOW_DB, HIGH_DB = 0.0, 40.0
+CONSTANT_DB = tuple(np.arange(8.0, 33.0, 4.0).tolist())
+N_TRIALS = (20, 30, 40, 80, 160)
+ENDLESS = 10**6
+"""Of reversals, trials and moves at a bound: each track is as long as is asked."""
+STEPS_DB = (8.0, 4.0, 2.0)
+INSIDE = "inside"
+PLACES = (
+    INSIDE,
+    "at the lower end",
+    "at the upper end",
+    *(f"{k} {side}" for side in ("below", "above") for k in (1, 2, 3)),
+)
+"""Of the threshold: in the middle half of the levels; at their ends; so many widths outside."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked: the participant's guess rate, the one the fit is told (None: free), and catch trials per trial."""
+
+    name: str
+    guess_rate: float
+    told: float | None
+    catch: float = 0.0
+
+
+TASKS = (
+    Task("yes/no", FALSE_ALARM_RATE, None),
+    Task("yes/no, catch trials", FALSE_ALARM_RATE, None, 0.25),
+    *(Task(f"{m}AFC", 1 / m, 1 / m) for m in (2, 3, 4)),
+)
+
+
+def constant(task: Task) -> ConstantStimuli:
+    del task
+    return ConstantStimuli(CONSTANT_DB, math.ceil(N_TRIALS[-1] / len(CONSTANT_DB)))
+
+
+def up_down(n_down: int) -> Callable[[Task], Staircase]:
+    def made(task: Task) -> Staircase:
+        del task
+        return Staircase(
+            *(36.0, STEPS_DB, LOW_DB, HIGH_DB), n_down=n_down, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS
+        )
+
+    return made
+
+
+def weighted(task: Task) -> WeightedStaircase:
+    """Aimed at 0.75."""
+    del task
+    ups, downs = (tuple(part * step for step in STEPS_DB) for part in (1.5, 0.5))
+    return WeightedStaircase(
+        36.0, ups, downs, LOW_DB, HIGH_DB, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS
+    )
+
+
+def quest(task: Task) -> Quest:
+    target = 1 - (1 - task.guess_rate) / math.e
+    return Quest(20.0, 10.0, LOW_DB, HIGH_DB, 0.5, target=target, guess_rate=task.guess_rate, n_trials=ENDLESS)
+
+
+def quest_plus(aim: str) -> Callable[[Task], QuestPlus]:
+    def made(task: Task) -> QuestPlus:
+        levels_db = tuple(np.arange(LOW_DB, HIGH_DB + 1).tolist())
+        grid = ParameterGrid(levels_db, (4.0, 6.0, 9.0, 13.5, 20.0), (task.guess_rate,), (0.0, 0.02, 0.05))
+        return QuestPlus(levels_db, grid, ENDLESS, aim=aim)  # type: ignore[arg-type]
+
+    return made
+
+
+PROCEDURES: Mapping[str, Callable[[Task], Procedure]] = {
+    "constant stimuli": constant,
+    "1 up 1 down": up_down(1),
+    "1 up 2 down": up_down(2),
+    "1 up 3 down": up_down(3),
+    "weighted, 0.75": weighted,
+    "QUEST": quest,
+    "QUEST+": quest_plus("parameters"),
+    "QUEST+, threshold first": quest_plus("threshold"),
+}
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Thresholds (n_sets,) of participants, and the levels and answers (n_sets, n_trials) of their tracks."""
+
+    thresholds_db: Array
+    levels_db: Array
+    answers: Array
+
+
+def widths_db(uniform: Array) -> Array:
+    """Widths (n_sets,), of uniform numbers."""
+    narrow, wide = np.log(WIDTHS_DB)
+    return np.asarray(np.exp(narrow + (wide - narrow) * uniform))
+
+
+def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Array:
+    """Thresholds (n_sets,) of participants of some widths, of uniform numbers."""
+    low, high = (CONSTANT_DB[0], CONSTANT_DB[-1]) if procedure == "constant stimuli" else (LOW_DB, HIGH_DB)
+    if place == INSIDE:
+        return np.asarray(low + (high - low) * (0.25 + 0.5 * uniform))
+    if place.startswith("at"):
+        return np.full(len(uniform), low if "lower" in place else high)
+    widths, side = place.split()
+    beyond = float(widths) * width_db
+    return low - beyond if side == "below" else high + beyond
+
+
+def tracks(
+    procedure: str,
+    task: Task,
+    place: str,
+    n_sets: int,
+    rng: np.random.Generator,
+    *,
+    n_trials: int = N_TRIALS[-1],
+    lapse_rate: float = LAPSE_RATE,
+) -> Tracks:
+    """Simulated participants, each with a track."""
+    uniform = rng.random((n_sets, n_trials + 2))
+    width_db = widths_db(uniform[:, 1])
+    thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
+    levels_db, answers = np.empty((n_sets, n_trials)), np.empty((n_sets, n_trials))
+    first = PROCEDURES[procedure](task)
+    for i, place_db in enumerate(zip(thresholds_db.tolist(), width_db.tolist(), strict=True)):
+        curve = PsychometricFunction(SHAPE, *place_db, task.guess_rate, lapse_rate)
+        rule = first.shuffled(rng) if isinstance(first, ConstantStimuli) else first
+        for trial in range(n_trials):
+            yes = bool(uniform[i, trial + 2] < curve.probability(rule.level))
+            levels_db[i, trial], answers[i, trial] = rule.level, yes
+            rule = rule.after(yes)
+    return Tracks(thresholds_db, levels_db, answers)
+
+
+def fits(found: Tracks, task: Task, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
+    """Of the first trials of each track, as an analysis fits them."""
+    n_catch = round(task.catch * n_trials)
+    return fit_many(
+        found.levels_db[:, :n_trials],
+        found.answers[:, :n_trials],
+        1,
+        shape=SHAPE,
+        guess_rate=task.told,
+        scale_free_width=True,
+        n_false_alarms=rng.binomial(n_catch, task.guess_rate, len(found.answers)),
+        n_catch=n_catch,
+    )
+
+
+OUTCOMES = ("procedure", "task", "place", "n_trials", "status", "low_db", "high_db", "threshold_db", "true_db")
+AT_CHANCE = ("1 up 1 down", "2AFC")
+"""This rule aims at one half, which guesses reach: its track drifts away from the threshold. Left out."""
+
+
+def settings(
+    procedures: Sequence[str] = tuple(PROCEDURES), tasks: Sequence[Task] = TASKS, places: Sequence[str] = PLACES
+) -> list[tuple[str, Task, str]]:
+    """Each procedure with each task and place."""
+    return [each for each in product(procedures, tasks, places) if (each[0], each[1].name) != AT_CHANCE]
+
+
+def census(
+    chosen: Sequence[tuple[str, Task, str]],
+    n_sets: int,
+    rng: np.random.Generator,
+    *,
+    n_trials: Sequence[int] = N_TRIALS,
+    lapse_rate: float = LAPSE_RATE,
+) -> Iterator[pd.DataFrame]:
+    """A table for each setting, with a row (`OUTCOMES`) for each participant and number of trials."""
+    for (procedure, task, place), own in zip(chosen, rng.spawn(len(chosen)), strict=True):
+        found = tracks(procedure, task, place, n_sets, own, n_trials=max(n_trials), lapse_rate=lapse_rate)
+        rows = [
+            (procedure, task.name, place, n, one.status.value, *_ends(one), one.threshold, true_db)
+            for n in n_trials
+            for one, true_db in zip(fits(found, task, n, own), found.thresholds_db, strict=True)
+        ]
+        yield pd.DataFrame(rows, columns=OUTCOMES).astype({"threshold_db": float})
+
+
+def _ends(one: ThresholdFit) -> tuple[float, float]:
+    """Of the interval; an end that is not told holds all on its side."""
+    low, high = one.interval_low, one.interval_high
+    return -math.inf if low is None else low, math.inf if high is None else high
+
+
+def summary(outcomes: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Operating characteristics, in the order of the rows: shares of the statuses, of intervals that hold the truth
+    (`covered`: of those that are `ok`; `covered_all`: of all), bias of the thresholds told in their standard
+    deviations, and the median length of their intervals."""
+    rows = [(*key, *_row(each)) for key, each in outcomes.groupby(list(by), sort=False)]
+    return pd.DataFrame(rows, columns=[*by, *COLUMNS])
+
+
+FEWEST = 20
+"""Thresholds whose bias is told."""
+TOLD, OUT = (Status.OK, Status.SEPARATED), (Status.BELOW, Status.ABOVE)
+COLUMNS = ("n", "ok", "separated", "out", "flat", "other", "covered", "covered_all", "bias_sd", "length_db")
+
+
+def _row(each: pd.DataFrame) -> tuple[float, ...]:
+    shares = [each["status"].isin(of).mean() for of in ((Status.OK,), (Status.SEPARATED,), OUT, (Status.FLAT,))]
+    holds = (each["low_db"] <= each["true_db"]) & (each["true_db"] <= each["high_db"])
+    told = each[each["status"].isin(TOLD)]
+    error_db = (told["threshold_db"] - told["true_db"]).to_numpy()
+    return (
+        len(each),
+        *shares,
+        1 - sum(shares),
+        holds[each["status"] == Status.OK].mean(),
+        holds.mean(),
+        error_db.mean() / error_db.std() if len(error_db) >= FEWEST else math.nan,
+        (told["high_db"] - told["low_db"]).median() if len(error_db) >= FEWEST else math.nan,
+    )

@@ -1,0 +1,1 @@
+"""The machinery of ladders: problem, measurement, table, page."""

@@ -1,0 +1,127 @@
+"""Errors and prices of a ladder: contenders interleaved, the first call apart, medians and spread, peak memory."""
+
+import math
+import statistics
+import time
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tactometry.experiments.cost.problem import Problem, Rung
+
+N_ROUNDS = 5
+GOALS = (1e-1, 1e-2, 1e-3, 1e-4)
+SHORTEST_S = 1e-9
+
+
+@dataclass(frozen=True)
+class Point:
+    """A rung measured: relative error, first call, median and interquartile range of warm calls (s), bytes.
+
+    A result that is not finite is `unstable`; its error is infinite. `price` is the median time, or what the ladder
+    says is paid.
+    """
+
+    ladder: str
+    contender: str
+    setting: str
+    error: float
+    unstable: bool
+    price: float
+    first_s: float
+    median_s: float
+    spread_s: float
+    peak_bytes: int
+    answer_bytes: int
+
+
+@dataclass(frozen=True)
+class Climb:
+    """All points of a ladder, the reference's answer and the floor below which no error is believed."""
+
+    problem: Problem
+    points: tuple[Point, ...]
+    answer: Any
+    floor: float
+
+    @property
+    def contenders(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(point.contender for point in self.points))
+
+    def of(self, contender: str) -> list[Point]:
+        """The points of one contender, from coarse to fine."""
+        return [point for point in self.points if point.contender == contender]
+
+
+def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
+    """Measure a ladder on one thread; errors are the same in every run, times are not.
+
+    Without rounds the first call is the time, and memory is not measured (0). What is not paid in computing time is
+    timed once.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        answer, floor = problem.reference()
+        firsts = [timed(rung.run) for rung in problem.rungs]
+        rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
+    points = tuple(
+        _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)
+        for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
+    )
+    return Climb(problem, points, answer, floor)
+
+
+def _round(rungs: Sequence[Rung], *, first: bool) -> dict[int, float]:
+    """Time of a warm call of each rung, by its place; of those that are not paid in time, in the first round only."""
+    return {n: timed(rung.run)[0] for n, rung in enumerate(rungs) if first or rung.price is None}
+
+
+def timed(run: Callable[[], Any]) -> tuple[float, Any]:
+    """Processor time (s), which on one thread is the time on a quiet machine, and answer of a call."""
+    start_s = time.process_time()
+    answer = run()
+    return max(time.process_time() - start_s, SHORTEST_S), answer
+
+
+def cheapest(found: Climb, goal: float) -> Point | None:
+    """The rung with the lowest price whose error, or the floor, is at most `goal`; None if there is none."""
+    good = [point for point in found.points if max(point.error, found.floor) <= goal]
+    return min(good, key=lambda point: point.price, default=None)
+
+
+def _point(problem: Problem, rung: Rung, first: tuple[float, Any], times_s: Sequence[float], reference: Any) -> Point:
+    first_s, answer = first
+    error = problem.error(answer, reference)
+    median_s = statistics.median(times_s or [first_s])
+    low_s, _, high_s = statistics.quantiles(times_s, n=4) if len(times_s) > 1 else (median_s,) * 3
+    return Point(
+        ladder=problem.name,
+        contender=rung.contender,
+        setting=rung.setting,
+        error=error if math.isfinite(error) else math.inf,
+        unstable=not math.isfinite(error),
+        price=median_s if rung.price is None else rung.price,
+        first_s=first_s,
+        median_s=median_s,
+        spread_s=high_s - low_s,
+        peak_bytes=_peak_bytes(rung.run) if times_s else 0,
+        answer_bytes=_bytes(answer),
+    )
+
+
+def _peak_bytes(run: Callable[[], Any]) -> int:
+    tracemalloc.start()
+    try:
+        run()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def _bytes(answer: Any) -> int:
+    import numpy as np
+
+    parts = answer if isinstance(answer, tuple) else (answer,)
+    return sum(int(np.asarray(part).nbytes) for part in parts)

@@ -1,0 +1,117 @@
+"""The page of all ladders: words, tables and figures from one run."""
+
+import math
+from collections.abc import Sequence
+from datetime import date
+from pathlib import Path
+
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.cost.figures import error_against_price, frontier, write_svg
+from tactometry.experiments.cost.measure import GOALS, Climb, Point, cheapest
+from tactometry.experiments.cost.peers import peers_of, recorded_on
+from tactometry.experiments.cost.report import label, machine
+
+HEAD = """# What accuracy costs
+
+```
+tactometry cost all --out cost            # every ladder: table, cost/cost.csv, a figure each
+tactometry cost skin-propagator
+tactometry cost all --page docs/cost.md   # this page
+```
+
+A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the
+median and interquartile range of its time (contenders interleaved, one thread, the first call apart), peak memory and
+the size of the answer. Errors are the same in every run; times are those of the machine below. A result that is not
+finite is an *unstable* point and is drawn. No error below the reference's own uncertainty is believed, and every
+reference agrees with an independent one. Three prices are paid: computing time, time of emission (`reversal-time-*`)
+and the time of participants (`procedures`, `group-threshold`).
+
+Intervals of a threshold aim at different things: those of the posterior have their ladder in `threshold-fit`, those of
+the likelihood in `threshold-likelihood`, and those of the bootstrap, of where the mode falls in answers drawn anew from
+the fitted curve, in `threshold-bootstrap`.
+
+Hollow points are other programs on the same problem, as `benchmarks/ladder_peers.py` recorded them: nothing here
+imports them. Their times are scaled by the finest own rung, which was measured beside them.
+"""
+TAIL = """
+## Adding a ladder
+
+One file in `experiments/ladders/` that gives a `Problem`, one line in its table `LADDERS`. The laws then run on it: the
+error falls along the ladder, the reference agrees with an independent one, errors are the same in every run.
+"""
+
+
+def write_page(climbs: Sequence[Climb], path: Path, today: date) -> None:
+    """The page, and a figure of each ladder in a folder beside it, named as the page.
+
+    Raises
+    ------
+    DeviceFailed
+        If a file cannot be written.
+    """
+    folder = path.with_suffix("")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for found in climbs:
+            write_svg(error_against_price(found, peers_of(found)), folder / f"{found.problem.name}.svg")
+        path.write_text(page(climbs, folder.name, today), encoding="utf-8")
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
+
+
+def page(climbs: Sequence[Climb], folder: str, today: date) -> str:
+    """The text of the page."""
+    heads = " | ".join(f"{goal:.2%}" for goal in GOALS)
+    lines = [HEAD, f"Measured on {today.isoformat()}: {machine()}. Peers: {recorded_on()}.", ""]
+    lines += [
+        "## The cheapest rung for an error",
+        "",
+        f"| ladder | {heads} | one more digit |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [f"| [`{c.problem.name}`](#{c.problem.name}) | {' | '.join(_prices(c))} | {digit(c)} |" for c in climbs]
+    lines += [text for found in climbs for text in _section(found, folder)]
+    return "\n".join(lines) + TAIL
+
+
+def digit(found: Climb) -> str:
+    """What a tenth of the error costs: the factor of the price per digit, from end to end of the frontier."""
+    best = frontier(found)
+    digits = math.log10(best[0][1] / best[-1][1])
+    return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"
+
+
+def _prices(found: Climb) -> list[str]:
+    return [_price(found, cheapest(found, goal)) for goal in GOALS]
+
+
+def _price(found: Climb, point: Point | None) -> str:
+    if point is None:
+        return "not reached"
+    unit = found.problem.price.partition("(")[2].partition(")")[0]
+    return f"{label(point)}: {point.price:.2g} {unit}".rstrip()
+
+
+def _section(found: Climb, folder: str) -> list[str]:
+    problem = found.problem
+    words = f"{problem.title[0].upper()}{problem.title[1:]}. Reference: {problem.by} (good to {found.floor:.0e}); "
+    rows = [_row(point) for point in (*found.points, *peers_of(found))]
+    return [
+        "",
+        f"## {problem.name}",
+        "",
+        f"{words}checked against: {problem.checked_by}. Price: {problem.price}.",
+        "",
+        f"![error against price]({folder}/{problem.name}.svg)",
+        "",
+        "| setting | error | price | median (ms) | spread (ms) | memory (kB) | answer (B) |",
+        "|---|---|---|---|---|---|---|",
+        *rows,
+    ]
+
+
+def _row(point: Point) -> str:
+    error = "unstable" if point.unstable else f"{point.error:.1e}"
+    times = f"{1e3 * point.median_s:.3g} | {1e3 * point.spread_s:.1g}"
+    memory = f"{point.peak_bytes / 1e3:.0f} | {point.answer_bytes}"
+    return f"| {label(point)} | {error} | {point.price:.3g} | {times} | {memory} |"

@@ -1,0 +1,75 @@
+"""A ladder as a table, as CSV, and in words: the cheapest rung for 10 %, 1 %, 0.1 % and 0.01 %."""
+
+import csv
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.cost.measure import GOALS, Climb, Point, cheapest
+from tactometry.experiments.cost.problem import OURS
+
+ROW = "{:<29}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
+
+
+def table(found: Climb) -> str:
+    """The points of a ladder, 98 columns wide, and the cheapest rungs."""
+    head = ROW.format("setting", "error", "price", "median (s)", "+- (s)", "memory (B)", "answer (B)")
+    problem = found.problem
+    lines = [f"{problem.name}: {problem.title}", f"against {problem.by}", f"price: {problem.price}", head]
+    lines += [
+        ROW.format(
+            label(point),
+            "unstable" if point.unstable else f"{point.error:.1e}",
+            f"{point.price:.3g}",
+            f"{point.median_s:.3g}",
+            f"{point.spread_s:.1g}",
+            point.peak_bytes,
+            point.answer_bytes,
+        )
+        for point in found.points
+    ]
+    return "\n".join([*lines, f"reference good to {found.floor:.0e}", *answers(found)])
+
+
+def label(point: Point) -> str:
+    """The setting, and whose it is if there are several contenders."""
+    return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
+
+
+def answers(found: Climb) -> list[str]:
+    """What each error costs at least."""
+    return [f"{goal:.2%}: {_said(cheapest(found, goal))}" for goal in GOALS]
+
+
+def _said(point: Point | None) -> str:
+    return "no rung reaches it" if point is None else f"{label(point)}, price {point.price:.3g}"
+
+
+def write_csv(climbs: Sequence[Climb], path: Path) -> None:
+    """All points, one a row.
+
+    Raises
+    ------
+    DeviceFailed
+        If the file cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, [field.name for field in fields(Point)])
+            writer.writeheader()
+            writer.writerows(asdict(point) for found in climbs for point in found.points)
+    except OSError as error:
+        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
+
+
+def machine() -> str:
+    """Versions, processor and BLAS, in a line; ladders are measured on one thread."""
+    import numpy as np
+    from threadpoolctl import threadpool_info
+
+    pools = sorted({f"{pool['internal_api']} {pool.get('architecture', '')}".strip() for pool in threadpool_info()})
+    versions = f"Python {platform.python_version()}, numpy {np.__version__}"
+    return f"{versions}, {platform.machine()}, {', '.join(pools)}; 1 thread"

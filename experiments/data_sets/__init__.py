@@ -1,0 +1,1 @@
+"""Recorded data: validated, replayed, exported."""

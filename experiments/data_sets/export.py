@@ -1,0 +1,37 @@
+"""Data sets for other programs: one function per form."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.experiments.data_sets.bids import bids_files
+from tactometry.experiments.data_sets.psychds import psychds_files
+from tactometry.experiments.data_sets.psychopy_csv import psychopy_files
+from tactometry.experiments.data_sets.r_table import r_files
+from tactometry.experiments.data_sets.source import Source, read_source, write_files
+
+FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {
+    "psych-ds": psychds_files,
+    "psychopy": psychopy_files,
+    "r": r_files,
+}
+
+
+def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
+    """Write the data set or trials file at `path` as `bids`, `psych-ds`, `psychopy` or `r` into a new or empty folder.
+
+    Raises
+    ------
+    InvalidParameter
+        If the form is unknown or the folder holds something.
+    InvalidFile
+        If the data set is damaged.
+    DeviceFailed
+        If the folder cannot be written.
+    """
+    if form not in ("bids", *FORMS):
+        raise InvalidParameter(
+            f"--to: found {form!r}, expected one of {', '.join(('bids', *FORMS))}{nearest(form, ('bids', *FORMS))}"
+        )
+    source = read_source(path)
+    return write_files(bids_files(source, authors) if form == "bids" else FORMS[form](source), out)

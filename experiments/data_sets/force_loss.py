@@ -1,0 +1,40 @@
+"""A data set of the study `force-loss` as rows of the thesis's figures 5.4 and 5.5, beside those of the model."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.tasks.measurement import loss_table, losses
+from tactometry.errors import InvalidFile
+from tactometry.experiments.study.study_file import load
+from tactometry.stimuli.time_reversal.finger.contactor import FINGER_DIAMETER_M
+from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+
+FACTORS: Final = ("contactor", "place", "force_n")
+
+
+def measured_losses(path: Path) -> list[LossRow]:
+    """The mean loss of each condition, for `figures.prototype.loss_over_force(model, measured)`.
+
+    Kind and diameter of a contactor are those of the study file in the data set.
+
+    Raises
+    ------
+    InvalidFile
+        If the data set has other factors, or nothing was measured.
+    """
+    trials = read_trials(path)
+    if set(trials.factors) != set(FACTORS):
+        raise InvalidFile(f"{path}: found the factors {', '.join(trials.factors)}, expected {', '.join(FACTORS)}")
+    own = losses(trials)
+    if own.empty:
+        raise InvalidFile(f"{path}: found no measured level, expected readings of the study force-loss")
+    variants = load(str(path / "study.toml"))[0].variants["contactor"]
+    rows = loss_table(own, FACTORS).to_dict("records")
+    return [LossRow(*_contactor(variants, row), row["place"], row["force_n"], row["mean"]) for row in rows]
+
+
+def _contactor(variants: Mapping[str, Mapping[str, Any]], row: Mapping[Any, Any]) -> tuple[str, float]:
+    said = variants[row["contactor"]]["sensation"]
+    return said["contactor"], said.get("diameter_m", FINGER_DIAMETER_M)

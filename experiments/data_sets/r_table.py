@@ -1,0 +1,155 @@
+"""A data set as one table for R, JASP or jamovi: NA for what was not measured, and a script that reads it.
+
+The script names a mixed model for each task that the table holds; names and texts of the table stand in it quoted.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import pandas as pd
+
+from tactometry.analysis.reading.trials import parsed
+from tactometry.experiments.data_sets.source import Source, separated
+from tactometry.files.safe_text import cell_text
+from tactometry.questionnaire import Questionnaire
+
+TEXT = (
+    "participant",
+    "study",
+    "procedure",
+    "level_unit",
+    "task",
+    "timestamp_utc",
+    "track",
+    "item",
+    "item_b",
+    "response",
+    "rig",
+    "invalid_reason",
+)
+MOST_CATEGORIES = 15
+"""A scale of more answers is taken as a continuous one."""
+SCRIPT = """# Reads trials.csv with its types. Written by tactometry export --to r.
+trials <- read.csv("trials.csv", na.strings = "NA", stringsAsFactors = FALSE, check.names = FALSE,
+                   encoding = "UTF-8", colClasses = c({classes}))
+trials$participant <- factor(trials$participant)
+used <- subset(trials, {used})
+{factors}{forms}
+# A model for each task begins so:
+{models}
+"""
+FORM = """
+# {title}: answers to reversed items are turned around.
+{name} <- subset(used, procedure == {text})
+{name} <- transform(
+  {name}, response = ifelse(item %in% c({turned}), {sum:g} - as.numeric(response), as.numeric(response)))
+"""
+YES_NO = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | participant), {data}, binomial("probit"))'
+ORDINAL = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
+CONTINUOUS = "lme4::lmer(response ~ {plus} + (1 | participant) + (1 | item), {data})"
+MODELS = {
+    "yes_no": YES_NO,
+    "comparison": YES_NO,
+    "same_different": YES_NO,
+    "forced_choice": "lme4::glmer(correct ~ level{times} + (1 | participant), {data}, "
+    "binomial(psyphy::mafc.probit({n_choices})))",
+    "localisation": 'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
+    "magnitude": "lme4::lmer(log(as.numeric(response)) ~ level{times} + (1 + level | participant), "
+    "subset({data}, as.numeric(response) > 0))",
+    "adjustment": "lme4::lmer(as.numeric(response) ~ {plus} + (1 | participant), {data})",
+    "measurement": "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})",
+    "preference": "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
+    "factor(item_b, unique(c(item, item_b)))))",
+    "rating": ORDINAL,
+}
+"""A model for each task: `times` crosses the level with the factors, `plus` are the factors alone."""
+
+
+def r_files(source: Source) -> dict[str, bytes]:
+    """`trials.csv` and `trials.R`; the same data give the same bytes."""
+    names = [column.name for column in source.columns]
+    ordered = [row for _, _, rows in source.sessions() for row in rows]
+    body = [[row.get(name) or "NA" for name in names] for row in ordered]
+    return {"trials.csv": separated(names, body, ","), "trials.R": _script(source, names).encode()}
+
+
+def quoted(text: str) -> str:
+    r"""A text as R reads it back, on one line, whatever it holds.
+
+    >>> print(quoted('a "b"'), quoted("x" + chr(10) + "y"))
+    "a \"b\"" "x\u{a}y"
+    """
+    return f'"{_escaped(text, chr(34))}"'
+
+
+def name(text: str) -> str:
+    r"""A column's name in a formula.
+
+    >>> print(name("force_n"), name("x; system('rm')"), name("a`b"))
+    `force_n` `x; system('rm')` `a\`b`
+    """
+    return f"`{_escaped(text, '`')}`"
+
+
+def _escaped(text: str, quote: str) -> str:
+    signs = {"\\": "\\\\", quote: f"\\{quote}"}
+    return "".join(signs.get(sign, sign if sign.isprintable() else f"\\u{{{ord(sign):x}}}") for sign in text)
+
+
+def _script(source: Source, names: Sequence[str]) -> str:
+    texts = {one for one in names if one in TEXT or (one in source.factors and not _is_number(source, one))}
+    kinds = ",\n      ".join(
+        f'{quoted(cell_text(one))} = "{"character" if one in texts else "numeric"}"' for one in names
+    )
+    conditions = ["!is.na(response)"]
+    conditions += ["valid == 1"] if "valid" in names else []
+    conditions += [f"(is.na({one}) | {one} != 1)" for one in ("practice", "catch") if one in names]
+    columns = [quoted(cell_text(one)) for one in source.factors]
+    return SCRIPT.format(
+        classes=kinds,
+        used=" & ".join(conditions),
+        factors="".join(f"used[[{one}]] <- factor(used[[{one}]])\n" for one in columns),
+        forms="".join(_form(form) for form in source.forms.values()),
+        models="\n".join(f"# {model}" for model in _models(source)),
+    )
+
+
+def _form(form: Questionnaire) -> str:
+    return FORM.format(
+        title=" ".join(form.title.split()),
+        name=name(form.name),
+        text=quoted(cell_text(form.name)),
+        turned=", ".join(quoted(cell_text(item.id)) for item in form.items if item.reversed),
+        sum=form.low + form.high,
+    )
+
+
+def _models(source: Source) -> Iterator[str]:
+    """A model for each task but questionnaires, and one for each of these."""
+    scored = source.used["procedure"].isin(source.forms) if source.forms else pd.Series(False, source.used.index)
+    for task in source.tasks():
+        rows = source.used[(source.used["task"] == task) & ~scored]
+        if len(rows):
+            data = "used" if source.tasks() == [task] and not scored.any() else f"subset(used, task == {quoted(task)})"
+            yield _filled(MODELS[task], rows, source, data)
+    for form in source.forms.values():
+        rows = source.used[scored & (source.used["procedure"] == form.name)]
+        is_continuous = form.steps is None or form.steps > MOST_CATEGORIES
+        yield _filled(CONTINUOUS if is_continuous else ORDINAL, rows, source, name(form.name))
+
+
+def _filled(model: str, rows: pd.DataFrame, source: Source, data: str) -> str:
+    varied = [name(cell_text(one)) for one in source.factors if rows[one].nunique() > 1]
+    answers = parsed(rows["response"]).max() if "{n_choices}" in model else 2
+    return model.format(
+        times="".join(f" * {one}" for one in varied),
+        plus=" * ".join(varied) or "1",
+        data=data,
+        n_choices=max(2, int(answers)),
+    )
+
+
+def _is_number(source: Source, name: str) -> bool:
+    try:
+        return bool([float(text) for row in source.rows if (text := row.get(name))])
+    except ValueError:
+        return False

@@ -1,0 +1,122 @@
+"""Recorded answers fed back into the protocol that asked for them, and files written anew from them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tactometry.errors import Diverged, InvalidFile
+from tactometry.experiments.data_sets.validation import derived_csv, has_rows, trials_file
+from tactometry.experiments.study.experiment import Experiment, wire
+from tactometry.experiments.study.study_file import parse
+from tactometry.files.durable import read_file
+from tactometry.provenance import sha256
+from tactometry.records.agreement import REBUILD, disagreement
+from tactometry.records.data_set import Session, sessions
+from tactometry.records.head import Head
+from tactometry.records.journal import read
+from tactometry.records.open_session import OpenSession
+from tactometry.records.sittings import changes
+from tactometry.session.run import replay
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A session that was fed back, and agreed."""
+
+    journal: str
+    n_trials: int
+    complete: bool
+    changes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Rebuilt:
+    """A session whose files were written anew, and whether its trials file was another one before."""
+
+    trials: str
+    n_trials: int
+    changed: bool
+
+
+def replay_data_set(path: Path) -> list[Replayed]:
+    """Replay every session of a data set, or the one of a journal file.
+
+    Raises
+    ------
+    Diverged
+        At the first request, or the first row of a trials file, that is not as recorded.
+    InvalidFile
+        If there is nothing to replay, or a journal is damaged.
+    """
+    root, journals, experiment, content = _recorded(path)
+    return [_replay(root, journal, experiment, content) for journal in journals]
+
+
+def rebuild_data_set(path: Path) -> list[Rebuilt]:
+    """Write the files that are derived from the journals of a data set anew.
+
+    Raises
+    ------
+    InvalidFile
+        If there is no journal, one is damaged, or a trials file holds what its journal does not.
+    SessionInUse
+        If a session is being recorded.
+    """
+    root, journals, experiment, content = _recorded(path)
+    return [rebuilt for journal in journals if (rebuilt := _rebuild(root, journal, experiment, content)) is not None]
+
+
+def _recorded(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
+    """The folder of a data set, its journals (or the one that `path` is), and the study that ran with its bytes."""
+    root = path.parent.parent if path.is_file() else path
+    journals = [path] if path.is_file() else sessions(path)
+    if not journals:
+        raise InvalidFile(f"{path}: found no journal, expected a data set with journals/*.jsonl, or a journal")
+    study = root / "study.toml"
+    content = read_file(study, "the study that ran")
+    return root, journals, wire(parse(content, str(study)), str(study)), content
+
+
+def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Replayed:
+    recording = read(journal)
+    head = recording.head
+    trials = trials_file(root, journal)
+    if head is None:
+        if has_rows(trials):
+            raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
+        return Replayed(journal.name, 0, complete=False)
+    _check_named(journal, head)
+    if head.study_sha256 != sha256(study_toml):
+        raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
+    course = experiment.course(head.participant, head.session, head.number, head.seed)
+    replay(course, recording.replay(str(journal)), complete=recording.complete)
+    if not trials.exists():
+        raise Diverged(f"{trials}: found no such file, expected the trials of the journal; {REBUILD}")
+    differs = disagreement(read_file(trials, "a trials file"), derived_csv(recording, experiment))
+    if differs is not None:
+        row, how = differs
+        raise Diverged(f"{trials}, row {row}: {how}")
+    return Replayed(journal.name, len(recording.trials), recording.complete, tuple(changes(recording.sittings)))
+
+
+def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Rebuilt | None:
+    """None where a session has not begun."""
+    head, trials = read(journal).head, trials_file(root, journal)
+    if head is None:
+        return None
+    session = _check_named(journal, head)
+    before = read_file(trials, "a trials file") if trials.exists() else None
+    opened = OpenSession(root, experiment.design(study_toml), session, head.rig, resume=True)
+    opened.close()
+    changed = read_file(trials, "a trials file") != before
+    return Rebuilt(trials.name, opened.n_trials, changed)
+
+
+def _check_named(journal: Path, head: Head) -> Session:
+    """The session of a head, which its journal must be named after: a copy under another name is no other session."""
+    session = Session(head.participant, head.session, head.study)
+    if session.stem != journal.stem:
+        raise InvalidFile(
+            f"{journal}, line 1: found session {head.session} of {head.participant} ({head.study}), expected that of "
+            "the file's name; remove the copy"
+        )
+    return session

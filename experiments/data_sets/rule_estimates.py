@@ -1,0 +1,119 @@
+"""The estimates of a study's own rule: its procedure is told the answers of a block again, as the table has them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate, of_reversals
+from tactometry.errors import InvalidParameter, TactometryError
+from tactometry.experiments.study.cells import tables
+from tactometry.experiments.study.procedure_table import Rule, rule_of
+from tactometry.experiments.study.study_file import Study, parse
+from tactometry.files.durable import read_file
+from tactometry.protocols.bayesian.quest import Quest
+from tactometry.protocols.bayesian.quest_plus import QuestPlus
+from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
+from tactometry.protocols.procedures.constant_stimuli import ConstantStimuli
+from tactometry.protocols.procedures.method_of_limits import MethodOfLimits
+from tactometry.protocols.procedures.procedure import Procedure
+from tactometry.protocols.procedures.shared_learning import answered
+from tactometry.protocols.procedures.staircase import Staircase
+from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
+from tactometry.records.data_set import cell
+
+NOT_REPLAYED = {
+    ConstantStimuli: "no rule: the levels of constant stimuli do not depend on the answers",
+    MethodOfLimits: "the series of the method of limits are not replayed",
+}
+
+
+def replay_of(path: Path) -> Replay | None:
+    """What the rule of a data set's study makes of a block; None where no study that can be read stands there."""
+    study = (path if path.is_dir() else path.parent.parent) / "study.toml"
+    if not study.is_file():
+        return None
+    try:
+        return _Replay(parse(read_file(study, "the study that ran"), str(study)))
+    except TactometryError:
+        return None
+
+
+@dataclass(frozen=True)
+class _Replay:
+    """The rules of a study; what several blocks share is built once."""
+
+    study: Study
+    rules: dict[str, Rule] = field(default_factory=dict)
+
+    def __call__(self, block: pd.DataFrame) -> Mapping[str, RuleEstimate]:
+        names = [str(name) for name in dict.fromkeys(block["track"])]
+        rule = self._rule(block)
+        if rule is None:
+            return dict.fromkeys(names, _absent("these are not trials of the study.toml beside the table"))
+        if type(rule.procedure) in NOT_REPLAYED:
+            return dict.fromkeys(names, _absent(NOT_REPLAYED[type(rule.procedure)]))
+        try:
+            procedures = _told(rule, block, names)
+        except InvalidParameter as refusal:
+            return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
+        return {name: _estimate(procedure) for name, procedure in zip(names, procedures, strict=True)}
+
+    def _rule(self, block: pd.DataFrame) -> Rule | None:
+        """That of the first cell, which is the rule of the block; None if it is no block of this study."""
+        first, levels = block.iloc[0], self.study.factors
+        factors: dict[str, float | str] = {}
+        for name in levels:
+            known = [level for level in levels[name] if name in first and cell(level) == _text(first[name])]
+            if not known:
+                return None
+            factors[name] = known[0]
+        rule = self._built(tables(self.study, factors)["procedure"])
+        return rule if set(block["procedure"]) == {rule.procedure.name} else None
+
+    def _built(self, table: Mapping[str, Any]) -> Rule:
+        key = repr(table)
+        if key not in self.rules:
+            self.rules[key] = rule_of(table)
+        return self.rules[key]
+
+
+def _absent(why: str) -> RuleEstimate:
+    return RuleEstimate(None, None, None, why)
+
+
+def _text(value: Any) -> str:
+    """A factor's value as the study's file would have it written."""
+    return value if isinstance(value, str) else cell(float(value))
+
+
+def _told(rule: Rule, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
+    """The tracks' procedures after all answers of the block."""
+    procedures = rule.for_tracks(names, np.random.default_rng(0))
+    for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
+        procedures = answered(procedures, names.index(str(track)), int(yes), float(level))
+    return procedures
+
+
+def _estimate(procedure: Procedure) -> RuleEstimate:
+    found = procedure.view if isinstance(procedure, SharedTrack) else procedure
+    aim = _aim(found)
+    if found.threshold is None and found.ended not in (None, "converged", "trials"):
+        return _absent(f"the rule ended as {found.ended}")
+    if isinstance(found, Staircase | WeightedStaircase):
+        return of_reversals(found.reversals, aim)
+    if isinstance(found, Quest | QuestPlus):
+        return RuleEstimate(found.threshold, found.threshold_sd, len(found.responses), f"posterior mean {aim}")
+    return RuleEstimate(found.threshold, None, None, f"of {found.name}")
+
+
+def _aim(procedure: Any) -> str:
+    """The chance of a correct (or yes) answer at the estimate."""
+    if isinstance(procedure, QuestPlus):
+        return "of the half point of its functions"
+    if isinstance(procedure, Staircase):
+        return f"of {procedure.n_up} up, {procedure.n_down} down"
+    return f"at a chance of {procedure.target:.2f}" if hasattr(procedure, "target") else ""

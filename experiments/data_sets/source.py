@@ -1,0 +1,191 @@
+"""A data set as it is exported: its rows as text, with what its columns mean."""
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from pathlib import Path
+
+import pandas as pd
+
+from tactometry.analysis.reading.origin import Origin, of_one_kind
+from tactometry.analysis.reading.study_file import forms_of
+from tactometry.analysis.reading.text_table import text_cells
+from tactometry.analysis.reading.trials import Trials, read_trials, trial_files, used_rows
+from tactometry.config.quantity import unit_suffix, units
+from tactometry.errors import InvalidFile, InvalidParameter, counted
+from tactometry.files.durable import make_folder, write_atomically
+from tactometry.files.safe_text import cell_text
+from tactometry.questionnaire import Questionnaire
+from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL, Column
+from tactometry.trials.row_rules import RULES
+
+Row = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Source:
+    """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
+
+    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered;
+    `origin` says whether people answered.
+    """
+
+    rows: tuple[Row, ...]
+    columns: tuple[Column, ...]
+    factors: tuple[str, ...]
+    title: str
+    description: str
+    used: pd.DataFrame = field(default_factory=pd.DataFrame)
+    forms: Mapping[str, Questionnaire] = field(default_factory=dict)
+    origin: Origin = field(default_factory=Origin)
+
+    def sessions(self) -> list[tuple[str, str, list[Row]]]:
+        """Participant, session and rows of each session."""
+        ordered = sorted(self.rows, key=_whose)
+        return [(*key, list(part)) for key, part in groupby(ordered, key=_whose)]
+
+    def tasks(self) -> list[str]:
+        """The tasks of all rows, sorted."""
+        return sorted({row["task"] for row in self.rows})
+
+    def form(self, row: Row) -> str:
+        """The questionnaire that a row belongs to: an answer, or a touch that led to none; empty if to none.
+
+        >>> Source((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
+        ''
+        """
+        name = row.get("procedure", "") if row.get("task") == "rating" else ""
+        return name if name in self.forms else ""
+
+    def text(self, name: str) -> str:
+        """The one value of a column; empty if there are several or none.
+
+        >>> Source(({"study": "a"}, {"study": "a"}), (), (), "", "").text("study")
+        'a'
+        """
+        values = {row.get(name, "") for row in self.rows}
+        return values.pop() if len(values) == 1 else ""
+
+
+def _whose(row: Row) -> tuple[str, str]:
+    """The session as a whole number: other programs write it as 1.0, or 001."""
+    session = row.get("session")
+    return row["participant"], str(int(float(session))) if session else "1"
+
+
+def read_source(path: Path) -> Source:
+    """The rows of a data set's folder or of one trials file, after the checks of `read_trials`.
+
+    Raises
+    ------
+    InvalidFile
+        If there is nothing to read, a table is damaged, the name of a study is none, or people and simulated
+        participants share the tables.
+    """
+    trials = read_trials(path)
+    kept, origin = of_one_kind(trials)
+    n_simulated = len(trials.rows) - len(kept.rows)
+    if n_simulated:
+        raise InvalidFile(
+            f"{path}: found {counted(n_simulated, 'row')} of simulated participants beside those of people, expected "
+            "either alone: move one kind to a folder of its own"
+        )
+    tables = [text_cells(file) for file in trial_files(path)]
+    for file, table in zip(trial_files(path), tables, strict=True):
+        _check_study(table, file)
+    fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later
+    names = [str(name) for name in fullest.columns if name != "row"]
+    told = _description(path)
+    title = str(told.get("name") or path.stem)
+    return Source(
+        rows=tuple(row for table in tables for row in _rows(table, names)),
+        columns=tuple(_column(name, told) for name in names),
+        factors=trials.factors,
+        title=title,
+        description=str(told.get("description") or f"Trials of {title}."),
+        used=used_rows(trials),
+        forms=_forms(trials),
+        origin=origin,
+    )
+
+
+def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
+    whole = table.reindex(columns=list(names), fill_value="")
+    return [dict(zip(names, cells, strict=True)) for cells in whole.itertuples(index=False, name=None)]
+
+
+def _check_study(table: pd.DataFrame, file: Path) -> None:
+    """The study names files."""
+    rule = RULES["study"]
+    for text in table["study"].unique() if "study" in table.columns else ():
+        if text and not rule.holds(text):
+            row = table.loc[table["study"] == text, "row"].iloc[0]
+            raise InvalidFile(f"{file}, row {row}, column 'study': found {text!r:.60}, expected {rule.words}")
+
+
+def _forms(trials: Trials) -> dict[str, Questionnaire]:
+    rows = trials.rows
+    if not {"item", "procedure"} <= set(rows.columns):
+        return {}
+    asked = set(rows.loc[rows["task"] == "rating", "procedure"])
+    return {name: form for name, form in sorted(forms_of(trials.path).items()) if name in asked}
+
+
+def _description(path: Path) -> Mapping[str, object]:
+    file = path / "dataset_description.json"
+    if not file.is_file():
+        return {}
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def _column(name: str, told: Mapping[str, object]) -> Column:
+    known = {column.name: column for column in (*FIRST, *ALWAYS, *OPTIONAL)}
+    if name in known:
+        return known[name]
+    variables = told.get("variableMeasured")
+    for variable in variables if isinstance(variables, list) else []:
+        if isinstance(variable, dict) and variable.get("name") == name:
+            return Column(name, str(variable.get("description", "")) or name, str(variable.get("unitText", "")))
+    suffix = unit_suffix(name)
+    return Column(name, f"Factor {name}", units(suffix)[0] if suffix else "")
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
+    """Write all files below a new or empty folder; their paths, sorted.
+
+    Raises
+    ------
+    InvalidParameter
+        If the folder holds something.
+    DeviceFailed
+        If the disk is full or fails.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InvalidParameter(f"--out: found that {folder} holds something, expected a new or an empty folder")
+    written = []
+    for name, content in sorted(files.items()):
+        path = folder / name
+        make_folder(path.parent)
+        write_atomically(path, content)
+        written.append(path)
+    return written
+
+
+def separated(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
+    """A table as text with line feeds, in which no cell is a formula to a spreadsheet."""
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter=separator, lineterminator="\n")
+    writer.writerows([cell_text(cell) for cell in row] for row in (header, *rows))
+    return text.getvalue().encode()
+
+
+def pretty(value: object) -> bytes:
+    """JSON for people, with sorted order as given."""
+    return (json.dumps(value, indent=2, ensure_ascii=False) + "\n").encode()

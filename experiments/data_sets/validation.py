@@ -1,0 +1,290 @@
+"""Whether a data set is sound: every defect, with file and row."""
+
+import csv
+import io
+import json
+import os
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from tactometry.errors import InvalidFile, TactometryError
+from tactometry.experiments.study.experiment import Experiment, wire
+from tactometry.experiments.study.study_file import parse
+from tactometry.files.durable import drafts, listed, read_file
+from tactometry.provenance import sha256
+from tactometry.records.agreement import REBUILD, disagreement
+from tactometry.records.data_set import Session, keys_of, participants, sessions, trials_csv
+from tactometry.records.description import NAME, SIMULATED
+from tactometry.records.formats import ADDED, columns_in
+from tactometry.records.journal import Recording, read
+from tactometry.records.sittings import changes, heads
+from tactometry.session.event import COLUMNS, events_tsv
+from tactometry.trials.row_rules import Defect, defects, grouped
+from tactometry.trials.trial import tally
+
+CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
+
+
+@dataclass(frozen=True)
+class Soundness:
+    """What was found: a data set is sound if it has no defect; notes are no defects."""
+
+    n_sessions: int
+    n_trials: int
+    defects: tuple[Defect, ...]
+    notes: tuple[str, ...]
+
+
+def validate(path: Path) -> Soundness:
+    """Check a data set folder, or a single trials file.
+
+    Raises
+    ------
+    InvalidFile
+        If there is no such folder or file, or it may not be read.
+    """
+    if path.is_dir():
+        return _data_set(path)
+    if not os.path.lexists(path):
+        raise InvalidFile(f"{path}: found no such folder or file, expected a data set or a trials file")
+    content = read_file(path, "a data set or a trials file")
+    n_trials, found = n_rows(content), list(defects(content, path.name))
+    if not found and n_trials == 0:
+        found = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
+    return Soundness(1, n_trials, tuple(grouped(found)), ())
+
+
+def _data_set(root: Path) -> Soundness:
+    experiment, found = _study(root)
+    notes = [*_alike(root), *_drafts(root)]
+    files, journals = listed(root / "data", "*.csv"), sessions(root)
+    contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", found)) is not None}
+    found += _guarded(root, NAME, _description(root, contents))
+    if not files:
+        found.append(Defect("data", None, "found no trials file, expected at least one"))
+    for file, content in contents.items():
+        found += _guarded(root, f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
+    found += _mixed(journals)
+    for journal in journals:
+        found += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(found)), tuple(notes))
+
+
+def _guarded(root: Path, name: str, found: Iterator[Defect]) -> Iterator[Defect]:
+    """Defects, the last of which may be that a file cannot be read."""
+    try:
+        yield from found
+    except InvalidFile as error:
+        path, _, what = str(error).partition(": ")
+        within = Path(path).is_relative_to(root)
+        yield Defect(Path(path).relative_to(root).as_posix() if within else name, None, what)
+
+
+def _read(file: Path, name: str, found: list[Defect], what: str = "a trials file") -> bytes | None:
+    """The content of a file, or a defect."""
+    try:
+        return read_file(file, what)
+    except InvalidFile as error:
+        found.append(Defect(name, None, str(error).removeprefix(f"{file}: ")))
+        return None
+
+
+def _alike(root: Path) -> Iterator[str]:
+    for _, group in groupby(sorted(participants(root), key=str.casefold), key=str.casefold):
+        codes = list(group)
+        if len(codes) > 1:
+            yield f"journals: {' and '.join(codes)} differ in capitals alone, which not every disk tells apart"
+
+
+def _mixed(journals: list[Path]) -> Iterator[Defect]:
+    """Whether people and simulated participants share the folder."""
+    kinds: dict[bool, list[str]] = {}
+    for journal in journals:
+        with suppress(InvalidFile):  # a damaged journal is told where all of it is read
+            for head in heads(journal)[:1]:
+                kinds.setdefault(head.rig == SIMULATED, []).append(head.participant)
+    if len(kinds) > 1:
+        text = f"found simulated participants ({kinds[True][0]}, ...) beside people ({kinds[False][0]}, ...), expected"
+        yield Defect("journals", None, f"{text} either alone: move one kind to a folder of its own")
+
+
+def _drafts(root: Path) -> Iterator[str]:
+    for folder in (root, root / "data", root / "journals"):
+        for path in drafts(folder):
+            way = "remove it" if folder == root else "tactometry rebuild removes it"
+            yield f"{path.relative_to(root)}: a draft that an interruption left; {way}"
+
+
+def _study(root: Path) -> tuple[Experiment | None, list[Defect]]:
+    found: list[Defect] = []
+    content = _read(root / "study.toml", "study.toml", found, "the study that ran")
+    if content is None:
+        return None, found
+    try:
+        return wire(parse(content, "study.toml"), "study.toml"), []
+    except TactometryError as error:
+        return None, [Defect("study.toml", None, str(error).removeprefix("study.toml").lstrip(":, "))]
+
+
+def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
+    name = NAME
+    if not os.path.lexists(root / name):
+        yield Defect(name, None, "found no such file, expected the description that Psych-DS asks for")
+        return
+    try:
+        description = json.loads(read_file(root / name, "a description"))
+        described = {variable["name"] for variable in description["variableMeasured"]}
+        wanted = {"@context": "https://schema.org/", "@type": "Dataset"}
+        wrong = [key for key, value in wanted.items() if description.get(key) != value]
+        missing = [key for key in ("name", "description") if not description.get(key)]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        yield Defect(name, None, f"found no description ({type(error).__name__}: {error}), expected that of Psych-DS")
+        return
+    for key in (*wrong, *missing):
+        yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
+    for file, content in contents.items():
+        header = set(_header(content))
+        for column in sorted(header - described | described - header - ADDED):
+            where = "has no such column" if column in described else "has a column"
+            yield Defect(name, None, f"variableMeasured: {file.name} {where} {column!r}, expected both to agree")
+
+
+def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defect]:
+    name = f"data/{file.name}"
+    if not CSV_NAME.fullmatch(file.name):
+        yield Defect(name, None, "found a name that Psych-DS forbids, expected key-value_..._data.csv")
+    if file.stem.removesuffix("_data") not in stems:
+        yield Defect(name, None, "found no journal of this session, expected one in journals/")
+    yield from _sidecar(file, _header(content))
+    yield from defects(content, name)
+    yield from _misnamed(file, content)
+
+
+def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
+    """The first row of another participant, session or study than the name of its file says."""
+    told = keys_of(file.stem)
+    try:
+        header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
+    except (UnicodeDecodeError, csv.Error, ValueError):
+        return
+    for key in ("participant", "session", "study"):
+        if key not in told or key not in header:
+            continue
+        place = header.index(key)
+        for number, cells in enumerate(rows, 2):
+            if "".join(cells[place : place + 1]).replace("-", "") != told[key]:
+                text = f"column {key!r}: found {''.join(cells[place : place + 1])!r}, expected {told[key]!r} as in"
+                yield Defect(f"data/{file.name}", number, f"{text} the file's name")
+                return
+
+
+def _sidecar(file: Path, header: list[str]) -> Iterator[Defect]:
+    sidecar = file.with_suffix(".json")
+    name = f"data/{sidecar.name}"
+    if not os.path.lexists(sidecar):
+        yield Defect(name, None, f"found no such file, expected the description of every column; {REBUILD}")
+        return
+    try:
+        described = list(json.loads(read_file(sidecar, "the description of every column")))
+    except (ValueError, TypeError, RecursionError) as error:
+        yield Defect(name, None, f"found no JSON ({error}), expected the description of every column; {REBUILD}")
+        return
+    for column in header:
+        if column not in described:
+            yield Defect(name, None, f"found no description of the column {column!r}, expected one; {REBUILD}")
+
+
+def _header(content: bytes) -> list[str]:
+    return content.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
+
+
+def _session(root: Path, journal: Path, experiment: Experiment | None, notes: list[str]) -> Iterator[Defect]:
+    name = f"journals/{journal.name}"
+    try:
+        recording = read(journal)
+    except TactometryError as error:
+        line = re.search(r"line (\d+): (.*)", str(error), re.DOTALL)
+        yield Defect(name, int(line[1]) if line else None, line[2] if line else str(error).removeprefix(f"{journal}: "))
+        return
+    head = recording.head
+    if head is None:
+        yield from _not_begun(root, journal, notes)
+        return
+    if Session(head.participant, head.session, head.study).stem != journal.stem:
+        whose = f"session {head.session} of {head.participant} ({head.study})"
+        yield Defect(name, 1, f"found {whose}, expected that of the file's name; remove the copy")
+    notes += [f"{name}: {change}" for change in changes(recording.sittings)]
+    if not recording.complete:
+        notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
+    if experiment is None:
+        return
+    if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:
+        yield Defect(name, 1, "found the digest of another study.toml, expected that of this data set")
+    else:
+        yield from _agreement(root, journal, recording, experiment)
+        yield from _events(journal, recording)
+
+
+def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
+    if has_rows(trials_file(root, journal)):
+        yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
+    else:
+        notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
+
+
+def trials_file(root: Path, journal: Path) -> Path:
+    """The trials file of a journal."""
+    return root / "data" / f"{journal.stem}_data.csv"
+
+
+def n_rows(content: bytes) -> int:
+    """Rows of a trials file below its header.
+
+    >>> n_rows(b"a,b\\n1,2\\n3,4"), n_rows(b"")
+    (2, 0)
+    """
+    return max(sum(bool(line.strip()) for line in content.split(b"\n")) - 1, 0)
+
+
+def has_rows(path: Path) -> bool:
+    """Whether there is a trials file that holds rows."""
+    return os.path.lexists(path) and n_rows(read_file(path, "a trials file")) > 0
+
+
+def _agreement(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
+    """Whether the trials file is what the journal says."""
+    file = trials_file(root, journal)
+    if not os.path.lexists(file):
+        yield Defect(f"data/{file.name}", None, f"found no such file, expected the trials of the journal; {REBUILD}")
+        return
+    differs = disagreement(read_file(file, "a trials file"), derived_csv(recording, experiment))
+    if differs is not None:
+        yield Defect(f"data/{file.name}", *differs)
+
+
+def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
+    """Whether the events file is what the journal says."""
+    file = journal.with_name(f"{journal.stem}_events.tsv")
+    name = f"journals/{file.name}"
+    if not os.path.lexists(file):
+        if recording.told:
+            yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
+        return
+    expected = events_tsv(recording.told, columns_in(COLUMNS, recording.format))
+    differs = disagreement(read_file(file, "an events file"), expected)
+    if differs is not None:
+        yield Defect(name, *differs)
+    if not file.with_suffix(".json").is_file():
+        yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")
+
+
+def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
+    """The trials file that a journal stands for."""
+    assert recording.head is not None
+    head = recording.head
+    columns = columns_in(experiment.design(b"").columns, head.format)
+    return trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)

@@ -1,0 +1,1 @@
+"""A session from start to end on any rig, and many simulated ones."""

@@ -1,0 +1,178 @@
+"""A session from start to end, or from where it stopped: one way for every rig."""
+
+import secrets
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.experiment import Experiment
+from tactometry.experiments.study.rehearsal import flaw
+from tactometry.protocols.block import Track
+from tactometry.provenance import sha256, versions
+from tactometry.records.data_set import LARGEST_NUMBER, Session
+from tactometry.records.description import Design
+from tactometry.records.head import Head
+from tactometry.records.open_session import OpenSession
+from tactometry.records.sittings import differences
+from tactometry.rigs.rig import Rig
+from tactometry.session.event import EventLog, Fact
+from tactometry.session.run import run
+from tactometry.trials.trial import Tally
+
+
+@dataclass(frozen=True)
+class Who:
+    """The participant of a session; `number` serves counterbalancing, `seed` None means a new one (or the recorded)."""
+
+    participant: str
+    session: int = 1
+    number: int | None = None
+    seed: int | None = None
+
+    @property
+    def counterbalancing_number(self) -> int:
+        """The given number, else the trailing digits of the code.
+
+        >>> Who("P017").counterbalancing_number
+        17
+        """
+        digits = self.participant[len(self.participant.rstrip("0123456789")) :]
+        number = int(digits) if self.number is None and digits else self.number
+        if number is None or not 1 <= number <= LARGEST_NUMBER:
+            upto = f" to {LARGEST_NUMBER}" if number is not None and number > 1 else ""
+            raise InvalidParameter(
+                f"participant {self.participant!r}: found no number from 1{upto} for counterbalancing, expected a code "
+                "that ends with one, such as P01; or give --number"
+            )
+        return number
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a sitting left: where, how many trials in all and before it, how each procedure ended, and what was
+    repaired."""
+
+    trials: Path
+    tally: Tally
+    n_resumed: int
+    tracks: tuple[Track, ...]
+    repaired: str | None
+
+    @property
+    def n_trials(self) -> int:
+        return self.tally.n_trials
+
+    @property
+    def endings(self) -> dict[str, int]:
+        """How many procedures ended in which way."""
+        endings = [track.ended for track in self.tracks]
+        return {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
+
+
+@dataclass(frozen=True)
+class RigKind:
+    """How a rig is made for a seed and a log, and what is known of the participant (a simulated one's truth).
+
+    `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
+    """
+
+    name: str
+    make: Callable[[int, EventLog], Rig]
+    observer: Callable[[int], dict[str, Fact]] = lambda seed: {}
+    simulated_time: bool = False
+
+
+def simulated(experiment: Experiment, who: Who) -> RigKind:
+    """The simulated rig of this participant."""
+    return RigKind(
+        "simulated",
+        lambda seed, log: experiment.simulated_rig(who.participant, who.session, seed),
+        lambda seed: experiment.simulated_participant(who.participant, seed).facts(),
+        simulated_time=True,
+    )
+
+
+def record(
+    experiment: Experiment,
+    study_toml: bytes,
+    root: Path,
+    who: Who,
+    kind: RigKind,
+    *,
+    resume: bool = False,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> Recorded:
+    """Record a session, or the rest of it; `tell` says what a person should know before it begins.
+
+    Raises
+    ------
+    InvalidFile
+        If the session is recorded already and `resume` is not given, or `root` holds another study.
+    InvalidParameter
+        If `who` asks for another seed or number than the recorded one.
+    """
+    design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
+    number = who.counterbalancing_number
+    flawed = flaw(experiment, root)
+    if flawed:
+        tell(flawed)
+    keeper = OpenSession(root, design, session, kind.name, resume=resume)
+    try:
+        seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials
+        if keeper.repaired:
+            tell(keeper.repaired)
+        with closing(kind.make(seed, keeper)) as rig:
+            _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
+            course = experiment.course(who.participant, who.session, number, seed)
+            tracks = run(course, rig, keeper)
+    finally:
+        keeper.close()
+    return Recorded(keeper.trials, keeper.tally, n_resumed, tracks, keeper.repaired)
+
+
+def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
+    """Write the head of a sitting, and tell what is not as it was in the last one."""
+    if keeper.complete:
+        return
+    changed = [phrase for last in keeper.sittings[-1:] for phrase in differences(last, head)]
+    if changed:
+        tell(f"this sitting is not as the last one: {'; '.join(changed)}")
+    keeper.begin(head)
+
+
+def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
+    """The seed of the session, which goes on as it began."""
+    number = who.counterbalancing_number
+    if head is None:
+        return secrets.randbelow(2**32) if who.seed is None else who.seed
+    if kind.name != head.rig:
+        raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
+    asked = {"seed": head.seed if who.seed is None else who.seed, "number": number}
+    for name, value in asked.items():
+        if value != getattr(head, name):
+            raise InvalidParameter(
+                f"--{name}: found {value}, but this session began with {getattr(head, name)}; leave it out to go on"
+            )
+    return head.seed
+
+
+def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig, keeper: OpenSession) -> Head:
+    started = None if kind.simulated_time else datetime.now(UTC).isoformat(timespec="milliseconds")
+    return Head(
+        study=design.study,
+        study_sha256=sha256(design.study_toml),
+        participant=who.participant,
+        session=who.session,
+        number=who.counterbalancing_number,
+        seed=seed,
+        rig=kind.name,
+        versions=versions(),
+        facts=rig.facts(),
+        observer=kind.observer(seed),
+        started_utc=started,
+        begun_s=keeper.replay.elapsed_s,
+        format=keeper.format,
+    )

@@ -1,0 +1,128 @@
+"""The rigs of `tactometry run`, made from a study and a bench file."""
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+
+from tactometry.rigs.bench import Facts
+from tactometry.signal import Stimulus
+
+if TYPE_CHECKING:
+    from tactometry.experiments.bench.bench_file import BenchFile, Devices
+    from tactometry.experiments.sessions.recording import RigKind, Who
+    from tactometry.experiments.study.experiment import Experiment
+    from tactometry.rigs.bench import Bench
+    from tactometry.session.event import EventLog
+
+
+@dataclass(frozen=True)
+class Outfit:
+    """The devices of a bench with the stimuli that fit them, and what the journal says of both."""
+
+    devices: "Devices"
+    bank: Mapping[str, Stimulus]
+    facts: Callable[[], Facts]
+
+
+def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Outfit:
+    """None of the devices is open; the output counts on from what reached the participant before."""
+    from datetime import date
+
+    from tactometry.devices.outputs.output import check_format
+    from tactometry.experiments.bench.bench_file import device_facts
+    from tactometry.experiments.bench.learnt_stimuli import bank_of, learnt_facts
+
+    devices = bench.devices(experiment.study.limits, date.today())
+    for caution in bench.cautions:
+        click.echo(caution, err=True)
+    bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
+    for name, stimulus in bank.items():
+        check_format(stimulus.at(experiment.highest_level(name)), devices.output)
+    if devices.output.limits is not None:
+        devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
+    return Outfit(devices, bank, lambda: device_facts(bench, devices) | learnt)
+
+
+def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.experiments.sessions.recording import RigKind
+    from tactometry.rigs.experimenter.terminal import Desk
+    from tactometry.rigs.open_bench import open_bench
+
+    del who
+    screen, study = bench.screen, experiment.study
+
+    def make(seed: int, log: "EventLog") -> "Bench":
+        del seed
+        outfit = _outfit(experiment, bench, log)
+        return open_bench(
+            outfit.bank,
+            bench.limits_with(study.limits),
+            study.texts,
+            language=screen.language,
+            fullscreen=screen.fullscreen,
+            size=(screen.width_px, screen.height_px),
+            output=outfit.devices.output,
+            sensor=outfit.devices.force,
+            position=outfit.devices.position,
+            display_height_m=screen.height_m,
+            ramp_s=bench.output.ramp_s,
+            release=bench.release,
+            device_facts=outfit.facts,
+            log=log,
+            desk=Desk(sys.stdin, sys.stderr),
+        )
+
+    return RigKind("bench", make)
+
+
+def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.devices.outputs.output import NullSettings
+    from tactometry.errors import InvalidParameter
+    from tactometry.experiments.sessions.recording import RigKind
+    from tactometry.protocols.tasks.adjustment import AdjustmentTask
+    from tactometry.rigs.console import Console
+    from tactometry.rigs.texts import texts_in
+
+    del who
+    texts = texts_in(bench.screen.language, experiment.study.texts)
+    limits = bench.limits_with(experiment.study.limits)
+    if isinstance(experiment.task, AdjustmentTask) and not isinstance(bench.output.settings, NullSettings):
+        raise InvalidParameter(
+            "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
+            "study; or leave [output] out of the bench file"
+        )
+
+    def make(seed: int, log: "EventLog") -> Console:
+        del seed
+        outfit = _outfit(experiment, bench, log)
+        return Console(
+            outfit.bank,
+            limits,
+            texts,
+            device=outfit.devices.output,
+            sensor=outfit.devices.force,
+            position=outfit.devices.position,
+            ramp_s=bench.output.ramp_s,
+            release=bench.release,
+            device_facts=outfit.facts,
+            log=log,
+        )
+
+    return RigKind("console", make)
+
+
+def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.experiments.sessions.recording import simulated
+
+    del bench
+    return simulated(experiment, who)
+
+
+RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
+    "bench": _bench,
+    "console": _console,
+    "simulated": _simulated,
+}

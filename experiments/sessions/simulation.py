@@ -1,0 +1,100 @@
+"""Many simulated participants of one study."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.experiments.sessions.recording import Recorded, Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.rehearsal import flaw
+from tactometry.experiments.study.session_plan import all_sessions
+from tactometry.experiments.study.study_file import parse
+from tactometry.records.head import LARGEST_SEED
+
+MOST_PARTICIPANTS = 100_000
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What to simulate: the bytes of a study, and for whom."""
+
+    study_toml: bytes
+    where: str
+    root: Path
+    n_participants: int
+    seed: int
+    resume: bool = False
+
+    def __post_init__(self) -> None:
+        if self.n_participants < 1:
+            raise InvalidParameter(f"--participants: found {self.n_participants}, expected at least 1")
+        if self.n_participants > MOST_PARTICIPANTS:
+            raise InvalidParameter(f"--participants: found {self.n_participants}, expected at most {MOST_PARTICIPANTS}")
+        if self.seed < 0:
+            raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at least 0")
+        if self.seed > LARGEST_SEED:
+            raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at most {LARGEST_SEED}")
+
+    def sessions(self) -> list[Who]:
+        """Every session of every participant, as the plan has them."""
+        width = max(2, len(str(self.n_participants)))
+        study = parse(self.study_toml, self.where)
+        return [
+            Who(f"P{n:0{width}d}", session, seed=self.seed)
+            for n in range(1, self.n_participants + 1)
+            for session in range(1, len(all_sessions(study, None, n, self.seed)) + 1)
+        ]
+
+
+def simulate_one(simulation: Simulation, who: Who) -> Recorded:
+    """One session of one simulated participant."""
+    experiment = wire(parse(simulation.study_toml, simulation.where), simulation.where)
+    return record(
+        experiment,
+        simulation.study_toml,
+        simulation.root,
+        who,
+        simulated(experiment, who),
+        resume=simulation.resume,
+    )
+
+
+def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
+    """All sessions, as they are done: here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+
+    The result does not depend on where it is computed.
+    """
+    flaw(wire(parse(simulation.study_toml, simulation.where), simulation.where), simulation.root)
+    if scheduler is not None:
+        yield from _on_cluster(simulation, scheduler)
+    elif n_jobs == 1:
+        yield from (simulate_one(simulation, who) for who in simulation.sessions())
+    else:
+        yield from _parallel(simulation, n_jobs)
+
+
+def _parallel(simulation: Simulation, n_jobs: int) -> Iterator[Recorded]:
+    import joblib
+
+    calls = (joblib.delayed(simulate_one)(simulation, who) for who in simulation.sessions())
+    yield from joblib.Parallel(n_jobs=n_jobs, return_as="generator")(calls)
+
+
+def _on_cluster(simulation: Simulation, scheduler: str) -> Iterator[Recorded]:
+    try:
+        import distributed
+        import joblib
+    except ImportError:
+        raise DeviceFailed(
+            "--scheduler: the package distributed is not installed, expected the extra: pip install tactometry[cluster]"
+        ) from None
+    try:
+        client = distributed.Client(scheduler, timeout=10)
+    except (OSError, ValueError, TypeError) as error:
+        raise DeviceFailed(
+            f"--scheduler: no Dask scheduler answers at {scheduler!r} ({error}), expected an address such as "
+            "tcp://host:8786"
+        ) from None
+    with client, joblib.parallel_config(backend="dask", wait_for_workers_timeout=30):
+        yield from _parallel(simulation, -1)

@@ -1,0 +1,1 @@
+"""From a study file to an experiment: tables built, cells wired, sessions planned."""

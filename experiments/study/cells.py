@@ -1,0 +1,160 @@
+"""From a cell of the design to a condition: the stimulus by its name, and how it is touched."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tactometry.config.strict import build
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.experiments.study.procedure_table import Rule, kind_of, rule_of, without
+from tactometry.experiments.study.study_file import VARIED, Study
+from tactometry.protocols.block import Condition
+from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
+from tactometry.records.data_set import cell as cell_text
+from tactometry.rigs.simulated import Sensation
+from tactometry.signal import Stimulus
+from tactometry.target import resolve
+
+Factors = Mapping[str, float | str]
+
+
+@dataclass(frozen=True)
+class StimulusKind:
+    """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
+
+    `stands` says that it is at one place, which a finger that slides would leave.
+    """
+
+    stimulus: str
+    sensation: str
+    shared: tuple[str, ...] = ()
+    stands: bool = False
+
+
+ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
+FOCUSING = StimulusKind(
+    "tactometry.stimuli.time_reversal.stimulus.focus_train:FocusTrain",
+    "tactometry.stimuli.time_reversal.stimulus.sensation:TimeReversalSensation",
+    ("setup",),
+    stands=True,
+)
+STIMULI: Mapping[str, StimulusKind] = {
+    **{
+        kind: StimulusKind(f"tactometry.stimuli.electrovibration.waveforms.{kind}:{name}", ELECTROVIBRATION)
+        for kind, name in (
+            ("amplitude_modulated", "AmplitudeModulated"),
+            ("sine", "Sine"),
+            ("square", "Square"),
+            ("triangle", "Triangle"),
+            ("trapezoid", "Trapezoid"),
+            ("pulse_train", "PulseTrain"),
+            ("step", "Step"),
+        )
+    },
+    "focus": FOCUSING,
+    "pattern": FOCUSING,
+    "measured_focus": StimulusKind(
+        FOCUSING.stimulus,
+        "tactometry.stimuli.time_reversal.stimulus.vibrometer:FocusReading",
+        FOCUSING.shared,
+        stands=True,
+    ),
+    "hybrid": StimulusKind("tactometry.stimuli.hybrid:Hybrid", "tactometry.stimuli.hybrid:HybridSensation", ("setup",)),
+}
+TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell that is wired: its condition, its stimulus, its procedure, and the model of what is felt."""
+
+    condition: Condition
+    stimulus: Stimulus
+    rule: Rule
+    sensation: Sensation
+
+
+def merged(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with some of its keys changed, tables within it likewise.
+
+    >>> merged({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
+    {'a': 1, 'b': {'c': 4, 'd': 3}}
+    """
+    inner = {
+        key: merged(table[key], value) if isinstance(value, Mapping) and isinstance(table.get(key), Mapping) else value
+        for key, value in change.items()
+    }
+    return {**table, **inner}
+
+
+def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
+    """The tables of a cell: those of the study with what the variants of its levels change."""
+    found = {name: dict(getattr(study, name)) for name in VARIED}
+    for factor, level in factors.items():
+        for name, change in study.variants.get(factor, {}).get(cell_text(level), {}).items():
+            found[name] = merged(found[name], change)
+    return found
+
+
+class Wiring:
+    """Wires the cells of a study; what several cells share is built once."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._sensations: dict[str, Sensation] = {}
+
+    def cell(self, factors: Factors) -> Cell:
+        """A cell of the design.
+
+        Raises
+        ------
+        InvalidParameter
+            If a table holds what its kind does not know, or a factor changes nothing.
+        """
+        of = tables(self._study, factors)
+        kind: StimulusKind = kind_of(of["stimulus"], "stimulus", STIMULI)
+        stimulus_class, touch_class = resolve(kind.stimulus), kind_of(of["touch"], "touch", TOUCHES)
+        if kind.stands and touch_class is Sliding:
+            raise InvalidParameter(
+                f"touch.kind: found 'slide' with the stimulus {of['stimulus']['kind']!r}, expected 'press': a finger "
+                "that slides leaves a focus; take 'hybrid' for a focus and friction at once"
+            )
+        of_stimulus, of_touch = _fields(factors, stimulus_class), _fields(factors, touch_class)
+        self._check_effect(factors, of, stimulus_class, touch_class)
+        stimulus = build(stimulus_class, {**without(of["stimulus"], "kind"), **of_stimulus}, "stimulus")
+        touch: Touch = build(
+            touch_class, {**without(of["touch"], "kind"), **of_touch}, "touch", duration_s=stimulus.duration_s
+        )
+        speed_m_per_s = touch.speed_m_per_s if isinstance(touch, Sliding) else None
+        named = {**of_stimulus, **{name: level for name, level in factors.items() if name in self._study.variants}}
+        name = ", ".join([of["stimulus"]["kind"], *(f"{key}={cell_text(level)}" for key, level in named.items())])
+        condition = Condition(dict(factors), name, stimulus.level_unit, touch, speed_m_per_s)
+        return Cell(condition, stimulus, rule_of(of["procedure"]), self._sensation(kind, of["sensation"], stimulus))
+
+    def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
+        shared = {name: getattr(stimulus, name) for name in kind.shared}
+        key = repr((kind.sensation, table, shared))
+        if key not in self._sensations:
+            self._sensations[key] = build(resolve(kind.sensation), table, "sensation", **shared)
+        return self._sensations[key]
+
+    def _check_effect(
+        self, factors: Factors, of: Mapping[str, Mapping[str, Any]], stimulus_class: Any, touch_class: Any
+    ) -> None:
+        known = [*stimulus_class.__dataclass_fields__, *touch_class.__dataclass_fields__, *self._study.variants]
+        for name in factors:
+            if name not in known:
+                raise InvalidParameter(
+                    f"factors.{name}: found a factor that changes nothing, expected a key of the stimulus or the touch "
+                    f"({', '.join(dict.fromkeys(known))}){nearest(name, known)}"
+                )
+            for where in ("stimulus", "touch"):
+                if name in of[where]:
+                    raise InvalidParameter(
+                        f"{where}.{name}: found a value that is a factor too, expected one of the two; remove it here "
+                        "or in factors"
+                    )
+
+
+def _fields(factors: Factors, kind: Any) -> dict[str, float | str]:
+    return {name: level for name, level in factors.items() if name in kind.__dataclass_fields__}

@@ -1,0 +1,103 @@
+"""What a session would ask, without asking it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf
+
+from tactometry.errors import InvalidParameter, counted
+from tactometry.experiments.study.experiment import Experiment
+from tactometry.experiments.study.procedure_table import Rule
+from tactometry.experiments.study.random_streams import stream
+from tactometry.protocols.block import Block
+from tactometry.protocols.session import Inquiry, Part
+from tactometry.protocols.tasks.rating import Rating
+
+ITEM_S = 5.0
+"""What an item of a questionnaire takes a participant (unverified default)."""
+LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
+"""A session that lasts longer is told, or refused."""
+
+
+@dataclass(frozen=True)
+class PlannedBlock:
+    """One part: its number, its factors, its procedure or questionnaire, how many tracks are interleaved, and at most
+    how many trials and items it takes, catch trials with them."""
+
+    block: int
+    factors: dict[str, float | str]
+    procedure: str
+    n_trials_at_most: int
+    n_tracks: int = 1
+    n_items: int = 0
+    practice: bool = False
+
+    @property
+    def content(self) -> str:
+        """What it holds, in words.
+
+        >>> PlannedBlock(1, {}, "staircase", 80, n_tracks=2).content
+        'staircase, 2 interleaved, at most 80 trials'
+        """
+        parts = [
+            self.procedure,
+            f"{self.n_tracks} interleaved" if self.n_tracks > 1 else "",
+            f"at most {counted(self.n_trials_at_most, 'trial')}" if self.n_trials_at_most else "",
+            counted(self.n_items, "item") if self.n_items else "",
+        ]
+        return ", ".join(filter(None, parts))
+
+
+def plan(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> list[PlannedBlock]:
+    """The parts of a session of the participant with this number."""
+    parts = experiment.parts(number, stream(seed, "plan"), n_session, seed)
+    return [_planned(n, part) for n, part in enumerate(parts, 1)]
+
+
+def _planned(number: int, part: Part) -> PlannedBlock:
+    if isinstance(part, Inquiry):
+        return PlannedBlock(number, {}, part.form.name, 0, 0, len(part.form.items))
+    assert isinstance(part, Block)
+    n_trials = sum(_n_trials(part))
+    n_items = n_trials * len(part.task.form.items) if isinstance(part.task, Rating) else 0
+    factors = {name: level for name, level in part.factors.items() if level != ""}
+    procedure = part.tracks[0].procedure.name
+    return PlannedBlock(number, factors, procedure, n_trials, len(part.tracks), n_items, part.practice)
+
+
+def _n_trials(block: Block) -> Iterator[int]:
+    rate = block.catch_rate if block.task.takes_catch_trials else 0.0
+    for track in block.tracks:
+        n_stimuli = Rule(track.procedure).n_trials_at_most
+        yield n_stimuli if rate == 0 else round(n_stimuli / (1 - 1 / max(round(1 / rate), 2)))
+
+
+def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
+    """How long a session takes at most, at the study's time per trial, `ITEM_S` per item, and its rests; a plan and a
+    task that end what lasts too long have the last word."""
+    most_s, parts_s = experiment.study.plan.longest_s, [_lasting_s(experiment, block) for block in blocks]
+    return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
+
+
+def _lasting_s(experiment: Experiment, block: PlannedBlock) -> float:
+    shown = experiment.asking.presenting
+    n_rests = (block.n_trials_at_most - 1) // shown.rest_after if shown.rest_after and block.n_trials_at_most else 0
+    trials_s = experiment.study.trial_s * block.n_trials_at_most + (shown.rest_s or 0.0) * n_rests
+    return min(trials_s + ITEM_S * block.n_items, inf if shown.longest_s is None else shown.longest_s)
+
+
+def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:
+    """What to say of a session that lasts more than `LONG_S`; None of a shorter one.
+
+    Raises
+    ------
+    InvalidParameter
+        If it lasts more than `LONGEST_S`.
+    """
+    lasting_s = duration_s(experiment, blocks)
+    if lasting_s <= LONG_S:
+        return None
+    found = f"found a session of at most {lasting_s / 3600:.3g} hours"
+    ways = "ask for fewer trials, or part it into sessions ([plan]: sessions, longest_s)"
+    if lasting_s > LONGEST_S:
+        raise InvalidParameter(f"procedure: {found}, expected at most {LONGEST_S / 3600:g}; {ways}")
+    return f"{found}, which is more than {LONG_S / 3600:g}: {ways}, unless people bear it"

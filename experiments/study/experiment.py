@@ -1,0 +1,221 @@
+"""From the numbers of a study to stimuli, sessions and simulated participants."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.require import at_most
+from tactometry.config.quantity import unit_suffix, units
+from tactometry.errors import InvalidParameter, TactometryError
+from tactometry.experiments.study.cells import Cell, Wiring
+from tactometry.experiments.study.procedure_table import practice_of
+from tactometry.experiments.study.random_streams import stream
+from tactometry.experiments.study.session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
+from tactometry.experiments.study.study_file import Study
+from tactometry.experiments.study.task_table import Asking, asking, form_of
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols.block import Condition, Track
+from tactometry.protocols.procedures.procedure import MOST_TRIALS
+from tactometry.protocols.session import Part, session
+from tactometry.protocols.tasks.adjustment import AdjustmentTask
+from tactometry.protocols.tasks.task import Task
+from tactometry.questionnaire import own
+from tactometry.records.description import Design
+from tactometry.rigs.simulated import Sensation, SimulatedRig
+from tactometry.session.request import Play
+from tactometry.session.run import Course
+from tactometry.signal import Stimulus
+from tactometry.trials.columns import Column, table_columns
+
+MOST_SAMPLES = 100_000_000
+"""What a stimulus may hold: 800 MB."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A study that is wired: every table built, every cell's stimulus named, every level within the limits."""
+
+    study: Study
+    asking: Asking
+    cells: Mapping[Key, Cell]
+
+    @property
+    def task(self) -> Task:
+        return self.asking.task
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The conditions of all cells, in the order of the file."""
+        return tuple(cell.condition for cell in self.cells.values())
+
+    @property
+    def bank(self) -> dict[str, Stimulus]:
+        """The stimuli by name."""
+        return {cell.condition.stimulus: cell.stimulus for cell in self.cells.values()}
+
+    def highest_level(self, stimulus: str) -> float:
+        """The highest level that a session may ask for of a stimulus."""
+        cells = [cell for cell in self.cells.values() if cell.condition.stimulus == stimulus]
+        return max(level for cell in cells for _, level in _levels(self, cell))
+
+    def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
+        """The parts of a session of the participant with this number, in order; `rng` shuffles within blocks."""
+        factors = session_cells(self.study, self.asking.over, number, n_session, seed)
+        return Sitting(self.study, self.asking, self.cells, rng).parts(factors)
+
+    def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
+        """The protocol of one session: a pure function of its arguments."""
+        rng = stream(seed, participant, n_session, "protocol")
+        return session(self.parts(number, rng, n_session, seed), rng, self.study.plan.longest_s)
+
+    def sensation(self) -> Sensation:
+        """The model of what is felt of the first cell's stimulus."""
+        return next(iter(self.cells.values())).sensation
+
+    def simulated_participant(self, participant: str, seed: int) -> SignalDetectionObserver:
+        return self.study.observer.participant(stream(seed, participant, "traits"))
+
+    def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
+        return SimulatedRig(
+            self.bank,
+            self.study.limits,
+            self.sensation(),
+            self.simulated_participant(participant, seed),
+            self.study.finger,
+            lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
+            by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
+        )
+
+    def design(self, study_toml: bytes) -> Design:
+        """What the files of a data set say of this study."""
+        study = self.study
+        factors = [_factor_column(name) for name in study.factors]
+        return Design(study.name, study.title, study.description, table_columns(factors, self._optional()), study_toml)
+
+    def _optional(self) -> list[str]:
+        """The columns that apply, of those that not every study has."""
+        kind, study = self.asking.kind, self.study
+        slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
+        applies = {
+            "track": bool(study.plan.interleave) or kind == "preference",
+            "catch": self.task.takes_catch_trials,
+            "item": kind in ("rating", "preference") or bool(study.inquiries),
+            "speed_target_m_per_s": slides,
+            "target": kind in ("forced_choice", "same_different", "comparison", "localisation"),
+            "standard_level": kind in ("same_different", "comparison"),
+            "item_b": kind == "preference",
+            "practice": bool(study.practice),
+            "level_measured": kind == "measurement",
+            "speed_in_band": slides,
+        }
+        always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")
+        return [*always, *(name for name, yes in applies.items() if yes)]
+
+
+def _factor_column(name: str) -> Column:
+    suffix = unit_suffix(name)
+    return Column(name, "Factor of the study", "" if suffix is None else units(suffix)[0])
+
+
+def wire(study: Study, where: str) -> Experiment:
+    """Build every table of a study, and hold its strongest stimuli against the limits.
+
+    Raises
+    ------
+    InvalidParameter
+        If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
+    """
+    try:
+        asked = asking(study)
+        experiment = Experiment(study, asked, dict(_cells(study, _repeated(study, asked))))
+        crossing_of(study, experiment.asking.over, study.factors)
+        for name, inquiry in study.inquiries.items():
+            form_of(study, inquiry.form, f"inquiries.{name}.form")
+        own(study.forms)
+        _check_forces(experiment)
+        _check_levels(experiment)
+        if isinstance(experiment.task, AdjustmentTask):
+            _check_starts(experiment.cells.values(), experiment.task)
+    except TactometryError as error:
+        raise InvalidParameter(f"{where}, {error}") from None
+    return experiment
+
+
+def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, Cell]]:
+    """The cells of the design, wired, each of which is asked in so many tracks, until they are too much for anybody."""
+    wiring, n_trials = Wiring(study), 0.0
+    for factors in all_cells(study):
+        cell = wiring.cell(factors)
+        n_trials += n_tracks * cell.rule.n_trials_at_most
+        at_most("procedure: trials of all cells", n_trials, MOST_TRIALS)
+        yield key_of(factors), cell
+
+
+def _repeated(study: Study, asked: Asking) -> float:
+    """In how many tracks a cell takes part: alternatives share one, and each pair of preferences has one."""
+    if asked.over is None:
+        return 1
+    n_levels = len(study.factors[asked.over])
+    return (n_levels - 1) / 2 if asked.kind == "preference" else 1 / n_levels
+
+
+def _levels(experiment: Experiment, cell: Cell) -> Iterator[tuple[str, float]]:
+    """The highest levels that a session may ask for, with the table that says so."""
+    yield "procedure", cell.rule.highest
+    practice = practice_of(experiment.study.practice)
+    if practice is not None:
+        yield "practice", practice.highest
+    for key in ("standard_level", "high"):
+        level = getattr(experiment.task, key, None)
+        if level is not None and experiment.asking.kind != "magnitude":
+            yield f"task.{key}", level
+
+
+def _check_forces(experiment: Experiment) -> None:
+    for condition in experiment.conditions:
+        request = condition.touch.request(condition.stimulus, None, None)
+        if isinstance(request, Play):
+            continue
+        try:
+            experiment.study.limits.check_force(request.target_n, request.tolerance)
+        except TactometryError as error:
+            raise InvalidParameter(
+                f"touch.force_n: found {request.target_n:g} N, expected one within the limits ({error})"
+            ) from None
+
+
+def _check_levels(experiment: Experiment) -> None:
+    checked: set[tuple[str, str, float]] = set()
+    for cell in experiment.cells.values():
+        for where, level in _levels(experiment, cell):
+            if (cell.condition.stimulus, where, level) not in checked:
+                checked.add((cell.condition.stimulus, where, level))
+                _check_level(experiment, cell.stimulus, where, level)
+
+
+def _check_starts(cells: Iterable[Cell], task: AdjustmentTask) -> None:
+    for cell in cells:
+        low, high = cell.rule.bounds
+        if not task.low <= low <= high <= task.high:
+            raise InvalidParameter(
+                f"procedure: found levels from {low:g} to {high:g} where an adjustment starts, expected them within "
+                f"the bounds of the task ({task.low:g} to {task.high:g})"
+            )
+
+
+def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:
+    limits, duration_s = experiment.study.limits, getattr(stimulus, "duration_s", 0.0)
+    if duration_s > limits.longest_s:
+        raise InvalidParameter(
+            f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
+            f"{limits.longest_s:g} s; shorten the stimulus, or raise the limit"
+        )
+    n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
+    at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
+    try:
+        limits.check(stimulus.at(level))
+    except TactometryError as error:
+        raise InvalidParameter(
+            f"{where}: found the highest level {level:g}, expected one within the limits ({error})"
+        ) from None

@@ -1,0 +1,184 @@
+"""The tables of a study file by their place, each with the class that reads it; and the same as pages of the docs.
+
+`python -m tactometry.experiments.study.key_tables` (`make keys`) writes them into `docs/studies.md` and
+`docs/procedures.md`.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from tactometry.analysis.plan import Plan
+from tactometry.analysis.tasks.applied_force import Exclusion
+from tactometry.experiments.study.cells import ELECTROVIBRATION, STIMULI, TOUCHES
+from tactometry.experiments.study.keys import Key, Table, keys_of
+from tactometry.experiments.study.procedure_table import PROCEDURES
+from tactometry.experiments.study.study_file import Inquiry, PlanTable, Study
+from tactometry.experiments.study.task_table import TASKS, Presenting
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols.procedures.practice import Practice
+from tactometry.questionnaire import Dimension, Item, Questionnaire
+from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
+from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag
+from tactometry.stimuli.electrovibration.skin.skin import Skin
+from tactometry.stimuli.electrovibration.skin.stack import Layer
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+from tactometry.target import resolve
+
+BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
+ROOT: Final = Path(__file__).resolve().parents[2]
+
+_TOP = {
+    "name": "a", "title": "A", "description": "It.", "task": {}, "factors": {"force_n": [1.0]}, "stimulus": {},
+    "touch": {}, "procedure": {}, "limits": {"voltage_peak_v": 100.0},
+}  # fmt: skip
+_LEVELS = {"low": 0.0, "high": 40.0}
+_PROCEDURES: Final[Mapping[str, Mapping[str, object]]] = {
+    "staircase": {"start": 20.0, "steps": [4.0], **_LEVELS},
+    "weighted_staircase": {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS},
+    "constant_stimuli": {"levels": [1.0], "repeats": 1},
+    "method_of_limits": {"step": 2.0, **_LEVELS},
+    "quest": {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS},
+    "quest_plus": {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
+    "psi": {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS},
+}
+_TASKS: Final[Mapping[str, Mapping[str, object]]] = {
+    "same_different": {"standard_level": 20.0},
+    "comparison": {"standard_level": 20.0},
+    "localisation": {"over": "place"},
+    "preference": {"over": "wave"},
+    "adjustment": {"step": 1.0, **_LEVELS},
+    "rating": {"form": "sus"},
+}
+_STIMULI: Final[Mapping[str, Mapping[str, object]]] = {
+    **{kind: {"frequency_hz": 60.0} for kind in ("amplitude_modulated", "sine", "square", "triangle")},
+    "pulse_train": {"frequency_hz": 60.0, "width_s": 1e-3},
+    "trapezoid": {"rise_s": 1e-3, "high_s": 2e-3, "fall_s": 1e-3, "low_s": 2e-3},
+}
+_TOUCH = {"force_n": 1.0, "hold_s": 0.3, "timeout_s": 10.0}
+_TOUCHES: Final[Mapping[str, Mapping[str, object]]] = {"press": _TOUCH, "slide": {**_TOUCH, "speed_m_per_s": 0.05}}
+_FOCUS = {"setup": {"n_transducers": 4, "modes_to_hz": 4e3, "rate_hz": 10e3}, "f_max_hz": 3e3}
+_BOTH = {
+    "focus": _FOCUS,
+    "friction": {"frequency_hz": 120.0, "carrier_hz": 1e3, "duration_s": 0.5, "rate_hz": 10e3},
+}
+_ITEM = {"id": "Q1", "dimension": "D", "order": 1, "statement": {"en": "It."}}
+_FORM = {
+    "title": "A", "low": 0.0, "high": 10.0, "steps": 11, "score_low": 0.0, "score_high": 10.0, "items": [_ITEM],
+    "dimensions": {"D": {"min_answered": 1}}, "reference": "none", "ends": {"en": ["no", "yes"]},
+}  # fmt: skip
+_IN_LEVELS = (
+    "start", "steps", "steps_up", "steps_down", "step", "low", "high", "levels", "start_sd", "sd_stop", "decade",
+    "width_low", "width_high", "threshold_low", "threshold_high", "sd_low", "sd_high", "standard_level",
+)  # fmt: skip
+
+
+def study_tables() -> Iterator[tuple[str, Table]]:
+    """The tables of a study file but `[procedure]`, by a heading."""
+    yield "The file itself", Table(Study, _TOP)
+    yield from ((f"`[stimulus]`, `kind = {_named(kinds)}`", table) for kinds, table in _stimuli())
+    yield "`[stimulus.setup]`", Table(Setup)
+    yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
+    yield "`[task]`, every kind", Table(Presenting)
+    yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
+    yield "`[practice]`", Table(Practice, {"levels": [30.0]}, ("responses",), in_levels=_IN_LEVELS)
+    yield "`[plan]`", Table(PlanTable)
+    yield "`[inquiries.NAME]`", Table(Inquiry, {"form": "sus"})
+    yield "`[forms.NAME]`", Table(Questionnaire, _FORM, given={"name": "own"})
+    yield "`[[forms.NAME.items]]`", Table(Item, _ITEM)
+    yield "`[forms.NAME.dimensions.NAME]`", Table(Dimension, {"min_answered": 1})
+    yield "`[limits]`", Table(Limits, {"voltage_peak_v": 100.0})
+    yield "`[sensation]`, electrovibration", Table(resolve(ELECTROVIBRATION))
+    yield "`[sensation.skin]`", Table(Skin)
+    yield "`[sensation.skin.tissue]`", Table(Layer, {"thickness_m": 5e-3})
+    yield "`[sensation.friction]`", Table(CoulombFriction)
+    yield "`[sensation.lag]`", Table(FrictionLag)
+    yield "`[sensation.polarity]`", Table(Polarity, {"positive_share": 0.5})
+    yield from ((f"`[sensation]`, `{kind}`", _felt(kind)) for kind in ("focus", "measured_focus", "hybrid"))
+    yield "`[observer]`", Table(SignalDetectionObserver)
+    yield "`[finger]`", Table(SimulatedFinger)
+    yield "`[analysis]`", Table(Plan)
+    yield "`[analysis.exclusion]`", Table(Exclusion)
+
+
+def procedure_tables() -> Iterator[tuple[str, Table]]:
+    """The table `[procedure]` of each kind."""
+    for kind, read in PROCEDURES.items():
+        table = Table(read.table, _PROCEDURES[kind], read.state, made=read.made, in_levels=_IN_LEVELS)
+        yield f'`kind = "{kind}"`', table
+
+
+def texts() -> Mapping[str, str]:
+    """The messages and labels that `[texts]` may replace, as they are shipped, in the order of their file."""
+    shipped = texts_in("en", {})
+    return {**shipped.messages, **shipped.labels}
+
+
+def written(page: str, tables: Iterable[tuple[str, Table]], behind: str = "") -> str:
+    """A page with its tables of keys anew, between the marks."""
+    before, _, rest = page.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    parts = [f"### {heading}\n\n{_rows(keys_of(table))}" for heading, table in tables]
+    return "\n\n".join([f"{before}{BEGIN}", *parts, *filter(None, [behind]), f"{END}{after}"])
+
+
+def pages() -> dict[Path, str]:
+    """The pages that hold keys, as they should be."""
+    studies, procedures = ROOT / "docs" / "studies.md", ROOT / "docs" / "procedures.md"
+    return {
+        studies: written(studies.read_text(encoding="utf-8"), study_tables(), _texts_in_words()),
+        procedures: written(procedures.read_text(encoding="utf-8"), procedure_tables()),
+    }
+
+
+def _stimuli() -> Iterator[tuple[list[str], Table]]:
+    """Kinds that one class reads stand together."""
+    for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
+        kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
+        examples = {"focus": _FOCUS, "hybrid": _BOTH, **_STIMULI}
+        yield kinds, Table(resolve(target), examples.get(kinds[0], {}))
+
+
+def _touch(kind: str) -> Table:
+    return Table(TOUCHES[kind], _TOUCHES[kind], given={"duration_s": 0.5})
+
+
+def _tasks() -> Iterator[tuple[str, Table]]:
+    """Those kinds that have keys of their own."""
+    for kind, reads in TASKS.items():
+        table = Table(reads, _TASKS.get(kind, {}), in_levels=_IN_LEVELS)
+        if keys_of(table):
+            yield kind, table
+
+
+def _felt(kind: str) -> Table:
+    return Table(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
+
+
+def _named(kinds: Iterable[str]) -> str:
+    return ", ".join(f'"{kind}"' for kind in kinds)
+
+
+def _rows(keys: Iterable[Key]) -> str:
+    rows = ["| key | holds | unit | range | if left out |", "|---|---|---|---|---|"]
+    for key in keys:
+        otherwise = "**required**" if key.required else key.otherwise
+        rows.append(f"| `{key.name}` | {key.holds} | {key.unit} | {key.within} | {otherwise} |")
+    return "\n".join(rows)
+
+
+def _texts_in_words() -> str:
+    rows = [f"| `{name}` | {' '.join(text.split())} |" for name, text in texts().items()]
+    return "\n".join(["### `[texts]`", "", "| name | as shipped |", "|---|---|", *rows])
+
+
+def main() -> None:
+    for path, text in pages().items():
+        path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

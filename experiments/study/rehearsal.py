@@ -1,0 +1,128 @@
+"""Every page that the sessions of a study can show, put together before the first of them begins."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import prod
+from pathlib import Path
+
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.experiments.study.experiment import Experiment
+from tactometry.experiments.study.random_streams import stream
+from tactometry.experiments.study.session_plan import all_sessions
+from tactometry.experiments.study.task_table import form_of
+from tactometry.protocols.session import pages
+from tactometry.protocols.tasks.rating import Rating
+from tactometry.questionnaire import Questionnaire
+from tactometry.rigs.texts import Texts, texts_in
+from tactometry.session.request import Show
+
+WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
+"""Pages that a block shows in the midst of its trials."""
+
+
+def rehearse(experiment: Experiment) -> None:
+    """Look for keys that do nothing, and fill the texts of a study with all that they will be filled with.
+
+    Raises
+    ------
+    InvalidParameter
+        If a key of the task has no effect, or a text has the name of none or cannot be filled on a page that will show
+        it.
+    """
+    study = experiment.study
+    _refuse_idle(experiment)
+    texts = replace(texts_in("en", study.texts), shipped={})
+    known = texts_in("en", {})
+    for name in study.texts:
+        if name not in known.messages and name not in known.labels:
+            names = sorted({*known.messages, *known.labels})
+            raise InvalidParameter(
+                f"texts.{name}: found a text that no page shows, expected one of {', '.join(names)}"
+                f"{nearest(name, names)}"
+            )
+    shown = set()
+    for page in _pages(experiment) if study.texts else ():
+        shown.add(page.message)
+        _fill(texts, page)
+    for name in study.texts:
+        if name in known.messages and name not in shown:
+            is_page = name in WITHIN_BLOCKS or name.startswith("instructions_")
+            _fill(texts, Show(name) if is_page else name)
+
+
+def _refuse_idle(experiment: Experiment) -> None:
+    """A key that does nothing promises what no session will hold."""
+    shown, study = experiment.asking.presenting, experiment.study
+    for name in ("title", "description"):
+        if not getattr(study, name).strip():
+            raise InvalidParameter(
+                f"{name}: found nothing, expected a text, which stands in the data set's description"
+            )
+    if shown.rest_s is not None and shown.rest_after is None:
+        raise InvalidParameter(
+            f"task.rest_s: found {shown.rest_s:g} s without rest_after, expected both: no rest comes"
+        )
+    if shown.interleaving != "random" and not study.plan.interleave and experiment.asking.kind != "preference":
+        raise InvalidParameter(
+            f"task.interleaving: found {shown.interleaving!r} without interleaved tracks, expected factors in "
+            "plan.interleave; or leave it out"
+        )
+
+
+def _pages(experiment: Experiment) -> Iterator[Show]:
+    """The pages of every session of every group."""
+    study = experiment.study
+    for number in range(1, prod(len(study.factors[name]) for name in study.plan.between) + 1):
+        n_sessions = len(all_sessions(study, experiment.asking.over, number, 0)) if study.plan.sessions else 1
+        for n_session in range(1, n_sessions + 1):
+            yield from pages(experiment.parts(number, stream(0, "rehearsal"), n_session))
+
+
+def _fill(texts: Texts, shown: Show | str) -> None:
+    try:
+        texts.page(shown) if isinstance(shown, Show) else texts.message(shown)
+    except InvalidParameter as error:
+        raise InvalidParameter(f"texts: {error}") from None
+
+
+def forms(experiment: Experiment) -> Iterator[Questionnaire]:
+    """The questionnaires that the sessions of a study ask."""
+    study, task = experiment.study, experiment.task
+    if isinstance(task, Rating):
+        yield task.form
+    for name, inquiry in study.inquiries.items():
+        yield form_of(study, inquiry.form, f"inquiries.{name}.form")
+
+
+def rehearse_forms(experiment: Experiment, language: str) -> None:
+    """Look for the words of every item in the language of a rig.
+
+    Raises
+    ------
+    InvalidParameter
+        If a questionnaire has none.
+    """
+    for form in forms(experiment):
+        if language not in form.languages:
+            raise InvalidParameter(
+                f"questionnaire {form.name}: found no words in {language!r}, expected one of "
+                f"{', '.join(form.languages)}; choose that language on the bench, or add the words"
+            )
+
+
+def flaw(experiment: Experiment, root: Path) -> str | None:
+    """What is wrong with the texts of a study whose sessions have begun in a folder: theirs can no longer be mended.
+
+    Raises
+    ------
+    InvalidParameter
+        As `rehearse`, where no session has begun.
+    """
+    try:
+        rehearse(experiment)
+    except InvalidParameter as error:
+        if not (root / "study.toml").exists():
+            raise
+        shown = "; the shipped text is shown in its place" if str(error).startswith("texts: ") else ""
+        return f"{error}{shown}"
+    return None

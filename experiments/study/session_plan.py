@@ -1,0 +1,167 @@
+"""The parts of a session: a pure function of the study, the participant's number, the session and the seed."""
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.cells import Cell
+from tactometry.experiments.study.procedure_table import practice_of
+from tactometry.experiments.study.random_streams import stream
+from tactometry.experiments.study.study_file import Levels, Study
+from tactometry.experiments.study.task_table import Asking, form_of
+from tactometry.protocols.block import Block, Track
+from tactometry.protocols.order import Crossing, crossed
+from tactometry.protocols.session import Inquiry, Part
+from tactometry.protocols.tasks.task import Alternative
+from tactometry.records.data_set import cell as cell_text
+
+Factors = Mapping[str, float | str]
+Key = tuple[tuple[str, float | str], ...]
+
+
+def key_of(factors: Factors) -> Key:
+    """A cell as a key."""
+    return tuple(sorted(factors.items()))
+
+
+def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]]]:
+    """The nested levels of a study, by the levels themselves instead of their names in the file."""
+    return {
+        factor: {level: by_name[cell_text(level)] for level in study.factors[factor] if cell_text(level) in by_name}
+        for factor, by_name in study.nested.items()
+    }
+
+
+def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[float | str]]) -> Crossing[float | str]:
+    """The order of a study's factors: sessions slowest, then the counterbalanced ones, the interleaved ones fastest."""
+    plan = study.plan
+    slow = [*plan.between, *plan.sessions, *study.counterbalance]
+    rest = [name for name in factors if name not in plan.interleave]
+    names = [name for name in dict.fromkeys([*slow, *rest, *plan.interleave]) if name != over]
+    rules = {**dict.fromkeys(study.counterbalance, "williams"), **plan.rules}
+    return Crossing({name: factors[name] for name in names}, rules, nested_levels(study))
+
+
+def session_cells(
+    study: Study, over: str | None, number: int, n_session: int, seed: int
+) -> list[dict[str, float | str]]:
+    """The cells of one session of the participant with this number, in order; without the factor `over`.
+
+    Raises
+    ------
+    InvalidParameter
+        If the number is below 1, or the study has no such session.
+    """
+    if number < 1:
+        raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
+    sessions = all_sessions(study, over, number, seed)
+    if n_session > len(sessions) and study.plan.sessions:
+        raise InvalidParameter(f"--session: found {n_session}, expected from 1 to {len(sessions)}, as the plan has")
+    return sessions[n_session - 1 if study.plan.sessions else 0]
+
+
+def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
+    """The cells of every session that the plan has for this participant; one session if all are the same."""
+    plan = study.plan
+    groups = crossed({name: study.factors[name] for name in plan.between})
+    row, group = divmod(number - 1, len(groups))
+    factors = {**study.factors, **{name: (level,) for name, level in groups[group].items()}}
+    cells = crossing_of(study, over, factors).cells(row, stream(seed, "order", number))
+    return [list(part) for _, part in itertools.groupby(cells, lambda cell: [cell[n] for n in plan.sessions])]
+
+
+@dataclass(frozen=True)
+class Sitting:
+    """Makes the parts of a session from wired cells."""
+
+    study: Study
+    asking: Asking
+    cells: Mapping[Key, Cell]
+    rng: np.random.Generator
+
+    def parts(self, factors: Sequence[Factors]) -> tuple[Part, ...]:
+        """Practice, the blocks in their order, and the questionnaires between and after them."""
+        groups = itertools.groupby(factors, self._slow)
+        blocks = [self._block(list(group)) for _, group in groups]
+        practice = self._practice(blocks[0])
+        between = itertools.chain.from_iterable(self._with_inquiries(block) for block in blocks)
+        return (*practice, *between, *self._inquiries("session", {}))
+
+    def _with_inquiries(self, block: Block) -> tuple[Part, ...]:
+        return (block, *self._inquiries("block", block.factors))
+
+    def _slow(self, factors: Factors) -> list[float | str]:
+        return [level for name, level in factors.items() if name not in self.study.plan.interleave]
+
+    def _inquiries(self, after: str, condition: Factors) -> Iterator[Inquiry]:
+        empty = dict.fromkeys(self.study.factors, "")
+        for name, table in self.study.inquiries.items():
+            if table.after == after:
+                form = form_of(self.study, table.form, f"inquiries.{name}.form")
+                yield Inquiry(form, table.shuffled, empty, condition)
+
+    def _practice(self, first: Block) -> list[Block]:
+        rule = practice_of(self.study.practice)
+        if rule is None:
+            return []
+        track = replace(first.tracks[0], procedure=rule.procedure, name=None)
+        return [replace(first, tracks=(track,), practice=True, feedback=True, rest_after=None)]
+
+    def _block(self, group: Sequence[Factors]) -> Block:
+        unruled = [track for factors in group for track in self._tracks(factors)]
+        names = [track.name or "" for track in unruled]
+        procedures = self._cell(group[0]).rule.for_tracks(names, self.rng)
+        asking, several = self.asking, len(unruled) > 1
+        tracks = (
+            replace(track, procedure=procedure, name=track.name if several else None)
+            for track, procedure in zip(unruled, procedures, strict=True)
+        )
+        shown = asking.presenting
+        return Block(
+            tuple(tracks),
+            asking.task,
+            shown.catch_rate,
+            shown.n_attempts,
+            shown.interleaving,
+            shown.feedback,
+            rest_after=shown.rest_after,
+            rest_s=shown.rest_s,
+            longest_s=shown.longest_s,
+        )
+
+    def _cell(self, factors: Factors) -> Cell:
+        over = self.asking.over
+        full = factors if over is None else {**factors, over: self.study.factors[over][0]}
+        return self.cells[key_of(full)]
+
+    def _tracks(self, factors: Factors) -> Iterator[Track]:
+        """One track of a cell; for preferences one for each pair, for localisation one with all alternatives.
+
+        Their procedures are dealt out by `_block`.
+        """
+        cell, over = self._cell(factors), self.asking.over
+        name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
+        if over is None:
+            yield Track(cell.condition, cell.rule.procedure, name)
+            return
+        alternatives = [self._alternative(factors, over, level) for level in self.study.factors[over]]
+        n_each = 2 if self.asking.kind == "preference" else len(alternatives)
+        for chosen in itertools.combinations(alternatives, n_each):
+            labels = " - ".join(each.label for each in chosen) if self.asking.kind == "preference" else ""
+            condition = replace(cell.condition, factors={**factors, over: ""}, alternatives=chosen)
+            yield Track(condition, cell.rule.procedure, ", ".join(filter(None, (name, labels))))
+
+    def _alternative(self, factors: Factors, over: str, level: float | str) -> Alternative:
+        condition = self.cells[key_of({**factors, over: level})].condition
+        return Alternative(condition.stimulus, cell_text(level), {over: level})
+
+
+def all_cells(study: Study) -> list[dict[str, float | str]]:
+    """Every cell of the design, those of all groups and sessions."""
+    return [
+        {name: cell[name] for name in study.factors}
+        for cell in Crossing[float | str](study.factors, {}, nested_levels(study)).cells(0, np.random.default_rng(0))
+    ]

@@ -1,0 +1,258 @@
+"""Study files: the numbers of one experiment, strictly read."""
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from math import isfinite, prod
+from pathlib import Path
+from typing import Any
+
+from tactometry.arguments.require import given, positive, repeated
+from tactometry.config.quantity import as_si
+from tactometry.config.strict import build
+from tactometry.config.toml import LARGEST_FILE, located, table_of
+from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.files.durable import read_file
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.records.data_set import STUDY, cell
+from tactometry.safety.limits import Limits
+from tactometry.trials.columns import RESERVED
+
+FOLDER = Path(__file__).parents[1]
+
+
+Levels = tuple[float | str, ...]
+
+
+@dataclass(frozen=True)
+class PlanTable:
+    """How the cells of the design become sessions and blocks, beside `counterbalance`.
+
+    Parameters
+    ----------
+    between : tuple of str
+        Factors of which a participant meets one level only, by the number.
+    sessions : tuple of str
+        Factors of which each session holds one level.
+    interleave : tuple of str
+        Factors whose levels are interleaved in one block, as tracks.
+    orders : mapping of str to tuple of str
+        Factors by the rule of their order: ``williams`` (as those in `counterbalance`), ``complete``, ``random``;
+        others are fixed.
+    longest_s : float or None
+        No block begins later in a session.
+    """
+
+    between: tuple[str, ...] = ()
+    sessions: tuple[str, ...] = ()
+    interleave: tuple[str, ...] = ()
+    orders: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    longest_s: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("PlanTable", **given({"longest_s": self.longest_s}))
+
+    @property
+    def rules(self) -> dict[str, str]:
+        """The rule of each factor that has one here."""
+        return {name: rule for rule, names in self.orders.items() for name in names}
+
+    @property
+    def named(self) -> tuple[tuple[str, str], ...]:
+        """Each factor that is named, with where."""
+        lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
+        orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
+        return tuple((key, name) for key, names in (lists | orders).items() for name in names)
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """A questionnaire on its own, after each block or at the end of the session."""
+
+    form: str
+    after: str = "session"
+    shuffled: bool = False
+
+    def __post_init__(self) -> None:
+        if self.after not in ("block", "session"):
+            raise InvalidParameter(f"Inquiry.after: found {self.after!r}, expected one of block, session")
+
+
+@dataclass(frozen=True)
+class Study:
+    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`.
+
+    `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
+    tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own; `analysis` is a
+    plan of analysis (`tactometry.analysis.plan.Plan`), stated before the data.
+    """
+
+    name: str
+    title: str
+    description: str
+    task: dict[str, Any]
+    factors: dict[str, Levels]
+    stimulus: dict[str, Any]
+    touch: dict[str, Any]
+    procedure: dict[str, Any]
+    limits: Limits
+    counterbalance: tuple[str, ...] = ()
+    trial_s: float = 5.0
+    plan: PlanTable = field(default_factory=PlanTable)
+    nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
+    variants: dict[str, dict[str, dict[str, dict[str, Any]]]] = field(default_factory=dict)
+    practice: dict[str, Any] = field(default_factory=dict)
+    inquiries: dict[str, Inquiry] = field(default_factory=dict)
+    forms: dict[str, dict[str, Any]] = field(default_factory=dict)
+    sensation: dict[str, Any] = field(default_factory=dict)
+    observer: SignalDetectionObserver = field(default_factory=SignalDetectionObserver)
+    finger: SimulatedFinger = field(default_factory=SimulatedFinger)
+    texts: dict[str, str] = field(default_factory=dict)
+    analysis: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not STUDY.fullmatch(self.name):
+            raise InvalidParameter(
+                f"name: found {self.name!r}, expected words of small letters and digits joined by hyphens"
+            )
+        if len(self.name) > LONGEST_NAME:
+            raise InvalidParameter(f"name: found {len(self.name)} letters, expected at most {LONGEST_NAME}")
+        if not 0 < self.trial_s < float("inf"):
+            raise InvalidParameter(f"trial_s: found {self.trial_s:g}, expected above 0")
+        _check_factors(self.factors)
+        for n, name in enumerate(self.counterbalance):
+            if name not in self.factors or name in self.counterbalance[:n]:
+                raise InvalidParameter(
+                    f"counterbalance[{n}]: found {name!r}, expected each factor at most once "
+                    f"({', '.join(self.factors)}){nearest(name, self.factors)}"
+                )
+        _check_plan(self)
+        if self.analysis:
+            _check_analysis(self)
+
+
+def _check_analysis(study: Study) -> None:
+    from tactometry.analysis.plan import Plan
+
+    try:
+        build(Plan, study.analysis, "analysis").check(list(study.factors))
+    except InvalidParameter as wrong:
+        raise InvalidParameter(f"{'' if str(wrong).startswith('analysis') else 'analysis.'}{wrong}") from None
+
+
+def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
+    for name, levels in factors.items():
+        if name in RESERVED:
+            raise InvalidParameter(
+                f"factors.{name}: found a name that is a column of every trials table, expected another"
+            )
+        if not levels:
+            raise InvalidParameter(f"factors.{name}: found an empty list, expected at least one level")
+        _check_levels(name, levels)
+    n_cells = prod(map(len, factors.values()))
+    if n_cells > MOST_CELLS:
+        raise InvalidParameter(f"factors: found {n_cells} combinations of levels, expected at most {MOST_CELLS}")
+
+
+def _check_levels(name: str, levels: Levels) -> None:
+    for n, level in enumerate(levels):
+        if isinstance(level, float) and not isfinite(level):
+            raise InvalidParameter(f"factors.{name}[{n}]: found {level}, expected a finite number or a text")
+        if isinstance(level, str) and (not level.strip() or not level.isprintable()):
+            raise InvalidParameter(
+                f"factors.{name}[{n}]: found {level!r}, expected a text of one line that says something"
+            )
+    n_again = repeated(_texts(levels))
+    if n_again is not None:
+        raise InvalidParameter(f"factors.{name}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
+
+
+def _check_plan(study: Study) -> None:
+    """Whether plan, nested levels and variants speak of factors and levels that are there."""
+    for key, name in study.plan.named:
+        _check_name(name, study.factors, f"plan.{key}", "a factor")
+    _check_places(study.plan)
+    for outer, by_level in study.nested.items():
+        _check_name(outer, study.factors, "nested", "a factor")
+        for level, inner in by_level.items():
+            _check_name(level, _texts(study.factors[outer]), f"nested.{outer}", "one of its levels")
+            for name in inner:
+                _check_name(name, study.factors, f"nested.{outer}.{level}", "a factor")
+            _check_factors(inner)
+    for name, changes in study.variants.items():
+        _check_name(name, study.factors, "variants", "a factor")
+        for level, tables in changes.items():
+            _check_name(level, _texts(study.factors[name]), f"variants.{name}", "one of its levels")
+            for table in tables:
+                _check_name(table, VARIED, f"variants.{name}.{level}", "a table")
+
+
+def _check_places(plan: PlanTable) -> None:
+    """Whether each factor has one place at most: between participants, between sessions or within a block."""
+    placed: dict[str, str] = {}
+    for key in ("between", "sessions", "interleave"):
+        for name in getattr(plan, key):
+            if name in placed:
+                raise InvalidParameter(
+                    f"plan.{key}: found {name!r}, which stands in plan.{placed[name]} too, expected each factor once"
+                )
+            placed[name] = key
+
+
+LONGEST_NAME, MOST_CELLS = 100, 2000
+"""A study's name stands in names of files; each combination of levels is wired and asked."""
+VARIED = ("stimulus", "touch", "procedure", "sensation")
+
+
+def _texts(levels: Levels) -> list[str]:
+    return [cell(level) for level in levels]
+
+
+def _check_name(found: str, known: Iterable[str], where: str, what: str) -> None:
+    names = list(known)
+    if found not in names:
+        raise InvalidParameter(f"{where}: found {found!r}, expected {what} ({', '.join(names)}){nearest(found, names)}")
+
+
+def parse(content: bytes, where: str) -> Study:
+    """A study from the bytes of its file; `where` opens every sentence.
+
+    Raises
+    ------
+    InvalidFile
+        If the bytes are no TOML in UTF-8, or the study holds anything unknown, missing or impossible: one sentence
+        with the place, what was found, what was expected and the nearest valid name.
+    """
+    table = table_of(content, where, "a study file")
+    with located(where):
+        return build(Study, as_si(table, ""), "")
+
+
+def builtin() -> dict[str, Path]:
+    """The built-in studies by name."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
+
+
+def locate(study: str) -> Path:
+    """The file of a study that is named, or given as a path.
+
+    Raises
+    ------
+    InvalidFile
+        If there is neither a built-in study nor a file of that name.
+    """
+    path = builtin().get(study, Path(study))
+    if os.path.lexists(path):
+        return path
+    raise InvalidFile(
+        f"{study}: found no such file nor built-in study, expected a path to a study file or one of "
+        f"{', '.join(builtin())}{nearest(study, builtin())}"
+    )
+
+
+def load(study: str) -> tuple[Study, bytes]:
+    """A study, named or given as a path, with the bytes of its file."""
+    path = locate(study)
+    content = read_file(path, "a study file", LARGEST_FILE)
+    return parse(content, str(path) if study not in builtin() else study), content

@@ -1,0 +1,1 @@
+"""Rules that weigh a grid of psychometric functions: QUEST, QUEST+, psi."""

@@ -1,0 +1,245 @@
+"""What a Bayesian procedure needs of a model of answers: its parameters, and the chance of each outcome at a level."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import numbers, of_kind, whole
+from tactometry.errors import InvalidParameter
+
+Array = NDArray[np.float64]
+
+
+class Chances(Protocol):
+    """The chances of a model at the candidate levels, made ready for products with weights."""
+
+    def total(self, weights: Array) -> Array:
+        """Sum over cells of chance times weight, (n_outcomes, n_levels)."""
+        ...
+
+    def joint(self, weights: Array) -> Array:
+        """Sum of chance times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
+        ...
+
+    def certainty(self, weights: Array) -> Array:
+        """Sum over cells of weight times the sum over outcomes of p log p, (n_levels,)."""
+        ...
+
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        """log P(outcome) at the candidate of this index, (n_cells,), where a table holds it."""
+        ...
+
+    def prepare(self) -> None:
+        """Compute now what `certainty` and `log_chance` need, so that no trial waits for it."""
+        ...
+
+
+@runtime_checkable
+class OutcomeModel(Protocol):
+    """Every combination of parameters is a cell; cells are in C order, the first parameter slowest.
+
+    The first parameter is the one of interest: the threshold of a psychometric function.
+    """
+
+    @property
+    def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
+
+    @property
+    def n_outcomes(self) -> int: ...
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        """log P(outcome) at a level, (n_cells,)."""
+        ...
+
+    def chances(self, levels: Sequence[float]) -> Chances: ...
+
+
+def size(model: OutcomeModel) -> tuple[int, int]:
+    """(n_first, n_rest): the number of values of the first parameter, and of combinations of the others."""
+    first, *rest = (len(values) for values in model.parameters.values())
+    return first, math.prod(rest)
+
+
+def p_log_p(p: Array) -> Array:
+    """p log p, 0 where p is not above 0.
+
+    >>> p_log_p(np.array([0.0, 1.0]))
+    array([0., 0.])
+    """
+    return np.asarray(p * np.log(np.where(p > 0, p, 1.0)), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class DenseChances:
+    """Chances in one table, (n_outcomes, n_levels, n_first, n_rest)."""
+
+    table: Array
+
+    def total(self, weights: Array) -> Array:
+        product: Array = self.table.reshape(*self.table.shape[:2], -1) @ weights
+        return product
+
+    def joint(self, weights: Array) -> Array:
+        by_first = weights.reshape(self.table.shape[2:])[:, :, None]
+        product: Array = np.matmul(self.table.transpose(0, 2, 1, 3), by_first)[..., 0]
+        return product.transpose(0, 2, 1)
+
+    @cached_property
+    def cost(self) -> Array:
+        """Sum over outcomes of p log p, (n_levels, n_cells)."""
+        cost = np.zeros((self.table.shape[1], math.prod(self.table.shape[2:])))
+        for chances in self.table:
+            cost += p_log_p(chances.reshape(cost.shape))
+        return cost
+
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        del index, outcome
+        return None
+
+    def prepare(self) -> None:
+        _ = self.cost
+
+    def certainty(self, weights: Array) -> Array:
+        product: Array = self.cost @ weights
+        return product
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionModel:
+    """Any parameters and outcomes, by a function of log probabilities.
+
+    Parameters
+    ----------
+    parameters : mapping of str to tuple of float
+        The grid of each parameter by its name; the first is the one of interest.
+    n_outcomes : int
+        How many answers there are, at least 2; they are told to the procedure as 0, 1, ...
+    log_probability : callable
+        ``log_probability(level, outcome, **parameters)``: the level a float, the parameters arrays that broadcast
+        against each other; gives log P(outcome), -inf where it is impossible. The chances of all outcomes add up to 1.
+
+    Raises
+    ------
+    InvalidParameter
+        If a grid is empty or not finite, there are fewer than two outcomes, or at a level the chances do not add up
+        to 1.
+
+    >>> def coin(level, outcome, *, bias):
+    ...     return np.log(np.where(outcome == 1, bias, 1 - bias))
+    >>> FunctionModel({"bias": (0.25, 0.75)}, 2, coin).log_chance(0.0, 1).round(3)
+    array([-1.386, -0.288])
+    """
+
+    parameters: Mapping[str, tuple[float, ...]]
+    n_outcomes: int
+    log_probability: Callable[..., Array]
+
+    def __post_init__(self) -> None:
+        whole("FunctionModel", lowest=2, n_outcomes=self.n_outcomes)
+        of_kind("FunctionModel", Callable, log_probability=self.log_probability)
+        _check_parameters("FunctionModel", self.parameters)
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        axes = dict(zip(self.parameters, np.ix_(*map(np.asarray, self.parameters.values())), strict=True))
+        shape = tuple(len(values) for values in self.parameters.values())
+        log_p = np.asarray(self.log_probability(level, outcome, **axes), dtype=np.float64)
+        return np.broadcast_to(log_p, shape).ravel()
+
+    def chances(self, levels: Sequence[float]) -> DenseChances:
+        first, rest = size(self)
+        table = np.empty((self.n_outcomes, len(levels), first, rest))
+        for n, level in enumerate(levels):
+            for outcome in range(self.n_outcomes):
+                table[outcome, n] = np.exp(self.log_chance(level, outcome)).reshape(first, rest)
+            _check_sum(table[:, n].sum(axis=0), level)
+        return DenseChances(table)
+
+
+@dataclass(frozen=True, eq=False)
+class TableModel:
+    """Any parameters and outcomes, by a table of probabilities at given levels.
+
+    Parameters
+    ----------
+    parameters : mapping of str to tuple of float
+        As in `FunctionModel`.
+    levels : tuple of float
+        Rising.
+    table : array, (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last)
+        Probabilities; over outcomes they add up to 1.
+
+    A level between two of the table has the chances on the straight line between theirs; one beyond is refused.
+
+    Raises
+    ------
+    InvalidParameter
+        If the table's shape is another, a chance is no probability, or levels do not rise.
+
+    >>> model = TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2]))
+    >>> np.exp(model.log_chance(0.5, 1))
+    array([0.25, 0.75])
+    """
+
+    parameters: Mapping[str, tuple[float, ...]]
+    levels: tuple[float, ...]
+    table: Array
+
+    def __post_init__(self) -> None:
+        _check_parameters("TableModel", self.parameters)
+        numbers("TableModel.levels", self.levels)
+        of_kind("TableModel", np.ndarray, table=self.table)
+        expected = (len(self.levels), *(len(values) for values in self.parameters.values()))
+        if self.table.ndim < 3 or self.table.shape[0] < 2 or self.table.shape[1:] != expected:
+            raise InvalidParameter(
+                f"TableModel.table: found the shape {self.table.shape}, expected (n_outcomes from 2, "
+                f"{', '.join(map(str, expected))})"
+            )
+        if not (np.diff(self.levels) > 0).all():
+            raise InvalidParameter(f"TableModel.levels: found {self.levels}, expected rising levels")
+        if not (self.table >= 0).all():
+            raise InvalidParameter("TableModel.table: found a chance below 0 or not a number, expected probabilities")
+        for n, level in enumerate(self.levels):
+            _check_sum(self.table[:, n].sum(axis=0), level)
+
+    @property
+    def n_outcomes(self) -> int:
+        return int(self.table.shape[0])
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        if not self.levels[0] <= level <= self.levels[-1]:
+            raise InvalidParameter(
+                f"TableModel: found the level {level:g}, expected one from {self.levels[0]:g} to {self.levels[-1]:g}, "
+                "where the table has chances"
+            )
+        place = float(np.interp(level, self.levels, range(len(self.levels))))
+        low, part = math.floor(place), place % 1
+        chances = (1 - part) * self.table[outcome, low] + part * self.table[outcome, math.ceil(place)]
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(chances).ravel(), dtype=np.float64)
+
+    def chances(self, levels: Sequence[float]) -> DenseChances:
+        rows = [[np.exp(self.log_chance(level, r)) for level in levels] for r in range(self.n_outcomes)]
+        return DenseChances(np.array(rows).reshape(self.n_outcomes, len(levels), *size(self)))
+
+
+def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -> None:
+    of_kind(owner, Mapping, parameters=parameters)
+    if not parameters:
+        raise InvalidParameter(f"{owner}.parameters: found no parameter, expected at least one")
+    for name, values in parameters.items():
+        numbers(f"{owner}.parameters[{name!r}]", values)
+        if not values:
+            raise InvalidParameter(f"{owner}.parameters[{name!r}]: found no number, expected at least one")
+
+
+def _check_sum(total: Array, level: float) -> None:
+    if not (np.abs(total - 1) <= 1e-9).all():
+        worst = float(total.flat[int(np.abs(total - 1).argmax())])
+        raise InvalidParameter(
+            f"model: found chances at level {level:g} that add up to {worst:g}, expected 1 over all outcomes"
+        )

@@ -1,0 +1,227 @@
+"""The grid of psychometric functions that a Bayesian procedure weighs."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import numbers, repeated
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.bayesian.outcome_model import p_log_p
+from tactometry.psychometric import shape_named
+
+Array = NDArray[np.float64]
+EQUAL = 1e-13
+"""Distances that differ by less, relative to the greatest, are one."""
+NARROWEST = 1e-100
+"""A width below it: distances over it would overflow."""
+BLOCK = 512
+"""Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
+
+
+@dataclass(frozen=True)
+class ParameterGrid:
+    """All combinations of thresholds, widths, guess and lapse rates of one shape: an `OutcomeModel` of answers 0, 1.
+
+    Threshold and width as in `tactometry.psychometric` (half of the unscaled function; its 0.05 to 0.95 points). In
+    decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
+    widths in natural logarithms.
+
+    Raises
+    ------
+    InvalidParameter
+        If a list is empty, holds a value twice, or a value that is not of its domain, or guess and lapse rates leave
+        nothing between them.
+
+    >>> ParameterGrid(thresholds=(10.0, 20.0), widths=(4.0, 8.0), lapse_rates=(0.0, 0.02, 0.04)).size
+    (2, 6)
+    """
+
+    thresholds: tuple[float, ...]
+    widths: tuple[float, ...]
+    guess_rates: tuple[float, ...] = (0.5,)
+    lapse_rates: tuple[float, ...] = (0.02,)
+    shape: str = "gumbel"
+
+    n_outcomes = 2
+
+    def __post_init__(self) -> None:
+        _check("thresholds", self.thresholds, 0 if shape_named(self.shape).on_log_levels else -math.inf, math.inf)
+        _check("widths", self.widths, NARROWEST, math.inf)
+        _check("guess_rates", self.guess_rates, -1e-300, 1)
+        _check("lapse_rates", self.lapse_rates, -1e-300, 1)
+        if max(self.guess_rates) + max(self.lapse_rates) >= 1:
+            raise InvalidParameter(
+                f"ParameterGrid.lapse_rates: found guess and lapse rates that add up to "
+                f"{max(self.guess_rates) + max(self.lapse_rates):g}, expected less than 1"
+            )
+
+    @property
+    def parameters(self) -> Mapping[str, tuple[float, ...]]:
+        return {
+            "threshold": self.thresholds,
+            "width": self.widths,
+            "guess_rate": self.guess_rates,
+            "lapse_rate": self.lapse_rates,
+        }
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(n_thresholds, n_others)."""
+        return len(self.thresholds), len(self.widths) * len(self.guess_rates) * len(self.lapse_rates)
+
+    @cached_property
+    def rates(self) -> tuple[Array, Array]:
+        """Guess and lapse rate of each pair, two of (n_pairs,)."""
+        guess, lapse = np.meshgrid(self.guess_rates, self.lapse_rates, indexing="ij")
+        return guess.ravel(), lapse.ravel()
+
+    def distances(self, levels: Sequence[float]) -> Array:
+        """Level less threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds).
+
+        Raises
+        ------
+        InvalidParameter
+            If a level is below 0 and the shape is ``weibull``.
+        """
+        x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
+        if not shape_named(self.shape).on_log_levels:
+            return np.asarray(x - t)
+        if (x < 0).any():
+            raise InvalidParameter(f"ParameterGrid: found the level {x.min():g}, expected levels from 0 on")
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(x) - np.log(t))
+
+    def log_chances(self, distances: Array, outcome: int) -> Array:
+        """log P(outcome) at distances from the threshold, (*shape of the distances, n_widths, n_rates): a logarithm of
+        a sum of positive terms, or a sum of logarithms where the floor is 0."""
+        shape, (guess, lapse) = shape_named(self.shape), self.rates
+        z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
+        log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
+        s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
+        with np.errstate(divide="ignore"):
+            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))
+        no_floor = floor == 0
+        if no_floor.any():
+            mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]
+        return np.asarray(mixed, dtype=np.float64)
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        """log P(outcome) at a level, (n_cells,)."""
+        return self.log_chances(self.distances([level])[0], outcome).ravel()
+
+    def certainty(self, distances: Array) -> Array:
+        """Sum over answers of p log p, (*shape of the distances, n_widths, n_rates)."""
+        return np.asarray(sum(p_log_p(np.exp(self.log_chances(distances, answer))) for answer in (0, 1)))
+
+    def chances(self, levels: Sequence[float]) -> "MixtureChances":
+        return MixtureChances(self, tuple(levels))
+
+
+def _check(name: str, values: tuple[float, ...], low: float, high: float) -> None:
+    numbers(f"ParameterGrid.{name}", values)
+    if not values:
+        raise InvalidParameter(f"ParameterGrid.{name}: found no value, expected at least one")
+    for n, value in enumerate(values):
+        if not low < value < high:
+            where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
+            raise InvalidParameter(f"ParameterGrid.{name}[{n}]: found {value}, expected a finite number{where}")
+    place = repeated(values)
+    if place is not None:
+        raise InvalidParameter(
+            f"ParameterGrid.{name}[{place}]: found {values[place]:g} twice, expected each value once"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class MixtureChances:
+    """P(1) = g + (1 - g - l) S: all sums over guess and lapse rates are taken before the product with S."""
+
+    grid: ParameterGrid
+    levels: tuple[float, ...]
+
+    @cached_property
+    def sigmoid(self) -> Array:
+        """S, (n_levels, n_thresholds, n_widths)."""
+        shape = shape_named(self.grid.shape)
+        distances = self.grid.distances(self.levels)[..., None]
+        return np.exp(shape.log_cdf(shape.z50 + distances / np.asarray(self.grid.widths) * shape.z_width))
+
+    @cached_property
+    def mixture(self) -> Array:
+        """What S is multiplied by, what is added, and 1, for each pair of guess and lapse rate, (3, n_pairs)."""
+        guess, lapse = self.grid.rates
+        return np.array([1 - guess - lapse, guess, np.ones_like(guess)])
+
+    def mixed(self, weights: Array) -> Array:
+        """Sums of weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
+        sums: Array = self.mixture @ weights.reshape(-1, self.mixture.shape[1]).T
+        return sums.reshape(3, len(self.grid.thresholds), -1)
+
+    def total(self, weights: Array) -> Array:
+        slopes, floors, masses = self.mixed(weights)
+        yes = self.sigmoid.reshape(len(self.levels), -1) @ slopes.ravel() + floors.sum()
+        return np.array([masses.sum() - yes, yes])
+
+    def joint(self, weights: Array) -> Array:
+        slopes, floors, masses = self.mixed(weights)
+        yes = np.matmul(self.sigmoid.transpose(1, 0, 2), slopes[..., None])[..., 0].T + floors.sum(axis=1)
+        return np.array([masses.sum(axis=1) - yes, yes])
+
+    @cached_property
+    def steps(self) -> Array | None:
+        """All distances from the highest level's to the lowest one's, where levels and thresholds have equal steps.
+
+        A chance then depends on the distance only, and blocks of neighbouring thresholds are views of one table
+        (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
+        """
+        return _diagonal(self.grid.distances(self.levels))
+
+    @cached_property
+    def log_tables(self) -> tuple[Array, Array] | None:
+        """log P of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
+        if self.steps is None:
+            return None
+        no, yes = (self.grid.log_chances(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))
+        return no, yes
+
+    def log_chance(self, index: int, outcome: int) -> Array | None:
+        if self.log_tables is None:
+            return None
+        first = len(self.levels) - 1 - index
+        return self.log_tables[outcome][first : first + len(self.grid.thresholds)].ravel()
+
+    @cached_property
+    def costs(self) -> Array:
+        """Sum over answers of p log p, (n_thresholds, n_levels, n_rest)."""
+        if self.steps is None:
+            distances = self.grid.distances(self.levels)
+            return np.stack([self.grid.certainty(column).reshape(-1, self.grid.size[1]) for column in distances.T])
+        table = self.grid.certainty(self.steps[::-1]).reshape(len(self.steps), -1)
+        windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
+        return windows.transpose(0, 2, 1)[::-1]
+
+    def prepare(self) -> None:
+        _ = self.costs, self.sigmoid, self.log_tables
+
+    def certainty(self, weights: Array) -> Array:
+        by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
+        total = np.zeros(len(self.levels))
+        for n in range(0, by_threshold.shape[1], BLOCK):
+            part = np.matmul(self.costs[:, :, n : n + BLOCK], by_threshold[:, n : n + BLOCK])
+            total += part[..., 0].sum(axis=0)
+        return total
+
+
+def _diagonal(distances: Array) -> Array | None:
+    """The distances from the last level's of the first threshold to the first level's of the last one, if they are
+    equal along every diagonal of (n_levels, n_thresholds)."""
+    along = np.concatenate([distances[::-1, 0], distances[0, 1:]])
+    n_levels, n_thresholds = distances.shape
+    expected = along[np.arange(n_levels - 1, -1, -1)[:, None] + np.arange(n_thresholds)]
+    if not np.isfinite(distances).all():
+        return None
+    return along if np.abs(distances - expected).max() <= EQUAL * (1 + np.abs(distances).max()) else None

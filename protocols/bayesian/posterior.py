@@ -1,0 +1,141 @@
+"""Weights of a grid of parameters: log space throughout, so that no cell is lost that may come back."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import numbers, of_kind, positive, whole
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.procedures.procedure import Ending
+
+Array = NDArray[np.float64]
+HIGHEST = 1 + 1e-9
+"""How much the weight of an end must pass all others to count as the highest."""
+
+LOWEST = -1e300
+"""For log 0 in a product with 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Normalised weights (n_cells,) and their logarithms."""
+
+    log_weights: Array
+    weights: Array
+
+    @classmethod
+    def of(cls, log_weights: Array) -> Self | None:
+        """Normalised; None if every weight is zero.
+
+        >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
+        array([0.5, 0.5])
+        """
+        highest = float(log_weights.max())
+        if not math.isfinite(highest):
+            return None
+        shifted = log_weights - highest
+        weights = np.exp(shifted)
+        total = float(weights.sum())
+        shifted -= math.log(total)
+        weights /= total
+        return cls(shifted, weights)
+
+    @property
+    def entropy(self) -> float:
+        """Nat; a weight of zero adds nothing."""
+        return -float(self.weights @ np.maximum(self.log_weights, LOWEST))
+
+    def after(self, log_chances: Array) -> Self | None:
+        """After an answer with these log chances, (n_cells,); None if no cell allows it."""
+        return type(self).of(self.log_weights + log_chances)
+
+
+def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
+    """The sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
+
+    Raises
+    ------
+    InvalidParameter
+        If a prior is of no parameter, of another length, or not of finite numbers from 0 with one above it.
+    """
+    of_kind(where, Mapping, prior=prior)
+    for name, weights in prior.items():
+        numbers(f"{where}.prior[{name!r}]", weights)
+        if name not in parameters:
+            raise InvalidParameter(f"{where}.prior: found {name!r}, expected parameters of {', '.join(parameters)}")
+        given = np.asarray(weights, dtype=np.float64)
+        if given.shape != (len(parameters[name]),) or not (given >= 0).all() or not 0 < given.sum() < math.inf:
+            raise InvalidParameter(
+                f"{where}.prior[{name!r}]: found {len(weights)} weights from {given.min(initial=0):g} on, expected "
+                f"{len(parameters[name])} finite numbers from 0, not all 0"
+            )
+    with np.errstate(divide="ignore"):
+        axes = [np.log(prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
+    total: Array = sum(np.ix_(*axes), start=np.zeros(()))
+    return np.asarray(total.ravel(), dtype=np.float64)
+
+
+def edge(values: Array, marginal: Array) -> Ending | None:
+    """Whether the highest weight is that of the greatest or the least value, which then say only a bound.
+
+    >>> edge(np.array([1.0, 2.0, 3.0]), np.array([0.6, 0.3, 0.1]))
+    'censored_below'
+    """
+    if len(values) < 2:
+        return None
+    ends: tuple[tuple[Ending, int], ...] = (
+        ("censored_above", int(values.argmax())),
+        ("censored_below", int(values.argmin())),
+    )
+    for ending, at in ends:
+        if marginal[at] > HIGHEST * float(np.delete(marginal, at).max()):
+            return ending
+    return None
+
+
+def mean_sd(values: Array, marginal: Array) -> tuple[float, float]:
+    """Mean and standard deviation of a parameter with these weights.
+
+    >>> mean_sd(np.array([1.0, 3.0]), np.array([0.5, 0.5]))
+    (2.0, 1.0)
+    """
+    mean = float(marginal @ values)
+    return mean, math.sqrt(float(marginal @ (values - mean) ** 2))
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When a run that weighs a threshold ends: after `n_trials`, or at a posterior standard deviation."""
+
+    n_trials: int
+    sd: float | None
+
+    def check(self, owner: str) -> None:
+        """Refuse what never ends."""
+        whole(owner, lowest=1, n_trials=self.n_trials)
+        if self.sd is not None:
+            positive(owner, sd_stop=self.sd)
+
+    def ending(self, weighed: Callable[[], tuple[Array, Array]], *, n_told: int, contradicted: bool) -> Ending | None:
+        """How the run ended after `n_told` answers; None if it goes on.
+
+        `weighed` gives the thresholds and their weights, and is called only where the end depends on them.
+
+        >>> weighed = np.arange(3.0), np.array([0.2, 0.6, 0.2])
+        >>> Stop(n_trials=2, sd=None).ending(lambda: weighed, n_told=2, contradicted=False)
+        'trials'
+        """
+        if contradicted:
+            return "aborted"
+        last = n_told >= self.n_trials
+        if not last and (self.sd is None or n_told == 0):
+            return None
+        values, marginal = weighed()
+        converged = self.sd is not None and mean_sd(values, marginal)[1] <= self.sd
+        if not (last or converged):
+            return None
+        return edge(values, marginal) or ("converged" if converged else "trials")

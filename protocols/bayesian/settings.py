@@ -1,0 +1,210 @@
+"""QUEST+ and the psi method from plain numbers, as a study file gives them."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from tactometry.arguments.require import below_1, finite, is_number, numbers, one_of, whole
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import Aim, Criterion, QuestPlus
+
+Spacing = Literal["linear", "log"]
+MOST_VALUES = 10_000
+"""Of one grid."""
+
+
+def spaced(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
+    """Values with equal steps or equal ratios: the lowest, the highest and how many, by the names that a caller gave.
+
+    Raises
+    ------
+    InvalidParameter
+        If they make no rising grid; `owner` and the name open the sentence.
+
+    >>> spaced("levels", "log", low=1.0, high=100.0, n=3)
+    (1.0, 10.0, 100.0)
+    """
+    (of_low, low), (of_high, high), (of_n, n) = grid.items()
+    finite(owner, **{of_low: low, of_high: high})
+    whole(owner, lowest=1, highest=MOST_VALUES, **{of_n: n})
+    n = int(n)
+    one_of(f"{owner}.spacing", spacing, get_args(Spacing))
+    if n > 1 and not low < high:
+        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected less than {of_high} ({high:g})")
+    if spacing == "log" and low <= 0:
+        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected above 0 (values with equal ratios)")
+    if n == 1:
+        return (low,)
+    values = np.linspace(low, high, n) if spacing == "linear" else np.geomspace(low, high, n)
+    return tuple(float(value) for value in values)
+
+
+@dataclass(frozen=True)
+class QuestPlusSettings:
+    """The numbers of a `QuestPlus` over a `ParameterGrid`; `procedure()` makes it.
+
+    Parameters
+    ----------
+    low, high : float
+        Bounds of the levels.
+    n_levels : int
+        How many there are.
+    spacing : str
+        ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape ``weibull``).
+    width_low, width_high, n_widths
+        Widths, with equal ratios. In the unit of the levels, or in natural logarithms for ``weibull``.
+    width_prior_factor : float
+        If given, the widths' prior is log-normal about the geometric middle of their grid with this factor, above 1,
+        for a standard deviation; else it is flat on the grid.
+    threshold_low, threshold_high, n_thresholds
+        Thresholds; as the levels where they are not given.
+
+    Raises
+    ------
+    InvalidParameter
+        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+
+    >>> settings = QuestPlusSettings(low=0.0, high=40.0, n_levels=41, width_low=4.0, width_high=16.0, n_widths=3)
+    >>> rule = settings.procedure()
+    >>> rule.levels[:3], rule.grid.size
+    ((0.0, 1.0, 2.0), (41, 9))
+    """
+
+    low: float
+    high: float
+    n_levels: int
+    width_low: float
+    width_high: float
+    n_widths: int = 10
+    width_prior_factor: float | None = None
+    spacing: Spacing = "linear"
+    shape: str = "gumbel"
+    guess_rates: tuple[float, ...] = (0.5,)
+    lapse_rates: tuple[float, ...] = (0.0, 0.02, 0.05)
+    threshold_low: float | None = None
+    threshold_high: float | None = None
+    n_thresholds: int | None = None
+    n_trials: int = 60
+    sd_stop: float | None = None
+    aim: Aim = "threshold"
+    criterion: Criterion = "entropy"
+
+    def __post_init__(self) -> None:
+        _ = self._levels(), self._grid()
+
+    def procedure(self) -> QuestPlus:
+        levels, grid = self._levels(), self._grid()
+        prior = {} if self.width_prior_factor is None else {"width": self._width_prior(grid.widths)}
+        return QuestPlus(levels, grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
+
+    def _width_prior(self, widths: tuple[float, ...]) -> tuple[float, ...]:
+        factor = self.width_prior_factor
+        if not is_number(factor) or factor <= 1:
+            raise InvalidParameter(
+                f"QuestPlusSettings.width_prior_factor: found {factor!r:.60}, expected a number above 1"
+            )
+        middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])
+        return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
+
+    def _levels(self) -> tuple[float, ...]:
+        bounds = {"low": self.low, "high": self.high, "n_levels": self.n_levels}
+        return spaced("QuestPlusSettings", self.spacing, **bounds)
+
+    def _grid(self) -> ParameterGrid:
+        thresholds = spaced(
+            "QuestPlusSettings",
+            self.spacing,
+            threshold_low=self.low if self.threshold_low is None else self.threshold_low,
+            threshold_high=self.high if self.threshold_high is None else self.threshold_high,
+            n_thresholds=self.n_levels if self.n_thresholds is None else self.n_thresholds,
+        )
+        bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
+        widths = spaced("QuestPlusSettings", "log", **bounds)
+        return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)
+
+
+@dataclass(frozen=True)
+class PsiSettings:
+    """The psi method: QUEST+ for threshold and slope of a cumulative normal, guess and lapse rate known.
+
+    Kontsevich and Tyler, Vision Research 39, 2729 (1999). Levels and thresholds share one grid with equal steps,
+    standard deviations (the inverse slopes) have equal ratios, the prior is flat on both, and the expected entropy of
+    threshold and slope together is least. `psi_marginal` minimises that of the threshold alone (Prins 2013).
+
+    Parameters
+    ----------
+    low, high, n_levels
+        Levels and thresholds.
+    sd_low, sd_high, n_sds
+        Standard deviations of the normal, in the unit of the levels.
+    guess_rate, lapse_rate : float
+        0.5 and 0.02 are those of a 4 % share of blind answers in two-interval forced choice (unverified default).
+
+    Raises
+    ------
+    InvalidParameter
+        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+
+    >>> PsiSettings(low=0.0, high=40.0, n_levels=41, sd_low=1.0, sd_high=8.0, n_sds=4).procedure().level
+    23.0
+    """
+
+    low: float
+    high: float
+    n_levels: int
+    sd_low: float
+    sd_high: float
+    n_sds: int = 20
+    guess_rate: float = 0.5
+    lapse_rate: float = 0.02
+    psi_marginal: bool = False
+    n_trials: int = 60
+    sd_stop: float | None = None
+
+    def __post_init__(self) -> None:
+        _ = self._levels(), self._sds()
+        below_1("PsiSettings", guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
+
+    def _levels(self) -> tuple[float, ...]:
+        return spaced("PsiSettings", "linear", low=self.low, high=self.high, n_levels=self.n_levels)
+
+    def _sds(self) -> tuple[float, ...]:
+        return spaced("PsiSettings", "log", sd_low=self.sd_low, sd_high=self.sd_high, n_sds=self.n_sds)
+
+    def procedure(self) -> QuestPlus:
+        return psi(
+            self._levels(),
+            self._levels(),
+            self._sds(),
+            guess_rate=self.guess_rate,
+            lapse_rate=self.lapse_rate,
+            n_trials=self.n_trials,
+            sd_stop=self.sd_stop,
+            aim="threshold" if self.psi_marginal else "parameters",
+        )
+
+
+def psi(
+    levels: tuple[float, ...],
+    thresholds: tuple[float, ...],
+    sds: tuple[float, ...],
+    *,
+    guess_rate: float,
+    lapse_rate: float,
+    n_trials: int,
+    sd_stop: float | None = None,
+    aim: Aim = "parameters",
+) -> QuestPlus:
+    """The psi method on any grids: `PsiSettings` says what it is.
+
+    >>> psi((0.0, 1.0), (0.0, 1.0), (0.5, 1.0), guess_rate=0.5, lapse_rate=0.02, n_trials=20).name
+    'quest_plus'
+    """
+    numbers("psi.sds", sds)
+    sd_to_width = 2 * 1.6448536269514722
+    widths = tuple(sd_to_width * sd for sd in sds)
+    grid = ParameterGrid(thresholds, widths, (guess_rate,), (lapse_rate,), shape="normal")
+    return QuestPlus(levels, grid, n_trials=n_trials, sd_stop=sd_stop, aim=aim)

@@ -1,0 +1,219 @@
+"""QUEST+ in several conditions at once: a threshold each, and one width, guess and lapse rate for all."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from tactometry.arguments.require import of_kind
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.protocols.bayesian.outcome_model import size
+from tactometry.protocols.bayesian.posterior import Posterior, log_prior
+from tactometry.protocols.bayesian.quest_plus import QuestPlus
+from tactometry.protocols.procedures.procedure import Ending, Procedure, checked_outcome, finite_level, refuse_finished
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Answers:
+    responses: tuple[int, ...] = ()
+    delivered: tuple[float, ...] = ()
+    contradicted: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class SharedQuestPlus:
+    """`QuestPlus` on several tracks whose posterior shares every parameter but the first.
+
+    Given the shared parameters, thresholds are independent, so that the joint posterior of all thresholds is exact
+    from one likelihood table (n_first, n_rest) a track: a track weighs its own table with the evidence of all others,
+    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. Expected entropy (Watson 2017) is that of the
+    track's own threshold and the shared parameters; an answer tells nothing of the other thresholds that these do not.
+
+    `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
+    the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
+
+    Parameters
+    ----------
+    rule : QuestPlus
+        That of every track, before its first answer.
+    tracks : tuple of str
+        Their names.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no track, a name stands twice, or the rule has had answers.
+
+    >>> from tactometry.protocols import ParameterGrid
+    >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
+    >>> pool = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).after("30 Hz", 1)
+    >>> len(pool.procedure("30 Hz").responses), len(pool.procedure("240 Hz").responses)
+    (1, 0)
+    """
+
+    rule: QuestPlus
+    tracks: tuple[str, ...]
+    log_likelihoods: Mapping[str, Array] = field(default_factory=dict, repr=False)
+    answers: Mapping[str, _Answers] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        of_kind("SharedQuestPlus", QuestPlus, rule=self.rule)
+        of_kind("SharedQuestPlus", tuple, tracks=self.tracks)
+        if not self.tracks or len(set(self.tracks)) != len(self.tracks):
+            raise InvalidParameter(f"SharedQuestPlus.tracks: found {self.tracks}, expected names, each once")
+        if self.rule.responses:
+            raise InvalidParameter(
+                f"SharedQuestPlus.rule: found one with {len(self.rule.responses)} answers, expected one without"
+            )
+
+    @property
+    def finished(self) -> bool:
+        return all(self.procedure(track).finished for track in self.tracks)
+
+    def procedure(self, track: str) -> QuestPlus:
+        """How a track stands. Tell answers to the pool, not to this."""
+        if track not in self.tracks:
+            raise InvalidParameter(
+                f"SharedQuestPlus: found the track {track!r}, expected one of {', '.join(self.tracks)}"
+                f"{nearest(track, self.tracks)}"
+            )
+        return self._views[track]
+
+    def procedures(self) -> tuple["SharedTrack", ...]:
+        """One for each track."""
+        return tuple(SharedTrack(self, track) for track in self.tracks)
+
+    @cached_property
+    def _views(self) -> Mapping[str, QuestPlus]:
+        evidence = {track: logsumexp(self._own(track), axis=0) for track in self.tracks}
+        return {track: self._view(track, evidence) for track in self.tracks}
+
+    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlus:
+        of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_shared_prior)
+        state = Posterior.of((self._own(track) + of_others).ravel())
+        assert state is not None  # answers that nothing allows are not taken in
+        told = self.answers.get(track, _Answers())
+        return replace(
+            self.rule,
+            state=state,
+            responses=told.responses,
+            delivered=told.delivered,
+            contradicted=told.contradicted,
+        )
+
+    def _own(self, track: str) -> Array:
+        """log p(t) L(t, s), (n_first, n_rest)."""
+        return np.asarray(self._log_first_prior[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(self._size))
+
+    @property
+    def _size(self) -> tuple[int, int]:
+        return size(self.rule.grid)
+
+    @cached_property
+    def _log_first_prior(self) -> Array:
+        first, *_ = self.rule.grid.parameters
+        return self._log_prior(first)
+
+    @cached_property
+    def _log_shared_prior(self) -> Array:
+        _, *shared = self.rule.grid.parameters
+        return self._log_prior(*shared)
+
+    def _log_prior(self, *names: str) -> Array:
+        parameters, prior = self.rule.grid.parameters, self.rule.prior
+        return log_prior(
+            {name: parameters[name] for name in names},
+            {name: prior[name] for name in names if name in prior},
+            "SharedQuestPlus",
+        )
+
+    def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
+        """The pool after an answer to the level that was delivered on one track."""
+        view, grid = self.procedure(track), self.rule.grid
+        outcome = checked_outcome(response, grid.n_outcomes, "SharedQuestPlus")
+        refuse_finished(finished=view.finished, procedure=f"SharedQuestPlus track {track!r}")
+        level = finite_level(view.level if delivered is None else delivered, "SharedQuestPlus")
+        log_chances = grid.log_chance(level, outcome)
+        possible = view.state is not None and view.state.after(log_chances) is not None
+        told = _Answers((*view.responses, outcome), (*view.delivered, level), contradicted=not possible)
+        tables = {track: self.log_likelihoods.get(track, 0.0) + log_chances.reshape(self._size)} if possible else {}
+        return replace(
+            self,
+            log_likelihoods={**self.log_likelihoods, **tables},
+            answers={**self.answers, track: told},
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SharedTrack:
+    """One track of a `SharedQuestPlus` as a procedure.
+
+    >>> from tactometry.protocols import ParameterGrid
+    >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
+    >>> slow, fast = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).procedures()
+    >>> slow = slow.after(1)
+    >>> fast.learning_from(slow).pool is slow.pool
+    True
+    """
+
+    pool: SharedQuestPlus
+    track: str
+
+    name = "quest_plus"
+
+    @property
+    def view(self) -> QuestPlus:
+        """The track's posterior, as a `QuestPlus`: thresholds, spreads, marginals."""
+        return self.pool.procedure(self.track)
+
+    @property
+    def level(self) -> float:
+        return self.view.level
+
+    @property
+    def low(self) -> float:
+        return self.view.low
+
+    @property
+    def high(self) -> float:
+        return self.view.high
+
+    @property
+    def n_trials(self) -> int:
+        return self.view.n_trials
+
+    @property
+    def finished(self) -> bool:
+        return self.view.finished
+
+    @property
+    def ended(self) -> Ending | None:
+        return self.view.ended
+
+    @property
+    def threshold(self) -> float | None:
+        return self.view.threshold
+
+    @property
+    def threshold_sd(self) -> float:
+        return self.view.threshold_sd
+
+    @property
+    def remark(self) -> str | None:
+        return self.view.remark
+
+    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+        """The track after an answer of its own."""
+        return replace(self, pool=self.pool.after(self.track, response, delivered))
+
+    def learning_from(self, other: Procedure) -> Self:
+        """The track after an answer on another track of the same pool."""
+        if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
+            return replace(self, pool=other.pool)
+        return self

@@ -1,0 +1,147 @@
+"""The method of limits."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, Self, get_args
+
+import numpy as np
+
+from tactometry.arguments.require import finite, one_of, whole
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.procedures.procedure import (
+    MOST_TRIALS,
+    Ending,
+    checked_response,
+    finite_level,
+    refuse_finished,
+)
+
+Direction = Literal["ascending", "descending", "alternating"]
+N_STEPS = 10_000
+"""More make no series that anybody sits through."""
+
+
+@dataclass(frozen=True)
+class MethodOfLimits:
+    """Series of rising or falling levels, each until the answer changes.
+
+    An ascending series starts at `low` and ends at the first 1, a descending one starts at `high` and ends at the
+    first 0; alternating series begin with a descending one. The transition lies half-way between the last two levels
+    that were *delivered*; the threshold is the mean of all transitions. Gescheider, Psychophysics: The Fundamentals,
+    3rd ed. (1997), chapter 3. A series that comes to its last level, or begins, without a change has no transition;
+    when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
+    contradict each other and bound nothing.
+
+    Parameters
+    ----------
+    low, high, step : float
+        Levels lie whole steps from `low` up to `high`.
+    n_series : int
+        How many series there are.
+    n_start_steps : int
+        `shuffled` moves the start of each series inwards by 0 to this many steps, against the habit of counting.
+
+    Raises
+    ------
+    InvalidParameter
+        If bounds, step or counts make no series of at least two levels.
+
+    >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
+    >>> for answer in (1, 1, 0, 0, 0, 1):
+    ...     rule = rule.after(answer)
+    >>> rule.transitions, rule.threshold
+    ((7.0, 3.0), 5.0)
+    """
+
+    low: float
+    high: float
+    step: float
+    n_series: int = 10
+    direction: Direction = "alternating"
+    n_start_steps: int = 0
+    starts: tuple[int, ...] = ()
+    levels: tuple[float, ...] = ()
+    responses: tuple[bool, ...] = ()
+    transitions: tuple[float | None, ...] = ()
+    n_in_series: int = 0
+
+    name = "method_of_limits"
+
+    def __post_init__(self) -> None:
+        one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
+        finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
+        whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
+        whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
+        if not (self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step):
+            raise InvalidParameter(
+                f"MethodOfLimits.step: found {self.step:g} from low {self.low:g} to high {self.high:g}, expected above "
+                f"0, low below high, and at most {N_STEPS} steps between them"
+            )
+        if self.n_series < 1 or self.n_steps <= self.n_start_steps:
+            raise InvalidParameter(
+                f"MethodOfLimits.n_series: found {self.n_series} series over {self.n_steps} steps with starts up to "
+                f"{self.n_start_steps} steps inwards, expected at least one series of at least two levels"
+            )
+        if not self.starts:
+            object.__setattr__(self, "starts", (0,) * self.n_series)
+
+    @property
+    def n_steps(self) -> int:
+        return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
+
+    def shuffled(self, rng: np.random.Generator) -> Self:
+        """Each series starts at another level, drawn from `n_start_steps` + 1 of them."""
+        drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
+        return replace(self, starts=tuple(int(n) for n in drawn))
+
+    @property
+    def ascending(self) -> bool:
+        """Whether the present series rises."""
+        if self.direction == "alternating":
+            return len(self.transitions) % 2 == 1
+        return self.direction == "ascending"
+
+    @property
+    def level(self) -> float:
+        series = min(len(self.transitions), self.n_series - 1)
+        steps = min(self.starts[series] + self.n_in_series, self.n_steps)
+        return self.low + self.step * (steps if self.ascending else self.n_steps - steps)
+
+    @property
+    def finished(self) -> bool:
+        return len(self.transitions) >= self.n_series
+
+    @property
+    def ended(self) -> Ending | None:
+        if not self.finished:
+            return None
+        if 2 * self.transitions.count(None) <= self.n_series:
+            return "trials"
+        more_yes = 2 * sum(self.responses) - len(self.responses)
+        if more_yes == 0:
+            return "aborted"
+        return "censored_below" if more_yes > 0 else "censored_above"
+
+    @property
+    def threshold(self) -> float | None:
+        """The mean of the transitions; None where there is none or the run is censored."""
+        known = [transition for transition in self.transitions if transition is not None]
+        return math.fsum(known) / len(known) if known and self.ended in (None, "trials") else None
+
+    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+        """The next level of the series, or the first of the next one."""
+        yes = checked_response(response, "MethodOfLimits")
+        refuse_finished(finished=self.finished, procedure="MethodOfLimits")
+        level = finite_level(self.level if delivered is None else delivered, "MethodOfLimits")
+        told = replace(self, levels=(*self.levels, level), responses=(*self.responses, yes))
+        if yes == self.ascending or self._at_last():
+            return replace(told, transitions=(*self.transitions, told._transition()), n_in_series=0)
+        return replace(told, n_in_series=self.n_in_series + 1)
+
+    def _at_last(self) -> bool:
+        return self.starts[len(self.transitions)] + self.n_in_series >= self.n_steps
+
+    def _transition(self) -> float | None:
+        """Half-way between the last two levels of the series, if the last answer is another than the one before it."""
+        changed = self.n_in_series > 0 and self.responses[-1] == self.ascending
+        return 0.5 * (self.levels[-2] + self.levels[-1]) if changed else None

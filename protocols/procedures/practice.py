@@ -1,0 +1,70 @@
+"""Practice until a criterion is met."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+from tactometry.arguments.require import numbers, whole
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.procedures.procedure import Ending, checked_response, refuse_finished
+
+
+@dataclass(frozen=True)
+class Practice:
+    """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
+
+    It ends as ``converged`` when the criterion was met, else as ``trials``.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no level, or the counts make no criterion.
+
+    >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
+    >>> rule.after(1).level, rule.after(1).after(0).after(1).ended
+    (30.0, 'converged')
+    """
+
+    levels: tuple[float, ...]
+    n_correct: int = 4
+    n_of: int = 5
+    n_trials: int = 20
+    responses: tuple[bool, ...] = ()
+
+    name = "practice"
+
+    def __post_init__(self) -> None:
+        numbers("Practice.levels", self.levels)
+        whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
+        if not self.levels:
+            raise InvalidParameter("Practice.levels: found no level, expected at least one")
+        for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
+            high = getattr(self, most)
+            if getattr(self, name) > high:
+                raise InvalidParameter(
+                    f"Practice.{name}: found {getattr(self, name)}, expected from 1 to {high}, {most}; it must be "
+                    "possible to meet the criterion"
+                )
+
+    @property
+    def level(self) -> float:
+        return self.levels[len(self.responses) % len(self.levels)]
+
+    @property
+    def finished(self) -> bool:
+        return self.ended is not None
+
+    @property
+    def threshold(self) -> None:
+        """None: practice measures nothing."""
+
+    @property
+    def ended(self) -> Ending | None:
+        if sum(self.responses[-self.n_of :]) >= self.n_correct:
+            return "converged"
+        return "trials" if len(self.responses) >= self.n_trials else None
+
+    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+        """The practice after an answer; the level that was delivered does not count."""
+        del delivered
+        refuse_finished(finished=self.finished, procedure="Practice")
+        return replace(self, responses=(*self.responses, checked_response(response, "Practice")))

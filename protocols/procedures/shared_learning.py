@@ -1,0 +1,30 @@
+"""Procedures that run interleaved and may learn from each other's answers."""
+
+from collections.abc import Sequence
+from typing import Protocol, Self, runtime_checkable
+
+from tactometry.protocols.procedures.procedure import Procedure
+
+
+@runtime_checkable
+class Sharing(Procedure, Protocol):
+    """A procedure to which an answer on another track tells something."""
+
+    def learning_from(self, other: Procedure) -> Self:
+        """This procedure, when `other` has just had an answer; unchanged if the two share nothing."""
+        ...
+
+
+def answered(
+    procedures: Sequence[Procedure], index: int, response: int | bool, delivered: float | None = None
+) -> tuple[Procedure, ...]:
+    """All procedures after an answer to one of them.
+
+    >>> from tactometry.protocols import ConstantStimuli
+    >>> first, second = answered((ConstantStimuli((1.0,), 1), ConstantStimuli((2.0,), 1)), 0, 1)
+    >>> first.finished, second.finished
+    (True, False)
+    """
+    moved = procedures[index].after(response, delivered)
+    others = (each.learning_from(moved) if isinstance(each, Sharing) else each for each in procedures)
+    return tuple(moved if n == index else other for n, other in enumerate(others))

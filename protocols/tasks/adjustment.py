@@ -1,0 +1,53 @@
+"""The method of adjustment."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.require import finite
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Adjust, Adjusted, Play, Slide
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class AdjustmentTask:
+    """The participant sets the level itself, from where the trial starts it, in steps of `step` within the bounds.
+
+    The row's `level` is the start, its response the level that was left standing. Gescheider, Psychophysics: The
+    Fundamentals, 3rd ed. (1997), chapter 3.
+
+    Raises
+    ------
+    InvalidParameter
+        If the bounds or the step leave nothing to adjust.
+    """
+
+    step: float
+    low: float
+    high: float
+
+    name = "adjustment"
+    takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        finite("AdjustmentTask", step=self.step, low=self.low, high=self.high)
+        if not self.low < self.high:
+            raise InvalidParameter(f"AdjustmentTask.low: found {self.low:g}, expected less than high ({self.high:g})")
+        if not 0 < self.step <= self.high - self.low:
+            raise InvalidParameter(
+                f"AdjustmentTask.step: found {self.step:g}, expected above 0 and at most the range "
+                f"({self.high - self.low:g})"
+            )
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        del rng
+        assert shown.level is not None
+        touch = shown.touch.request(shown.stimulus, shown.level, None)
+        speed_m_per_s = touch.speed_m_per_s if isinstance(touch, Slide) else None
+        force_n = None if isinstance(touch, Play) else touch.target_n
+        adjusted: Adjusted = yield Adjust(
+            shown.stimulus, shown.level, self.step, self.low, self.high, force_n, speed_m_per_s
+        )
+        return Outcome((), None, (reply(adjusted, adjusted.level),))

@@ -1,0 +1,49 @@
+"""Discrimination against a standard."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.require import finite
+from tactometry.protocols.tasks.intervals import felt_in_turn, nth
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Choose, Chosen
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The standard and a level in random order, then: which is stronger? For just noticeable differences.
+
+    The response is 1 if the level was called stronger than the standard, and it is what the procedure is told; it is
+    correct if the level was higher, and not defined at equality. `target` is the interval of the level. Gescheider,
+    Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
+
+    Raises
+    ------
+    InvalidParameter
+        If the standard is not a finite number.
+    """
+
+    standard_level: float
+
+    name = "comparison"
+    takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        finite("Comparison", standard_level=self.standard_level)
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        target = int(rng.integers(1, 3))
+        levels = [shown.level if interval == target else self.standard_level for interval in (1, 2)]
+        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 2, levels)
+        stimulus = nth(touches, target)
+        if not touches[-1].valid:
+            return Outcome(touches, stimulus, target=target, standard_level=self.standard_level)
+        choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
+        stronger = choice.option == target
+        answered = (reply(choice, int(stronger), correct=self._correct(shown.level, stronger=stronger)),)
+        return Outcome(touches, stimulus, answered, stronger, target, self.standard_level)
+
+    def _correct(self, level: float | None, *, stronger: bool) -> bool | None:
+        return None if level is None or level == self.standard_level else stronger == (level > self.standard_level)

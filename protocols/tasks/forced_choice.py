@@ -1,0 +1,46 @@
+"""m-interval forced choice."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols.tasks.intervals import felt_in_turn, nth
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Choose, Chosen
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class ForcedChoice:
+    """`n_intervals` intervals of which one, drawn at random, holds the stimulus, then: which? Chance is 1/n_intervals.
+
+    Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
+
+    Raises
+    ------
+    InvalidParameter
+        If there are fewer than 2 or more than 4 intervals.
+    """
+
+    n_intervals: int = 2
+
+    name = "forced_choice"
+    takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        if self.n_intervals not in (2, 3, 4):
+            raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals!r:.60}, expected 2, 3 or 4")
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        intervals = tuple(range(1, self.n_intervals + 1))
+        target = int(rng.integers(1, self.n_intervals + 1))
+        levels = [shown.level if interval == target else None for interval in intervals]
+        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
+        stimulus = nth(touches, target)
+        if not touches[-1].valid:
+            return Outcome(touches, stimulus, target=target)
+        choice: Chosen = yield Choose("which_interval", intervals, tuple(map(str, intervals)))
+        correct = choice.option == target
+        told = reply(choice, choice.option, correct=correct)
+        return Outcome(touches, stimulus, (told,), success=correct, target=target)

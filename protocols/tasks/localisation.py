@@ -1,0 +1,36 @@
+"""Where was it?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Choose, Chosen, Touched
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class Localisation:
+    """One of several alternatives (places, foci), drawn at random, then: which? An m-alternative forced choice.
+
+    `target` is the number of the alternative, from 1; chance is one over their number.
+    """
+
+    name = "localisation"
+    takes_catch_trials = False
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        target = int(rng.integers(1, len(shown.alternatives) + 1))
+        chosen = shown.alternatives[target - 1]
+        touch: Touched = yield shown.touch.request(chosen.stimulus, shown.level, None)
+        if not touch.valid:
+            return Outcome((touch,), touch, target=target, factors=chosen.factors)
+        choice: Chosen = yield Choose(
+            "which_place",
+            tuple(range(1, len(shown.alternatives) + 1)),
+            tuple(each.label for each in shown.alternatives),
+            tuple(each.stimulus for each in shown.alternatives),
+        )
+        correct = choice.option == target
+        answered = (reply(choice, choice.option, correct=correct),)
+        return Outcome((touch,), touch, answered, correct, target, factors=chosen.factors)

@@ -1,0 +1,62 @@
+"""A measurement: a stimulus under a held contact, and what an instrument reads meanwhile."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from tactometry.arguments.require import one_of
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Enter, Rated, Touched
+from tactometry.session.run import Course
+
+QUESTION: Final = "vibrometer_nm"
+LevelUnit = Literal["dB re 1 um", "m"]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One stimulus, then the reading of a vibrometer in nm: entered by the experimenter, simulated or recorded.
+
+    The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
+    below what the instrument resolves: it has no level in decibels.
+
+    Parameters
+    ----------
+    level_unit : str
+        That of the stimulus, ``dB re 1 um`` or ``m``.
+
+    Raises
+    ------
+    InvalidParameter
+        If the unit is another.
+    """
+
+    level_unit: LevelUnit = "dB re 1 um"
+
+    name = "measurement"
+    takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        one_of("Measurement.level_unit", self.level_unit, get_args(LevelUnit))
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        del rng
+        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+        if not touch.valid:
+            return Outcome((touch,), touch)
+        read: Rated = yield Enter(QUESTION, 0.0)
+        found = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
+        return Outcome((touch,), touch, (found,))
+
+
+def level_of(nanometres: float | None, level_unit: str) -> float | None:
+    """A reading in the unit of the levels; None where there is none.
+
+    >>> level_of(10e3, "dB re 1 um"), level_of(0.0, "dB re 1 um"), level_of(0.0, "m")
+    (20.0, None, 0.0)
+    """
+    if nanometres is None or (nanometres == 0 and level_unit != "m"):
+        return None
+    return nanometres * 1e-9 if level_unit == "m" else round(20 * math.log10(nanometres / 1e3), 6)

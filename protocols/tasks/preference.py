@@ -1,0 +1,31 @@
+"""Pairwise preference."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.protocols.tasks.intervals import felt_in_turn
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Choose, Chosen
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class Preference:
+    """Two alternatives in random order, then: which do you prefer?
+
+    A row holds them as `item` and `item_b` in the order in which they were felt; the response is 1 or 2, so that the
+    winner is `item` or `item_b`: what a Bradley-Terry fit takes. Bradley and Terry, Biometrika 39, 324 (1952).
+    """
+
+    name = "preference"
+    takes_catch_trials = False
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        first, second = (shown.alternatives[int(n)] for n in rng.permutation(2))
+        touches = yield from felt_in_turn(shown.touch, [first.stimulus, second.stimulus], [shown.level, shown.level])
+        if not touches[-1].valid:
+            return Outcome(touches, touches[0])
+        choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
+        answered = reply(choice, choice.option, item=first.label, item_b=second.label)
+        return Outcome(touches, touches[0], (answered,))

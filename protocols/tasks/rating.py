@@ -1,0 +1,74 @@
+"""Questionnaires as protocols: after a stimulus, or on their own."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.require import of_kind, whole
+from tactometry.protocols.tasks.task import Outcome, Presentation, Reply, reply
+from tactometry.questionnaire import Item, Questionnaire
+from tactometry.session.request import Fill, Filled, Question, Touched
+from tactometry.session.run import Course
+
+N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
+
+
+def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
+    """The items on as many equally long pages as they need."""
+    most = N_STATEMENTS_PER_PAGE if any(item.statement for item in items) else N_PER_PAGE
+    n_pages = -(-len(items) // most)
+    n_each = -(-len(items) // n_pages)
+    parts = [items[start : start + n_each] for start in range(0, len(items), n_each)]
+    return [Fill(form.name, tuple(_question(form, item) for item in part), *_scale(form)) for part in parts]
+
+
+def _scale(form: Questionnaire) -> tuple[float, float, int | None]:
+    return form.low, form.high, form.steps
+
+
+def _question(form: Questionnaire, item: Item) -> Question:
+    words: Mapping[str, tuple[str, str, str]] = {name: form.words(item.id, name) for name in form.languages}
+    return Question(item.id, words, item.reversed)
+
+
+def filled_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
+    """Page after page: a reply for each item, in the order of its presentation."""
+    order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
+    replies: list[Reply] = []
+    for page in pages(form, [form.items[int(n)] for n in order]):
+        filled: Filled = yield page
+        pairs = zip(page.questions, filled.values, strict=True)
+        replies += [reply(filled, value, item=question.item) for question, value in pairs]
+    return tuple(replies)
+
+
+@dataclass(frozen=True)
+class Rating:
+    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item.
+
+    Raises
+    ------
+    InvalidParameter
+        If `form` is no questionnaire, or `n_touches` below 1.
+    """
+
+    form: Questionnaire
+    shuffled: bool = False
+    n_touches: int = 1
+
+    name = "rating"
+    takes_catch_trials = False
+
+    def __post_init__(self) -> None:
+        of_kind("Rating", Questionnaire, form=self.form)
+        whole("Rating", lowest=1, n_touches=self.n_touches)
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        touches: list[Touched] = []
+        while len(touches) < self.n_touches and all(touch.valid for touch in touches):
+            touches.append((yield shown.touch.request(shown.stimulus, shown.level, None)))
+        if not touches[-1].valid:
+            return Outcome(tuple(touches), touches[-1], rule=self.form.name)
+        replies = yield from filled_in(self.form, rng, shuffled=self.shuffled)
+        return Outcome(tuple(touches), touches[-1], replies, rule=self.form.name)

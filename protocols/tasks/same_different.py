@@ -1,0 +1,45 @@
+"""Same or different?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.require import finite
+from tactometry.protocols.tasks.intervals import felt_in_turn, nth
+from tactometry.protocols.tasks.task import Outcome, Presentation, reply
+from tactometry.session.request import Choose, Chosen
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class SameDifferent:
+    """The standard and a level in random order, or (as catch trials) the standard twice, then: same or different?
+
+    The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
+
+    Raises
+    ------
+    InvalidParameter
+        If the standard is not a finite number.
+    """
+
+    standard_level: float
+
+    name = "same_different"
+    takes_catch_trials = True
+
+    def __post_init__(self) -> None:
+        finite("SameDifferent", standard_level=self.standard_level)
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        target = int(rng.integers(1, 3))
+        compared = self.standard_level if shown.level is None else shown.level
+        levels = [compared if interval == target else self.standard_level for interval in (1, 2)]
+        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 2, levels)
+        told = Outcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        if not touches[-1].valid:
+            return told
+        choice: Chosen = yield Choose("same_different", (0, 1), ("same", "different"))
+        correct = choice.option == (shown.level is not None)
+        answered = (reply(choice, choice.option, correct=correct),)
+        return Outcome(touches, told.stimulus, answered, correct, target, self.standard_level)

@@ -1,0 +1,142 @@
+"""What a trial is: how it is presented, and what is asked."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from tactometry.protocols.tasks.touch import Touch
+from tactometry.session.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
+from tactometry.session.run import Course
+from tactometry.trials.trial import Reason
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """One of the stimuli that a trial has to choose among: its name, what the participant reads, its factors."""
+
+    stimulus: str
+    label: str
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Presentation:
+    """A stimulus at a level; None is a catch trial. Some tasks choose among `alternatives` instead."""
+
+    stimulus: str
+    level: float | None
+    touch: Touch = field(repr=False)
+    alternatives: tuple[Alternative, ...] = ()
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What a row says of an answer; without a response the question was not put, or left open."""
+
+    response: float | None = None
+    correct: bool | None = None
+    onset_s: float | None = None
+    latency_s: float | None = None
+    timestamp_utc: str | None = None
+    valid: bool = True
+    item: str | None = None
+    item_b: str | None = None
+    level_measured: float | None = None
+    invalid_reason: Reason | None = None
+    n_gaps: int | None = None
+
+
+def reply(
+    answer: Chosen | Rated | Adjusted | Filled,
+    response: float | None,
+    *,
+    correct: bool | None = None,
+    item: str | None = None,
+    item_b: str | None = None,
+) -> Reply:
+    """The reply of an answer; one that the experimenter declared invalid, or whose stimulus had gaps, is not scored."""
+    n_gaps = answer.n_gaps if isinstance(answer, Adjusted) else None
+    reason: Reason = "output_gap" if n_gaps else "experimenter"
+    return Reply(
+        response,
+        correct if answer.valid else None,
+        answer.onset_s,
+        answer.latency_s,
+        answer.timestamp_utc,
+        answer.valid,
+        item,
+        item_b,
+        invalid_reason=None if answer.valid else reason,
+        n_gaps=n_gaps,
+    )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one presentation, a row for each reply.
+
+    `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told (None: nothing);
+    `factors` are those that the trial itself chose; `rule` stands in the column `procedure` in place of the
+    procedure's name.
+    """
+
+    touches: tuple[Touched, ...]
+    stimulus: Touched | None = None
+    replies: tuple[Reply, ...] = ()
+    success: bool | None = None
+    target: int | None = None
+    standard_level: float | None = None
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+    rule: str | None = None
+
+    @property
+    def valid(self) -> bool:
+        """Whether every touch held its conditions and every answer counts."""
+        asked = bool(self.replies) and all(each.valid for each in self.replies)
+        return asked and all(touch.valid for touch in self.touches)
+
+    @property
+    def _parts(self) -> tuple[Touched | Reply, ...]:
+        return (*self.touches, *self.replies)
+
+    @property
+    def invalid_reason(self) -> Reason | None:
+        """Why the first touch or answer that does not count does not."""
+        return next((each.invalid_reason for each in self._parts if not each.valid), None)
+
+    @property
+    def n_gaps(self) -> int | None:
+        """Gaps of the output in all stimuli; None where it tells of none."""
+        known = [each.n_gaps for each in self._parts if each.n_gaps is not None]
+        return sum(known) if known else None
+
+    @property
+    def onset_s(self) -> float:
+        """The onset of the first stimulus, or of the first question where nothing was felt."""
+        onsets_s = [touch.onset_s for touch in self.touches] + [each.onset_s or 0.0 for each in self.replies]
+        return onsets_s[0]
+
+
+def touched(shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tuple[Reply, bool]]) -> Course[Outcome]:
+    """One stimulus (or none), then, if its touch was valid, a question: `heard` makes a reply of the answer, and says
+    whether it is a success to the procedure."""
+    touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+    if not touch.valid:
+        return Outcome((touch,), touch)
+    said, success = heard((yield ask))
+    return Outcome((touch,), touch, (said,), success=success)
+
+
+@runtime_checkable
+class Task(Protocol):
+    """The course of one trial."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def takes_catch_trials(self) -> bool: ...
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]: ...

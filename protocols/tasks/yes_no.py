@@ -1,0 +1,26 @@
+"""Yes/no detection."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.protocols.tasks.task import Outcome, Presentation, Reply, reply, touched
+from tactometry.session.request import Choose, Chosen
+from tactometry.session.run import Course
+
+
+@dataclass(frozen=True)
+class YesNo:
+    """One stimulus or none, then: was it felt? Green and Swets, Signal Detection Theory and Psychophysics (1966)."""
+
+    name = "yes_no"
+    takes_catch_trials = True
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+        del rng
+
+        def heard(choice: Chosen) -> tuple[Reply, bool]:
+            correct = choice.option == (shown.level is not None)
+            return reply(choice, choice.option, correct=correct), correct
+
+        return (yield from touched(shown, Choose("felt", (0, 1), ("no", "yes")), heard))

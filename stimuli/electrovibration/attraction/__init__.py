@@ -1,0 +1,1 @@
+"""Electrostatic force: laws, area, polarity, offset, drawn charge."""

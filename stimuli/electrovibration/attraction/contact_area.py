@@ -1,0 +1,165 @@
+"""Contact area of a finger against the force that presses it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+
+
+@runtime_checkable
+class ContactArea(Protocol):
+    """An area law."""
+
+    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+
+
+@dataclass(frozen=True)
+class PowerLawArea:
+    """``A = A_1 (F/1 N)^m``. Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
+
+    >>> float(PowerLawArea().area_m2(8.0).round(12))
+    0.0002
+    """
+
+    area_at_1n_m2: float = 1e-4
+    exponent: float = 1 / 3
+
+    def __post_init__(self) -> None:
+        require.positive("PowerLawArea", area_at_1n_m2=self.area_at_1n_m2)
+        require.not_negative("PowerLawArea", exponent=self.exponent)
+
+    @checked
+    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+        force = _forces(force_n)
+        with np.errstate(over="ignore"):
+            area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
+        return require.in_range("PowerLawArea.exponent", area_m2)
+
+
+@checked
+@dataclass(frozen=True)
+class TableArea:
+    """Areas measured at forces, straight lines between them: ink prints were described by such lines.
+
+    Parameters
+    ----------
+    forces_n, areas_m2 : tuple of float
+        Ascending forces and their areas, all above 0. From 0 N to the first force the area grows in proportion;
+        above the last force nothing is known, and asking for it is an error.
+
+    >>> prints = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
+    >>> (prints.area_m2([0.0, 0.1, 0.85]) * 1e4).round(9).tolist()
+    [0.0, 0.25, 1.0]
+    """
+
+    forces_n: tuple[float, ...]
+    areas_m2: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.forces_n) != len(self.areas_m2) or len(self.forces_n) == 0:
+            raise InvalidParameter(
+                f"TableArea: found {len(self.forces_n)} forces and {len(self.areas_m2)} areas, "
+                "expected as many of each, at least one"
+            )
+        for force_n, area_m2 in zip(self.forces_n, self.areas_m2, strict=True):
+            require.positive("TableArea", force_n=force_n, area_m2=area_m2)
+        if (np.diff(self.forces_n) <= 0).any():
+            raise InvalidParameter(f"TableArea.forces_n: found {self.forces_n}, expected ascending forces")
+
+    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+        """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
+        force = _forces(force_n)
+        if force.size and force.max() > self.forces_n[-1]:
+            raise InvalidParameter(
+                f"TableArea: found a force of {force.max()} N, expected at most the last of the table "
+                f"({self.forces_n[-1]} N); measure further or use a PowerLawArea"
+            )
+        return np.asarray(np.interp(force, (0.0, *self.forces_n), (0.0, *self.areas_m2)))
+
+
+@dataclass(frozen=True)
+class Print:
+    """A fingerprint: an ellipse with full axes measured at a force.
+
+    >>> round(Print(force_n=1.5, length_m=0.014, width_m=0.011).area_m2 * 1e4, 4)
+    1.2095
+    """
+
+    force_n: float
+    length_m: float
+    width_m: float
+
+    def __post_init__(self) -> None:
+        require.positive("Print", force_n=self.force_n, length_m=self.length_m, width_m=self.width_m)
+
+    @property
+    def area_m2(self) -> float:
+        return float(ellipse_area_m2(self.length_m, self.width_m))
+
+
+UNVERIFIED_PRINTS = (
+    Print(0.2, 0.0090, 0.0070),
+    Print(1.5, 0.0140, 0.0110),
+    Print(3.0, 0.0160, 0.0125),
+    Print(7.0, 0.0180, 0.0142),
+)
+"""Unverified default: plausible axes at the four forces of the inked prints; measure your participants'."""
+
+
+@checked
+def area_of_prints(prints: Sequence[Print]) -> TableArea:
+    """Straight lines through the ellipses of measured prints, in any order of force.
+
+    >>> float(area_of_prints(UNVERIFIED_PRINTS).area_m2(1.5) * 1e4).__round__(4)
+    1.2095
+    """
+    ordered = sorted(prints, key=lambda one: one.force_n)
+    return TableArea(tuple(one.force_n for one in ordered), tuple(one.area_m2 for one in ordered))
+
+
+@checked
+def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
+    """The power law that fits the logarithms of area and force best.
+
+    >>> law = power_law_of_prints([Print(1.0, 0.01, 0.01), Print(8.0, 0.02, 0.01)])
+    >>> round(law.exponent, 12)
+    0.333333333333
+    """
+    if len({one.force_n for one in prints}) < 2:
+        raise InvalidParameter(
+            f"power_law_of_prints: found {len(prints)} prints, expected prints at two forces at least"
+        )
+    x, y = np.log([one.force_n for one in prints]), np.log([one.area_m2 for one in prints])
+    exponent, constant = np.polyfit(x, y, 1)
+    return PowerLawArea(float(np.exp(constant)), float(exponent))
+
+
+@checked
+def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> NDArray[np.float64]:
+    """Area of an ellipse from its full axes: ``pi/4`` times their product.
+
+    >>> float(ellipse_area_m2(0.02, 0.01).round(9))
+    0.00015708
+    """
+    axes_m = [
+        require.finite_array(f"ellipse_area_m2.{name}", axis_m)
+        for name, axis_m in (("length_m", length_m), ("width_m", width_m))
+    ]
+    if any((axis_m < 0).any() for axis_m in axes_m):
+        raise InvalidParameter(f"ellipse_area_m2: found axes {axes_m}, expected lengths of at least 0 m")
+    return np.asarray(pi / 4 * axes_m[0] * axes_m[1])
+
+
+def _forces(force_n: ArrayLike) -> NDArray[np.float64]:
+    force = require.finite_array("force_n", force_n)
+    if (force < 0).any():
+        raise InvalidParameter(f"force_n: found {force.min()}, expected at least 0 N")
+    return force

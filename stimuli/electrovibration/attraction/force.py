@@ -1,0 +1,203 @@
+"""Electrostatic force: four laws of the literature, each by name: they differ by a factor near 1000."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import NoneType
+from typing import Literal, get_args
+
+from numpy import errstate, float64, isfinite
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.skin.skin import INSULATOR, Skin
+from tactometry.stimuli.electrovibration.skin.solution import Solution
+from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
+LAWS: tuple[Law, ...] = get_args(Law)
+
+
+@checked
+@dataclass(frozen=True)
+class ForceForm:
+    """``F = newton_per_v2 u^2``, u the output of `relaxations` for the applied voltage: any of the laws."""
+
+    relaxations: Relaxations
+    newton_per_v2: float
+
+    def __post_init__(self) -> None:
+        require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
+
+    def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
+        """Force (N) of layer voltages u, of their shape."""
+        require.of_kind("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
+        layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
+        with errstate(over="ignore"):
+            even_n = self.newton_per_v2 * layer_v**2
+        if not isfinite(even_n).all():
+            raise InvalidParameter(
+                f"voltage_v: found a voltage whose force is beyond the range of a double ({abs(layer_v).max():.3g} V "
+                "across the layer), expected a lower one"
+            )
+        return even_n if polarity is None else polarity.weighted(even_n, layer_v)
+
+
+@checked
+def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
+    """A law on a skin and a contact area (m^2, at least 0).
+
+    ================== ==================================================================================
+    law                force
+    ================== ==================================================================================
+    ``sc_layer``       ``e0 e_sc A (V_sc/d_sc)^2/2``, V_sc across the leaky corneum (Vezzoli, Vardar)
+    ``interface``      ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz);
+                       leakage raises the force at low frequencies
+    ``total_thickness`` ``e0 A V^2/(2 S (d_i + d_sc))``, lossless, ``S = d_i/e_i + d_sc/e_sc`` (Strong)
+    ``parallel_plate`` ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
+    ================== ==================================================================================
+
+    Raises
+    ------
+    InvalidParameter
+        If no law is named, the area is negative, or the law lacks a term for the gap or the body.
+    """
+    check_law(law)
+    require.not_negative("force_form", area_m2=area_m2)
+    return _FORMS[str(law)](skin, area_m2)
+
+
+@checked
+def electrostatic_force_n(
+    voltage_v: ArrayLike,
+    *,
+    rate_hz: float,
+    skin: Skin,
+    area_m2: float,
+    law: Law | None = None,
+    polarity: Polarity | None = None,
+) -> NDArray[float64]:
+    """Attraction (N) between finger and screen at the samples of a voltage, from rest.
+
+    Parameters
+    ----------
+    voltage_v : (..., n_samples) array
+        Applied voltage, linear between its samples; it jumps from 0 to its first value at time 0.
+    rate_hz : float
+        Samples per second.
+    skin : Skin
+    area_m2 : float
+        Contact area, at least 0.
+    law : {"parallel_plate", "interface", "total_thickness", "sc_layer"}
+        Must be named; see `force_form`.
+    polarity : Polarity or None
+        An asymmetry between positive and negative voltages; None, the default, is none.
+
+    Returns
+    -------
+    (..., n_samples) array
+        Exact at the samples: the recurrence solves the circuit, nothing is stepped.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, and as in `force_form`.
+
+    >>> step = [100.0, 100.0, 100.0]
+    >>> force_n = electrostatic_force_n(step, rate_hz=1e4, skin=Skin(), area_m2=1e-4, law="sc_layer")
+    >>> (force_n * 1e3).round(4).tolist()
+    [21.2524, 11.268, 5.9743]
+    """
+    require.positive("electrostatic_force_n", rate_hz=rate_hz)
+    form = force_form(law, skin, area_m2)
+    v = require.samples("electrostatic_force_n.voltage_v", voltage_v)
+    return form.force_n(form.relaxations.sampled(v, rate_hz), polarity)
+
+
+@checked
+def electrostatic_force_n_at(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    *,
+    skin: Skin,
+    area_m2: float,
+    law: Law | None = None,
+    polarity: Polarity | None = None,
+) -> NDArray[float64]:
+    """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
+
+    >>> from tactometry.stimuli.electrovibration import Step
+    >>> pieces = Step(duration_s=0.1).pieces(40.0)
+    >>> force_n = electrostatic_force_n_at([0.0, 1e-4], pieces, skin=Skin(), area_m2=1e-4, law="sc_layer")
+    >>> (force_n * 1e3).round(4).tolist()
+    [21.2524, 11.268]
+    """
+    form = force_form(law, skin, area_m2)
+    return form.force_n(Solution(pieces, form.relaxations).at(t_s), polarity)
+
+
+def check_law(law: str | None) -> None:
+    """Refuse a law that is not named."""
+    if law is None:
+        raise InvalidParameter(
+            f"law: found none, expected one of {', '.join(LAWS)}; their forces differ by a factor near 1000, "
+            "so name yours"
+        )
+    require.one_of("law", law, LAWS)
+
+
+def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
+    """``b`` of ``F = b V_sc^2`` in the ``sc_layer`` law, ``e0 e_sc A/(2 d_sc^2)``.
+
+    >>> round(force_per_square_volt_n(Skin(), 1e-4), 13)
+    1.10677348e-05
+    """
+    return E0 * skin.corneum_permittivity * area_m2 / (2 * skin.corneum_thickness_m**2)
+
+
+def corneum_voltage_v(v: NDArray[float64], rate_hz: float, skin: Skin, area_m2: float) -> NDArray[float64]:
+    """Voltage (..., n_samples) across the stratum corneum, from rest."""
+    return skin.relaxations(area_m2).sampled(v, rate_hz)
+
+
+def _sc_layer(skin: Skin, area_m2: float) -> ForceForm:
+    return ForceForm(skin.relaxations(area_m2), force_per_square_volt_n(skin, area_m2))
+
+
+def _interface(skin: Skin, area_m2: float) -> ForceForm:
+    per_m = skin.insulator_permittivity / skin.insulator_thickness_m
+    return ForceForm(skin.stack.relaxations(INSULATOR, area_m2), E0 * area_m2 / 2 * per_m**2)
+
+
+def _total_thickness(skin: Skin, area_m2: float) -> ForceForm:
+    _check_lossless("total_thickness", skin)
+    s_m = skin.insulator_equivalent_m + skin.corneum_equivalent_m
+    d_m = skin.insulator_thickness_m + skin.corneum_thickness_m
+    return ForceForm(APPLIED, E0 * area_m2 / (2 * s_m * d_m))
+
+
+def _parallel_plate(skin: Skin, area_m2: float) -> ForceForm:
+    _check_lossless("parallel_plate", skin)
+    return ForceForm(APPLIED, E0 * skin.insulator_permittivity * area_m2 / (2 * skin.insulator_thickness_m**2))
+
+
+def _check_lossless(law: str, skin: Skin) -> None:
+    for name, neutral in (("gap_m", 0.0), ("body_resistance_ohm", 0.0), ("tissue", None)):
+        if getattr(skin, name) != neutral:
+            raise InvalidParameter(
+                f"law: found {law} with Skin.{name} other than {neutral}, which it has no term for; "
+                f"expected {neutral}, or the law interface or sc_layer"
+            )
+
+
+APPLIED = Relaxations((), (), 1.0)
+_FORMS: Mapping[str, Callable[[Skin, float], ForceForm]] = {
+    "sc_layer": _sc_layer,
+    "interface": _interface,
+    "total_thickness": _total_thickness,
+    "parallel_plate": _parallel_plate,
+}

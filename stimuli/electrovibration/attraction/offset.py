@@ -1,0 +1,130 @@
+"""A constant added to a voltage."""
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from tactometry.arguments.checked import checked
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration.attraction.force import Law, force_form
+from tactometry.stimuli.electrovibration.skin.skin import Skin
+from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
+from tactometry.stimuli.electrovibration.waveforms.timing import ramped
+
+
+@runtime_checkable
+class Waveform(Protocol):
+    """A stimulus with ramps and frequencies, as the ones of this package."""
+
+    @property
+    def duration_s(self) -> float: ...
+
+    @property
+    def ramp_s(self) -> float: ...
+
+    @property
+    def level_unit(self) -> LevelUnit: ...
+
+    @property
+    def voltage_frequency_hz(self) -> float: ...
+
+    @property
+    def force_frequency_hz(self) -> float: ...
+
+    def at(self, level: float) -> Signal: ...
+
+    def pieces(self, level: float) -> Pieces: ...
+
+
+@checked
+@dataclass(frozen=True)
+class WithOffset:
+    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0,
+    peak V0 in all.
+
+    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an
+    insulator loses the constant after a few time constants: its force vanishes in the `sc_layer` law and rises in
+    the `interface` law. That is allowed, and `remark` says so. The constant has the ramps of w.
+
+    Parameters
+    ----------
+    waveform
+        Any waveform of this package.
+    ratio : float
+        Constant over the peak of the waveform, of either sign.
+
+    >>> from tactometry.stimuli.electrovibration import Sine
+    >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+    >>> tone.at(20.0).peak <= 10.0, tone.force_frequency_hz
+    (True, 60.0)
+    """
+
+    waveform: Waveform
+    ratio: float
+
+    @property
+    def level_unit(self) -> LevelUnit:
+        return self.waveform.level_unit
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.waveform.voltage_frequency_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        """The lower of the waveform's own and that of the voltage, which an offset brings into the force."""
+        own_hz = self.waveform.force_frequency_hz
+        return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        signal = self.waveform.at(level)
+        constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
+        peak_v = peak_voltage_v(level, self.level_unit)
+        share = 1 / (1 + abs(self.ratio))
+        total_v = share * signal.samples + self.ratio * share * peak_v * constant
+        return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly."""
+        plain = self.waveform.pieces(level)
+        constant = Pieces(np.zeros(1), plain.end_s, np.ones(1), np.zeros(1))
+        constant = ramped_pieces(constant, self.waveform.ramp_s)
+        share, peak_v = 1 / (1 + abs(self.ratio)), peak_voltage_v(level, self.level_unit)
+        return _sum(plain.scaled(share), constant.scaled(self.ratio * share * peak_v))
+
+    def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
+        """What becomes of the force of the offset, if the skin changes it in time; None if it does not.
+
+        The time is that of the slowest relaxation of the law on the contact area (1 cm^2: unverified default).
+
+        >>> from tactometry.stimuli.electrovibration import Sine
+        >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+        >>> tone.remark(Skin(), "sc_layer")
+        'WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change'
+        >>> tone.remark(Skin(), "interface")
+        'WithOffset.ratio: interface keeps a constant: its force has risen fully 5 tau (1.58 ms) after its last change'
+        >>> tone.remark(Skin(), "parallel_plate") is None
+        True
+        """
+        found = force_form(law, skin, area_m2).relaxations
+        if self.ratio == 0 or (found.dc_gain != 0 and not found.rates_per_s):
+            return None
+        fates = "blocks a constant: below 1 % of its force", "keeps a constant: its force has risen fully"
+        after_ms = 5e3 / min(found.rates_per_s, default=inf)
+        return f"WithOffset.ratio: {law} {fates[found.dc_gain != 0]} 5 tau ({after_ms:.3g} ms) after its last change"
+
+
+def _sum(one: Pieces, other: Pieces) -> Pieces:
+    one, other = one.split_at(other.starts_s), other.split_at(one.starts_s)
+    return replace(
+        one,
+        offsets_v=one.offsets_v + other.offsets_v,
+        slopes_v_per_s=one.slopes_v_per_s + other.slopes_v_per_s,
+        frequencies_hz=np.r_[one.frequencies_hz, other.frequencies_hz],
+        amplitudes_v=np.hstack([one.harmonics_v, other.harmonics_v]),
+    )

@@ -1,0 +1,45 @@
+"""An asymmetry of the skin between positive and negative voltages."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Polarity:
+    """The force counts `positive_share` times while the voltage across the layer is positive.
+
+    The force of all laws is even in the voltage. Yet positive pulses are reported to be felt less than negative or
+    biphasic ones (Kaczmarek 2006), which is ascribed to an asymmetric skin. How strong the asymmetry is has not been
+    read anywhere, and that it scales the force is a choice (unverified): the effect is off unless it is asked for, and
+    its strength has no default.
+
+    Parameters
+    ----------
+    positive_share : float
+        At least 0; below 1 positive voltages are less effective.
+
+    Raises
+    ------
+    InvalidParameter
+        If the share is negative or not finite.
+
+    >>> Polarity(0.5).weighted(np.array([4.0, 4.0]), layer_v=np.array([2.0, -2.0])).tolist()
+    [2.0, 4.0]
+    """
+
+    positive_share: float
+
+    def __post_init__(self) -> None:
+        require.not_negative("Polarity", positive_share=self.positive_share)
+
+    @checked
+    def weighted(self, force_n: Real, layer_v: Real) -> Real:
+        """Forces (N) under layer voltages of the same shape."""
+        return np.where(layer_v > 0, self.positive_share * force_n, force_n)

@@ -1,0 +1,195 @@
+"""Motion of a linear system under the force of a voltage in pieces: planned once, then run for any voltage.
+
+A relaxation that has decayed (40 time constants after the start of a piece: 4e-18) follows its input and is left
+out of the lift, which bounds every exponent.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm
+from tactometry.stimuli.electrovibration.motion.circuit import Circuit
+from tactometry.stimuli.electrovibration.motion.lift import LinearSystem, flow, pairs
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, phi1
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+Real = NDArray[np.float64]
+Kind = tuple[float, tuple[bool, ...]]
+"""Length of an interval and which relaxations move in it."""
+DECAYED = 40.0
+CYCLES_MAX = 1e7
+"""The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
+
+
+def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Real:
+    """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
+    from tactometry.stimuli.electrovibration.motion.compiled_loops import respond
+
+    plan = plan_of(Timing(pieces, t_s), form.relaxations, system)
+    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
+    return np.asarray(respond(form.newton_per_v2, *heights, *plan), dtype=np.float64)
+
+
+def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex128]]:
+    """Offsets, slopes and amplitudes with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no stimulus, or one has other starts, frequencies or an other end than the first.
+    """
+    if not isinstance(stimuli, Sequence) or not stimuli:
+        raise InvalidParameter(f"stimuli: found {stimuli!r:.60}, expected a sequence of at least one voltage in pieces")
+    for place, pieces in enumerate(stimuli):
+        require.of_kind("stimuli", Pieces, **{f"[{place}]": pieces})
+    key = Timing(stimuli[0], np.zeros(0), has_slope=True)
+    for place, pieces in enumerate(stimuli):
+        if Timing(pieces, key.t_s, has_slope=True) != key:
+            raise InvalidParameter(
+                f"stimuli[{place}]: found other starts, frequencies or an other end than the first stimulus has, "
+                "expected the same; solve it by itself"
+            )
+    return (
+        np.array([pieces.offsets_v for pieces in stimuli]),
+        np.array([pieces.slopes_v_per_s for pieces in stimuli]),
+        np.array([pieces.harmonics_v for pieces in stimuli]),
+    )
+
+
+def check_times(t: Real, pieces: Pieces) -> None:
+    """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
+    require.finite_array("t_s", t)
+    inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
+    if not inside:
+        raise InvalidParameter(
+            f"t_s: found {t.size} times in shape {t.shape}, expected ascending times from 0 to {pieces.end_s} s"
+        )
+
+
+class Timing:
+    """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
+
+    def __init__(self, pieces: Pieces, t_s: ArrayLike, *, has_slope: bool | None = None) -> None:
+        self.pieces, self.t_s = pieces, np.asarray(t_s, dtype=np.float64)
+        self.has_slope = bool(np.count_nonzero(pieces.slopes_v_per_s)) if has_slope is None else has_slope
+        self._key = (
+            self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(),
+            self.t_s.shape, self.t_s.tobytes(),
+        )  # fmt: skip
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Timing) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
+Plan = tuple[object, ...]
+"""The arguments of `respond` that do not depend on heights, from the nodes that were asked for on."""
+
+
+@lru_cache(maxsize=256)
+def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+    """The plan of a timing, made once: nodes, decays, turns and exponentials."""
+    check_times(timing.t_s, timing.pieces)
+    nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
+    _check_resolved(system, float(np.diff(nodes).max(initial=0.0)))
+    shared = phases(timing.pieces, relaxations, nodes)
+    rates = np.array(relaxations.rates_per_s)
+    moves = (shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9))[:-1]
+    groups, kinds = _kinds(np.diff(nodes), moves)
+    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))
+    whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, (True,) * rates.size)
+    rest = (whole.has_line, whole.has_slope, whole.output(), kinds, *_maps(whole, system, groups))
+    return (np.searchsorted(nodes, timing.t_s), first, shared.since, *shared.factors, *rest)
+
+
+def _check_resolved(system: LinearSystem, longest_s: float) -> None:
+    fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
+    if not fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9):
+        raise InvalidParameter(
+            f"finger: found one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
+        )
+
+
+def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[Real, Real]:
+    """(n_kinds, n, n) maps of the states and (n_kinds, n, n_products) of the products over each kind of interval."""
+    circuits = [replace(whole, active=moving) for _, moving in groups]
+    flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
+    n = len(system.input)
+    maps = np.array([step.states for step in flows]).reshape(-1, n, n)
+    drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
+    return maps, drives.reshape(len(flows), n, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class Phases:
+    """Where each node lies: the piece that holds, the time since its start, and what depends on time alone."""
+
+    piece: NDArray[np.intp]
+    since: Real
+    factors: tuple[object, ...]
+
+    @property
+    def arrays(self) -> tuple[object, ...]:
+        """Piece, since, decays and lines at nodes, spans, decays and lines over pieces, turns, responses."""
+        return (self.piece, self.since, *self.factors)
+
+
+def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
+    """The phases of nodes (n_nodes,) within the pieces."""
+    piece = pieces.index(nodes)
+    since = nodes - pieces.starts_s[piece]
+    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
+    spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
+    turns = np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz))
+    at_nodes = (np.exp(-rates * since), since * phi1(rates * since))
+    at_ends = (spans, np.exp(-rates * spans), spans * phi1(rates * spans))
+    return Phases(piece, since, (*at_nodes, *at_ends, turns, _responses(relaxations, pieces)))
+
+
+def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
+    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
+    nodes = np.unique(np.concatenate([[0.0], _nodes(pieces, relaxations), t_s]))
+    return np.asarray(nodes[nodes <= t_s[-1]])
+
+
+def _nodes(pieces: Pieces, relaxations: Relaxations) -> Real:
+    """Starts of pieces, and the times at which relaxations have decayed in pieces that are longer."""
+    rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
+    decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
+    ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
+    return np.concatenate([pieces.starts_s, decayed[decayed < ends]])
+
+
+def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray[np.intp]]:
+    """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
+    scale = 10.0 ** np.floor(np.log10(lengths))
+    keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])
+    _, first, kinds = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    kinds = kinds.ravel()
+    means = np.bincount(kinds, lengths) / np.bincount(kinds)
+    return [(float(means[k]), tuple(bool(m) for m in moves[i])) for k, i in enumerate(first)], kinds
+
+
+def _responses(relaxations: Relaxations, pieces: Pieces) -> NDArray[np.complex128]:
+    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
+    return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))
+
+
+def _padded(products: Real, circuit: Circuit) -> Real:
+    """The map of the products (n, n_products) among those of all states, 0 for the relaxations left out."""
+    kept = circuit.kept()
+    n_all = circuit.n_states + circuit.active.count(False)
+    i, j = pairs(n_all)
+    here = np.isin(i, kept) & np.isin(j, kept)
+    full = np.zeros((products.shape[0], i.size))
+    full[:, here] = products
+    return full

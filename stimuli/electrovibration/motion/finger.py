@@ -1,0 +1,150 @@
+"""A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm
+from tactometry.stimuli.electrovibration.motion.driven_motion import Timing, plan_of, stacked
+from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
+from tactometry.stimuli.electrovibration.motion.lift import LinearSystem
+from tactometry.stimuli.electrovibration.motion.pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Finger:
+    """``m x'' + c x' + k x = f``: x the skin's deflection (m) under a lateral force f.
+
+    The defaults are unverified: a speed of 50 mm/s in `at_speed`.
+
+    >>> round(Finger().natural_frequency_hz, 2)
+    56.29
+    """
+
+    mass_kg: float = 1.615e-3
+    stiffness_n_per_m: float = 202.0
+    damping_n_s_per_m: float = 0.0466
+
+    def __post_init__(self) -> None:
+        require.positive("Finger", mass_kg=self.mass_kg, stiffness_n_per_m=self.stiffness_n_per_m)
+        require.not_negative("Finger", damping_n_s_per_m=self.damping_n_s_per_m)
+
+    @classmethod
+    @checked
+    def at_speed(cls, speed_m_per_s: float) -> "Finger":
+        """The moving mass and stiffness that are published per sliding speed, 20 to 100 mm/s.
+
+        Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is an unverified choice: it puts
+        ``k/(2 pi c)`` at the published cut-off of 13.8 Hz per mm/s.
+
+        >>> slow, fast = Finger.at_speed(0.02), Finger.at_speed(0.1)
+        >>> round((fast.mass_kg - slow.mass_kg) * 1e3, 3), round(fast.stiffness_n_per_m - slow.stiffness_n_per_m, 1)
+        (2.584, 323.2)
+        """
+        require.positive("Finger.at_speed", speed_m_per_s=speed_m_per_s)
+        stiffness = STIFFNESS_N_S_PER_M2 * speed_m_per_s
+        damping = STIFFNESS_N_S_PER_M2 / (2 * pi * CUTOFF_HZ_S_PER_M)
+        return cls(MASS_KG_PER_M_PER_S * speed_m_per_s, stiffness, damping)
+
+    @property
+    def natural_frequency_hz(self) -> float:
+        return float(np.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
+
+    @property
+    def constants(self) -> tuple[float, float, float]:
+        """Mass (kg), damping (N s/m) and stiffness (N/m)."""
+        return self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m
+
+    @cached_property
+    def system(self) -> LinearSystem:
+        """States (x, x') under a force in newton."""
+        m, k, c = self.mass_kg, self.stiffness_n_per_m, self.damping_n_s_per_m
+        return LinearSystem(((0.0, 1.0), (-k / m, -c / m)), (0.0, 1 / m))
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A finger over time, arrays (..., n_times): lateral force on the skin (N), deflection (m), and its derivatives."""
+
+    t_s: NDArray[np.float64]
+    electrostatic_n: NDArray[np.float64]
+    lateral_n: NDArray[np.float64]
+    deflection_m: NDArray[np.float64]
+    speed_m_per_s: NDArray[np.float64]
+    acceleration_m_per_s2: NDArray[np.float64]
+
+
+def sliding(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> Motion:
+    """Motion of a finger in full slip under a normal force (N), from its rest under constant friction: exact.
+
+    The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
+    finger slips at all is the matter of `stick_slip`.
+
+    Parameters
+    ----------
+    t_s : (n_times,) array
+        Ascending from at least 0 to at most the end of the voltage.
+
+    Raises
+    ------
+    InvalidParameter
+        If the times are not as stated or the force is negative.
+    """
+    from tactometry.stimuli.electrovibration.motion.compiled_loops import slide
+
+    t = require.array("sliding.t_s", t_s)
+    require.of_kind("sliding", Pieces, pieces=pieces)
+    _check_kinds("sliding", form, finger, friction)
+    mu = friction.coefficient_at(force_n)
+    plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
+    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
+    return Motion(t, *slide(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
+
+
+def sliding_many(
+    t_s: ArrayLike,
+    stimuli: Sequence[Pieces],
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> Motion:
+    """`sliding` for many voltages whose pieces start at the same times: arrays (n_stimuli, n_times).
+
+    All share the exponentials of one plan: what differs is heights, slopes and phases.
+
+    Raises
+    ------
+    InvalidParameter
+        As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
+    """
+    from tactometry.stimuli.electrovibration.motion.compiled_loops import slide_many
+
+    t = require.array("sliding_many.t_s", t_s)
+    _check_kinds("sliding_many", form, finger, friction)
+    mu, heights = friction.coefficient_at(force_n), stacked(stimuli)
+    timing = Timing(stimuli[0], t, has_slope=bool(heights[1].any()))
+    plan = plan_of(timing, form.relaxations, finger.system)
+    return Motion(t, *slide_many(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
+
+
+def _check_kinds(owner: str, form: object, finger: object, friction: object) -> None:
+    require.of_kind(owner, ForceForm, form=form)
+    require.of_kind(owner, Finger, finger=finger)
+    require.of_kind(owner, CoulombFriction, friction=friction)

@@ -1,0 +1,171 @@
+"""A finger that sticks and slips on a screen: event-exact, with Coulomb friction as it is."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.attraction.force import ForceForm
+from tactometry.stimuli.electrovibration.motion.driven_motion import DECAYED, Timing, check_times, nodes_of, phases
+from tactometry.stimuli.electrovibration.motion.finger import Finger
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+Real = NDArray[np.float64]
+
+
+N_STEPS_MAX = 2_000_000
+"""The most steps of the series in one call: some two seconds."""
+
+
+@checked
+@dataclass(frozen=True)
+class DryFriction:
+    """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
+
+    With the static one above the kinetic one, a friction law that is smooth in the speed is another model, not an
+    approximation of this one: its peak lies below the static friction at any width.
+
+    Parameters
+    ----------
+    static, kinetic : float
+        Coefficients, static at least kinetic.
+    gated : bool
+        The voltage adds to the friction in full slip alone; a stuck finger bears its normal force's static friction
+        (or the slipping one, if that is more).
+    """
+
+    static: float = 0.6
+    kinetic: float = 0.5
+    gated: bool = False
+
+    def __post_init__(self) -> None:
+        require.not_negative("DryFriction", static=self.static, kinetic=self.kinetic)
+        if self.static < self.kinetic:
+            raise InvalidParameter(
+                f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
+            )
+
+
+@checked
+@dataclass(frozen=True)
+class Travel:
+    """Motion of the finger over the screen: ``V = speed + acceleration t``, of any sign; 0 is a finger at rest.
+
+    `stretch_m` is the deflection of the skin at time 0, at which the finger sticks.
+    """
+
+    speed_m_per_s: float = 0.05
+    acceleration_m_per_s2: float = 0.0
+    stretch_m: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class StickSlip:
+    """A finger over time, arrays (n_times,), and its events, arrays (n_events,).
+
+    `stretch_m` is the deflection of the skin against the finger with its derivatives, `lateral_n` the friction,
+    `direction` 1 or -1 in slip and 0 in stick; `events_s` are the times at which it changes to `event_directions`.
+    """
+
+    t_s: Real
+    stretch_m: Real
+    stretch_m_per_s: Real
+    stretch_m_per_s2: Real
+    lateral_n: Real
+    electrostatic_n: Real
+    direction: Real
+    events_s: Real
+    event_directions: Real
+
+
+@checked
+def stick_slip(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: DryFriction,
+    force_n: float,
+    travel: Travel,
+    n_events_max: int = 100_000,
+) -> StickSlip:
+    """Motion of a finger that sticks while friction can hold it, and slips until the skin stands still again.
+
+    In stick the skin follows the screen, ``s' = V``, and asks for ``k s + c V``; it breaks away above
+    ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion is
+    a power series of 20 terms over at most 1.5 of the fastest time; an event is the root of a polynomial.
+
+    Parameters
+    ----------
+    t_s : (n_times,) array
+        Ascending from at least 0 to at most the end of the voltage.
+    force_n : float
+        Normal force, at least 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, or there are `n_events_max` events or more.
+    """
+    from tactometry.stimuli.electrovibration.motion import power_series
+
+    t = np.asarray(t_s, dtype=np.float64)
+    require.not_negative("stick_slip", force_n=force_n)
+    require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
+    wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
+    states, events, failure, time_s = power_series.flow(
+        pieces.offsets_v,
+        pieces.slopes_v_per_s,
+        pieces.harmonics_v,
+        form.newton_per_v2,
+        *arrays,
+        np.array([finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m]),
+        np.array([friction.static, friction.kinetic, force_n]),
+        np.array([travel.speed_m_per_s, travel.acceleration_m_per_s2, travel.stretch_m]),
+        friction.gated,
+        n_events_max,
+        N_STEPS_MAX,
+    )
+    if failure == power_series.TOO_LONG:
+        raise InvalidParameter(
+            f"stick_slip: found more than {N_STEPS_MAX:.3g} steps of the series at {time_s:.6g} s of this signal (the "
+            f"finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; take a heavier "
+            "or softer finger, or shorten the signal"
+        )
+    if failure:
+        at_once = "at one instant" if failure == power_series.CHATTER else f"(n_events_max, {n_events_max}, is reached)"
+        raise InvalidParameter(
+            f"stick_slip: found too many changes between stick and slip {at_once}, at {time_s:.6g} s; "
+            "expected fewer: raise the damping or the static friction, or shorten the signal"
+        )
+    stretch, rate, second, lateral, electrostatic, direction = states[wanted].T
+    return StickSlip(t, stretch, rate, second, lateral, electrostatic, direction, events[:, 0], events[:, 1])
+
+
+@lru_cache(maxsize=64)
+def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDArray[np.intp], tuple[object, ...]]:
+    check_times(timing.t_s, timing.pieces)
+    nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
+    shared = phases(timing.pieces, relaxations, nodes)
+    rates = np.array(relaxations.rates_per_s)
+    moves = shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9)
+    omegas = 2 * pi * timing.pieces.frequencies_hz
+    electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
+    fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
+    from tactometry.stimuli.electrovibration.motion.power_series import REACH
+
+    longest = np.divide(REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
+    arrays = (*shared.arrays, np.array(relaxations.gains), relaxations.dc_gain)
+    return np.searchsorted(nodes, timing.t_s), (*arrays, rates, omegas, np.diff(nodes), moves, longest)
+
+
+def _fastest_rad_per_s(finger: Finger) -> float:
+    """Of the pad in slip: its swing, or the decay of its speed."""
+    return max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)

@@ -1,0 +1,1 @@
+"""The electrical model of a finger on a screen, solved exactly."""

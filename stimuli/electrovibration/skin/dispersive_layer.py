@@ -1,0 +1,162 @@
+"""Layers whose permittivity and resistivity depend on frequency: the periodic steady state."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
+
+
+@checked
+@dataclass(frozen=True)
+class DispersiveLayer:
+    """A slab with a table of properties, log-log between its rows and constant outside of them.
+
+    Raises
+    ------
+    InvalidParameter
+        If the columns differ in length, are not above 0, or the frequencies do not ascend.
+
+    >>> layer = DispersiveLayer(200e-6, (10.0, 1000.0), (1e4, 1e2), (1e5, 1e3))
+    >>> [round(float(values), 6) for values in layer.properties(100.0)]
+    [1000.0, 10000.0]
+    """
+
+    thickness_m: float
+    frequencies_hz: tuple[float, ...]
+    permittivities: tuple[float, ...]
+    resistivities_ohm_m: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        require.positive("DispersiveLayer", thickness_m=self.thickness_m)
+        for name in ("frequencies_hz", "permittivities", "resistivities_ohm_m"):
+            column = np.asarray(getattr(self, name), dtype=np.float64)
+            if column.shape != (len(self.frequencies_hz),) or not column.size or (column <= 0).any():
+                raise InvalidParameter(
+                    f"DispersiveLayer.{name}: found {column.tolist()}, expected {len(self.frequencies_hz)} "
+                    "numbers above 0"
+                )
+        if (np.diff(self.frequencies_hz) <= 0).any():
+            raise InvalidParameter(
+                f"DispersiveLayer.frequencies_hz: found {self.frequencies_hz}, expected ascending numbers"
+            )
+
+    def properties(self, frequency_hz: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
+        row)."""
+        f_hz = np.maximum(np.asarray(frequency_hz, dtype=np.float64), self.frequencies_hz[0])
+        x = np.log(self.frequencies_hz)
+        permittivity, resistivity = (
+            np.exp(np.interp(np.log(f_hz), x, np.log(column)))
+            for column in (self.permittivities, self.resistivities_ohm_m)
+        )
+        return np.asarray(permittivity), np.asarray(resistivity)
+
+
+FREQUENCIES_HZ = (1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+STRATUM_CORNEUM = DispersiveLayer(
+    200e-6, FREQUENCIES_HZ, (6e3, 4e3, 2e3, 1e3, 7e2, 5e2, 3e2), (2e5, 1.4e5, 6e4, 2e4, 5e3, 1e3, 2e2)
+)
+"""Unverified default: only its row at 1 kHz is the parameter set P0, the others have the usual trend."""
+
+DEEPER_TISSUE = DispersiveLayer(
+    5e-3, FREQUENCIES_HZ, (1e6, 5e5, 1e5, 3e4, 2e4, 1e4, 2e3), (5.0, 4.5, 4.0, 3.5, 3.0, 2.5, 2.0)
+)
+"""Unverified default: orders of magnitude of a wet tissue."""
+
+
+@checked
+def shares(
+    frequency_hz: ArrayLike,
+    layers: Sequence[Layer | DispersiveLayer],
+    *,
+    resistance_ohm: float = 0.0,
+    area_m2: float = 1e-4,
+) -> NDArray[np.complex128]:
+    """(n_layers, n_frequencies) complex ratios of the voltage across each layer to the applied one.
+
+    ``Z_j/(R A + sum Z)`` of the impedances of a unit area. At 0 Hz the layers that do not leak hold all
+    of the voltage, by their elastances; if all leak, it divides by their resistances.
+
+    Raises
+    ------
+    InvalidParameter
+        If no layer can hold a voltage, or a frequency, resistance or area is negative.
+    """
+    f_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
+    require.not_negative(
+        "shares", resistance_ohm=resistance_ohm, area_m2=area_m2, lowest_hz=float(f_hz.min(initial=0.0))
+    )
+    holds = np.array([isinstance(layer, DispersiveLayer) or layer.elastance_m2_per_f > 0 for layer in layers])
+    if not holds.any():
+        raise InvalidParameter(
+            "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0"
+        )
+    found = np.zeros((len(layers), f_hz.size), dtype=np.complex128)
+    found[holds] = _ratios([layers[i] for i in np.flatnonzero(holds)], f_hz, resistance_ohm * area_m2)
+    return found
+
+
+def _ratios(
+    layers: Sequence[Layer | DispersiveLayer], f_hz: NDArray[np.float64], body_ohm_m2: float
+) -> NDArray[np.complex128]:
+    admittances = np.array([_admittance(layer, f_hz) for layer in layers])
+    blocks = (admittances == 0).any(axis=0)
+    impedances = np.empty_like(admittances)
+    impedances[:, ~blocks] = 1 / admittances[:, ~blocks]
+    impedances[:, blocks] = np.where(admittances[:, blocks] == 0, _elastances(layers)[:, None], 0)
+    return np.asarray(impedances / (np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)))
+
+
+@checked
+def periodic_voltages_v(
+    voltage_v: ArrayLike,
+    rate_hz: float,
+    layers: Sequence[Layer | DispersiveLayer],
+    *,
+    resistance_ohm: float = 0.0,
+    area_m2: float = 1e-4,
+) -> NDArray[np.float64]:
+    """(n_layers, n_samples) voltages in the periodic steady state of one period (n_samples,) of a voltage.
+
+    Each bin of the spectrum is multiplied by its share. Sample at 16 times the highest harmonic or more
+    before squaring: that doubles the bandwidth.
+
+    >>> plates = (Layer(1e-6), Layer(3e-6))
+    >>> periodic_voltages_v([0.0, 4.0, 0.0, -4.0], 100.0, plates).round(9).tolist()
+    [[0.0, 1.0, 0.0, -1.0], [0.0, 3.0, 0.0, -3.0]]
+    """
+    require.positive("periodic_voltages_v", rate_hz=rate_hz)
+    v = require.samples("periodic_voltages_v.voltage_v", voltage_v)
+    if v.ndim != 1:
+        raise InvalidParameter(
+            f"periodic_voltages_v.voltage_v: found shape {v.shape}, expected one period (n_samples,)"
+        )
+    f_hz = np.fft.rfftfreq(v.size, 1 / rate_hz)
+    ratios = shares(f_hz, layers, resistance_ohm=resistance_ohm, area_m2=area_m2)
+    return np.asarray(np.fft.irfft(ratios * np.fft.rfft(v), n=v.size))
+
+
+def _admittance(layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    permittivity, resistivity = properties_of(layer, f_hz)
+    capacitive = 2j * np.pi * f_hz * VACUUM_PERMITTIVITY_F_PER_M * permittivity
+    return np.asarray((1 / resistivity + capacitive) / layer.thickness_m, dtype=np.complex128)
+
+
+@checked
+def properties_of(
+    layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Relative permittivity and resistivity (ohm m) of a layer, constant or from its table."""
+    if isinstance(layer, DispersiveLayer):
+        return layer.properties(f_hz)
+    return np.full_like(f_hz, layer.permittivity), np.full_like(f_hz, layer.resistivity_ohm_m)
+
+
+def _elastances(layers: Sequence[Layer | DispersiveLayer]) -> NDArray[np.complex128]:
+    return np.array([layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex)

@@ -1,0 +1,133 @@
+"""Sums of first-order high-passes, exact for an input that is linear between its samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+
+BLOCK = 4096
+
+
+@dataclass(frozen=True)
+class Relaxations:
+    """``H(s) = dc_gain + sum_m gain_m s/(s + rate_m)``: what a stack of leaky capacitors does.
+
+    A rate of 0 passes everything, a rate of ``inf`` nothing.
+
+    >>> Relaxations((0.5,), (100.0,)).response([0.0]).tolist()
+    [0j]
+    """
+
+    gains: tuple[float, ...]
+    rates_per_s: tuple[float, ...]
+    dc_gain: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.finite("Relaxations", dc_gain=self.dc_gain)
+        gains = require.finite_array("Relaxations.gains", self.gains)
+        rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
+        if gains.ndim != 1 or gains.shape != rates.shape or not (rates >= 0).all():
+            raise InvalidParameter(
+                f"Relaxations: found the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}, expected as "
+                "many of each, rates of at least 0"
+            )
+
+    @checked
+    def response(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
+        """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
+        f_hz = require.not_negative_array("Relaxations.response.frequency_hz", frequency_hz)
+        s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
+        terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
+        return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
+
+    @checked
+    def sampled(self, voltage_v: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+        """The output at the samples, of the shape (..., n_samples) of the input, from rest.
+
+        The input is linear between its samples and jumps from 0 to its first value at time 0.
+        """
+        require.positive("Relaxations.sampled", rate_hz=rate_hz)
+        steps_v = np.diff(voltage_v, prepend=0.0, axis=-1)
+        terms = (
+            gain * high_passed(steps_v, rate / rate_hz) for gain, rate in zip(self.gains, self.rates_per_s, strict=True)
+        )
+        return np.asarray(sum(terms, start=self.dc_gain * voltage_v))
+
+
+def phi1(x: ArrayLike) -> NDArray[np.float64]:
+    """``(1 - exp(-x))/x``, the mean of an exponential decay over a step; 1 at 0, 0 at inf.
+
+    >>> phi1([0.0, 1e-20, 1.0, float("inf")]).round(6).tolist()
+    [1.0, 1.0, 0.632121, 0.0]
+    """
+    x = np.asarray(x, dtype=np.float64)
+    safe = np.where(x == 0, 1.0, x)
+    return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
+
+
+def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``y_n = decays_(n-1) y_(n-1) + gained_n`` for decays (n - 1,) in 0..1, all n at once by doubling.
+
+    >>> scan(np.array([0.5, 0.0]), np.array([1.0, 1.0, 7.0])).tolist()
+    [1.0, 1.5, 7.0]
+    """
+    total, factor, reach = gained.copy(), np.r_[0.0, decays], 1
+    while reach < total.size and factor.any():
+        total[reach:] += factor[reach:] * total[:-reach]
+        factor[reach:] *= factor[:-reach]
+        reach *= 2
+    return total
+
+
+def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    """``y' = -rate y + v'`` at the samples of a piecewise-linear v, given its increments.
+
+    Parameters
+    ----------
+    steps_v : (..., n_samples) array
+        Increments; the first is a jump, each later one is a ramp over one sample.
+    decay : float
+        ``rate/rate_hz``, the exponent over one sample, 0 to inf.
+
+    Notes
+    -----
+    ``y_n = exp(-decay) y_(n-1) + phi1(decay) step_n``. The recurrence restarts every `BLOCK` samples from
+    a state carried with the exponential of the whole block: else the rounding of ``exp(-decay)`` near 1 adds
+    up (1e-9 over 1e7 samples).
+    """
+    weighted = steps_v * phi1(decay)
+    weighted[..., :1] = steps_v[..., :1] * (0.0 if np.isinf(decay) else 1.0)
+    n = weighted.shape[-1]
+    if n <= BLOCK or decay == 0:
+        return _recurrence(weighted, decay)
+    return _in_blocks(weighted, decay)[..., :n]
+
+
+def _recurrence(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    if decay == 0:
+        return np.cumsum(weighted, axis=-1)
+    return np.asarray(lfilter([1.0], [1.0, -np.exp(-decay)], weighted, axis=-1))
+
+
+def _in_blocks(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+    *lead, n = weighted.shape
+    n_blocks = -(-n // BLOCK)
+    padded = np.zeros((*lead, n_blocks * BLOCK))
+    padded[..., :n] = weighted
+    inside = _recurrence(padded.reshape(*lead, n_blocks, BLOCK), decay)
+    ends = _recurrence(inside[..., -1], decay * BLOCK)
+    inside[..., 1:, :] += ends[..., :-1, None] * np.exp(-decay * np.arange(1, BLOCK + 1))
+    return inside.reshape(*lead, n_blocks * BLOCK)
+
+
+def _high_pass(s: NDArray[np.complex128], rate_per_s: float) -> NDArray[np.complex128]:
+    if rate_per_s == 0:
+        return np.ones_like(s)
+    if np.isinf(rate_per_s):
+        return np.zeros_like(s)
+    return s / (s + rate_per_s)

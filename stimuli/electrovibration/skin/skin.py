@@ -1,0 +1,138 @@
+"""Electrode, insulator, gap, leaky stratum corneum, deeper tissue: the electrical model of a finger on a screen."""
+
+from dataclasses import dataclass
+from math import inf, pi
+from types import NoneType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
+
+INSULATOR, GAP, CORNEUM = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Insulator, air gap and stratum corneum (resistor parallel to capacitor) in series with the body.
+
+    All defaults are the unverified parameter set "P0": usual magnitudes, not measured values.
+
+    Parameters
+    ----------
+    insulator_thickness_m, insulator_permittivity : float
+        Coating of the electrode; relative permittivity.
+    corneum_thickness_m, corneum_permittivity, corneum_resistivity_ohm_m : float
+        Stratum corneum; a resistivity of ``inf`` is a lossless skin, 0 a conductor.
+    gap_m : float
+        Air between insulator and skin.
+    body_resistance_ohm : float
+        Body and source resistance. Above 0 the waveform of the force depends on the contact area.
+    tissue : Layer or None
+        Deeper tissue in series; None, the default, is one that conducts without loss.
+
+    Raises
+    ------
+    InvalidParameter
+        If a thickness or permittivity is not above 0, or another value is negative.
+
+    >>> skin = Skin()
+    >>> round(skin.k, 9), round(skin.tau_s * 1e6, 6), round(skin.cutoff_hz, 6)
+    (0.438202247, 315.209086, 504.91864)
+    """
+
+    insulator_thickness_m: float = 1e-6
+    insulator_permittivity: float = 3.9
+    corneum_thickness_m: float = 200e-6
+    corneum_permittivity: float = 1000.0
+    corneum_resistivity_ohm_m: float = 2.0e4
+    gap_m: float = 0.0
+    body_resistance_ohm: float = 0.0
+    tissue: Layer | None = None
+
+    def __post_init__(self) -> None:
+        require.positive(
+            "Skin",
+            insulator_thickness_m=self.insulator_thickness_m,
+            insulator_permittivity=self.insulator_permittivity,
+            corneum_thickness_m=self.corneum_thickness_m,
+            corneum_permittivity=self.corneum_permittivity,
+        )
+        require.not_negative("Skin", gap_m=self.gap_m, body_resistance_ohm=self.body_resistance_ohm)
+        require.of_kind("Skin", (Layer, NoneType), tissue=self.tissue)
+        check_resistivity("Skin.corneum_resistivity_ohm_m", self.corneum_resistivity_ohm_m)
+
+    @property
+    def insulator_equivalent_m(self) -> float:
+        """Air thickness of the same capacitance as insulator and gap: ``d_i/e_i + g``."""
+        return self.insulator_thickness_m / self.insulator_permittivity + self.gap_m
+
+    @property
+    def corneum_equivalent_m(self) -> float:
+        """Air thickness of the same capacitance as the corneum: ``d_sc/e_sc``."""
+        return self.corneum_thickness_m / self.corneum_permittivity
+
+    @property
+    def k(self) -> float:
+        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)`` (high-frequency gain; no tissue)."""
+        return self.corneum_equivalent_m / (self.insulator_equivalent_m + self.corneum_equivalent_m)
+
+    @property
+    def tau_s(self) -> float:
+        """Time constant ``R_sc (C_i + C_sc) = e0 rho (e_sc + d_sc/(d_i/e_i + g))`` (no body, no tissue)."""
+        permittivity = self.corneum_permittivity + self.corneum_thickness_m / self.insulator_equivalent_m
+        return VACUUM_PERMITTIVITY_F_PER_M * self.corneum_resistivity_ohm_m * permittivity
+
+    @property
+    def cutoff_hz(self) -> float:
+        """Corner of the high-pass, ``1/(2 pi tau)``."""
+        return 1 / (2 * pi * self.tau_s) if self.tau_s > 0 else inf
+
+    @checked
+    def insulator_capacitance_f(self, area_m2: float) -> float:
+        """Capacitance of insulator and gap in series."""
+        return VACUUM_PERMITTIVITY_F_PER_M * area_m2 / self.insulator_equivalent_m
+
+    @checked
+    def corneum_capacitance_f(self, area_m2: float) -> float:
+        return VACUUM_PERMITTIVITY_F_PER_M * area_m2 / self.corneum_equivalent_m
+
+    @checked
+    def corneum_resistance_ohm(self, area_m2: float) -> float:
+        return self.corneum_resistivity_ohm_m * self.corneum_thickness_m / area_m2 if area_m2 > 0 else inf
+
+    @checked
+    def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.complex128]:
+        """Complex ratio of the corneum's voltage to the applied one, same shape as `frequency_hz`.
+
+        Without body resistance it is ``k tau s/(1 + tau s)``, whatever the area (1 cm^2: unverified default).
+        """
+        return self.relaxations(area_m2).response(frequency_hz)
+
+    @checked
+    def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.float64]:
+        """``|H|``, the modulus of `response`.
+
+        >>> Skin().gain([60.0, 240.0]).round(6).tolist()
+        [0.051708, 0.188118]
+        """
+        return np.asarray(np.abs(self.response(frequency_hz, area_m2)))
+
+    @property
+    def stack(self) -> Stack:
+        """Insulator, gap, corneum and tissue as layers 0, 1, 2 and 3, in series with the body."""
+        layers = (
+            Layer(self.insulator_thickness_m, self.insulator_permittivity),
+            Layer(self.gap_m),
+            Layer(self.corneum_thickness_m, self.corneum_permittivity, self.corneum_resistivity_ohm_m),
+        )
+        deeper = () if self.tissue is None else (self.tissue,)
+        return Stack((*layers, *deeper), self.body_resistance_ohm)
+
+    @checked
+    def relaxations(self, area_m2: float) -> Relaxations:
+        """Corneum voltage over applied voltage: gain k and rate 1/tau, or more poles with body and tissue."""
+        return self.stack.relaxations(CORNEUM, area_m2)

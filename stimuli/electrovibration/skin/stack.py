@@ -1,0 +1,195 @@
+"""Any number of leaky layers between electrode and body, in series with a resistance."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import DOMAINS
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+
+VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
+SMALLEST, LARGEST = 1e-300, 1e280
+
+
+SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
+
+
+def check_resistivity(where: str, found: object) -> None:
+    """Refuse what is neither 0, nor infinite, nor a number from `SMALLEST_OHM_M` to `LARGEST_OHM_M`."""
+    number = found if isinstance(found, int | float) and not isinstance(found, bool) else -1
+    if not (number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M):
+        raise InvalidParameter(
+            f"{where}: found {found!r}, expected 0 (a conductor) or a number from {SMALLEST_OHM_M:g} "
+            f"to {LARGEST_OHM_M:g} (inf: lossless)"
+        )
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A slab: thickness, relative permittivity (1 is air), resistivity (``inf`` does not leak, 0 conducts).
+
+    >>> round(Layer(200e-6, 1000.0, 2e4).rate_per_s, 3)
+    5647.045
+    """
+
+    thickness_m: float
+    permittivity: float = 1.0
+    resistivity_ohm_m: float = inf
+
+    def __post_init__(self) -> None:
+        require.not_negative("Layer", thickness_m=self.thickness_m)
+        require.positive("Layer", permittivity=self.permittivity)
+        check_resistivity("Layer.resistivity_ohm_m", self.resistivity_ohm_m)
+
+    @property
+    def elastance_m2_per_f(self) -> float:
+        """Inverse capacitance of a unit area, ``d/(e0 e)``; 0 for a conductor."""
+        conducts = self.resistivity_ohm_m == 0
+        return 0.0 if conducts else self.thickness_m / (VACUUM_PERMITTIVITY_F_PER_M * self.permittivity)
+
+    @property
+    def rate_per_s(self) -> float:
+        """Rate of its own discharge, ``1/(e0 e rho)``; 0 without leakage."""
+        if self.resistivity_ohm_m == 0:
+            return inf
+        return 1 / (VACUUM_PERMITTIVITY_F_PER_M * self.permittivity * self.resistivity_ohm_m)
+
+
+@checked
+@dataclass(frozen=True)
+class Stack:
+    """Leaky layers in series, from the electrode to the body, and a resistance (body and source).
+
+    The ratio of the voltage across layer j to the applied one is ``Z_j/(R + sum Z)`` with
+    ``Z_j = s_j/(A (p + r_j))``, s the elastance and r the rate of a layer: a sum of real relaxations,
+    whose rates interlace the rates of the layers.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no layer with a thickness that can hold a voltage, or the resistance is negative.
+
+    Examples
+    --------
+    >>> stack = Stack((Layer(1e-6, 3.9), Layer(200e-6, 1000.0, 2e4)))
+    >>> found = stack.relaxations(1, area_m2=1e-4)
+    >>> round(found.gains[0], 9), round(1e6 / found.rates_per_s[0], 6)
+    (0.438202247, 315.209086)
+    """
+
+    layers: tuple[Layer, ...]
+    resistance_ohm: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.not_negative("Stack", resistance_ohm=self.resistance_ohm)
+        if not any(layer.elastance_m2_per_f > 0 for layer in self.layers):
+            raise InvalidParameter(
+                "Stack.layers: found none that can hold a voltage, expected a layer of thickness "
+                "and resistivity above 0"
+            )
+
+    def relaxations(self, index: int, area_m2: float) -> Relaxations:
+        """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
+        require.not_negative("Stack", area_m2=area_m2)
+        require.one_of("Stack.index", index, range(len(self.layers)))
+        layer = self.layers[index]
+        elastances, rates = _groups(self.layers)
+        if layer.elastance_m2_per_f == 0:
+            return Relaxations((), ())
+        group = rates.index(layer.rate_per_s)
+        share = layer.elastance_m2_per_f / elastances[group]
+        whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
+        return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
+
+    def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> NDArray[np.complex128]:
+        """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
+        `frequency_hz`."""
+        return self.relaxations(index, area_m2).response(frequency_hz)
+
+
+def _groups(layers: Sequence[Layer]) -> tuple[list[float], list[float]]:
+    """Elastances summed over layers of one rate, and these rates, ascending."""
+    rates = sorted({layer.rate_per_s for layer in layers if layer.elastance_m2_per_f > 0})
+    sums = [sum(layer.elastance_m2_per_f for layer in layers if layer.rate_per_s == rate) for rate in rates]
+    return sums, rates
+
+
+def _group_relaxations(
+    elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float
+) -> Relaxations:
+    poles = _poles(elastances, rates, resistance_ohm_m2)
+    gains = [_gain(elastances, pole, group) for pole in poles]
+    return Relaxations(
+        tuple(gains),
+        tuple(pole.rate_per_s for pole in poles),
+        _dc_gain(elastances, rates, group, resistance_ohm_m2),
+    )
+
+
+@dataclass(frozen=True)
+class _Pole:
+    """A rate, and its distances ``r_h - rate`` from the rates of the groups, each to full relative
+    accuracy."""
+
+    rate_per_s: float
+    distances_per_s: tuple[float, ...]
+
+
+def _dc_gain(elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float) -> float:
+    if rates[0] == 0:
+        return 1.0 if group == 0 else 0.0
+    resistances = [s / r for s, r in zip(elastances, rates, strict=True)]
+    return resistances[group] / (resistance_ohm_m2 + sum(resistances))
+
+
+def _gain(elastances: Sequence[float], pole: _Pole, group: int) -> float:
+    """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over
+    ``-rate``."""
+    scaled = [s * pole.rate_per_s / d for s, d in zip(elastances, pole.distances_per_s, strict=True)]
+    total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
+    return scaled[group] / total
+
+
+def _poles(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float) -> list[_Pole]:
+    """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
+    poles = [_between(elastances, rates, resistance_ohm_m2, low) for low in range(len(rates) - 1)]
+    if resistance_ohm_m2 > 2 * sum(elastances) / LARGEST:
+        reach = 2 * sum(elastances) / resistance_ohm_m2
+        poles.append(_from(elastances, rates, resistance_ohm_m2, len(rates) - 1, reach))
+    return poles
+
+
+def _between(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, low: int) -> _Pole:
+    """The zero between two rates, measured from the nearer one."""
+    half = (rates[low + 1] - rates[low]) / 2
+    at_half = _secular(elastances, [r - rates[low] for r in rates], resistance_ohm_m2, half)
+    if at_half >= 0:
+        return _from(elastances, rates, resistance_ohm_m2, low, half)
+    return _from(elastances, rates, resistance_ohm_m2, low + 1, -half)
+
+
+def _from(
+    elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, origin: int, reach: float
+) -> _Pole:
+    """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
+    offsets = [rate - rates[origin] for rate in rates]
+
+    def regular(shift: float) -> float:
+        others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
+        return -elastances[origin] + shift * (resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
+
+    if regular(reach) <= 0:  # The zero lies at the reach, and rounding puts it behind.
+        return _Pole(rates[origin] + reach, tuple(offset - reach for offset in offsets))
+    root = float(brentq(regular, 0.0, reach, xtol=SMALLEST, rtol=4 * np.finfo(float).eps, maxiter=2000))
+    return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
+
+
+def _secular(elastances: Sequence[float], offsets: Sequence[float], resistance_ohm_m2: float, shift: float) -> float:
+    return resistance_ohm_m2 + sum(s / (o - shift) for s, o in zip(elastances, offsets, strict=True))

@@ -1,0 +1,1 @@
+"""How strong the friction is to be where the finger is."""

@@ -1,0 +1,272 @@
+"""Textures: how strong the friction is to be where the finger is.
+
+A texture is a map from positions to a share (0..1) of the electrostatic force; the envelope of the voltage is the
+square root of it, because the force goes with the square. `played` puts it under a moving finger.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+
+Real = NDArray[np.float64]
+Shape = Literal["square", "sinusoidal", "sawtooth"]
+
+
+@runtime_checkable
+class Texture(Protocol):
+    """A map over position."""
+
+    def force_share(self, x_m: ArrayLike) -> Real:
+        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+
+
+@dataclass(frozen=True)
+class Grating:
+    """A periodic texture: square (on for `duty` of the period), sinusoidal or sawtooth.
+
+    Parameters
+    ----------
+    period_m : float
+    shape : {"square", "sinusoidal", "sawtooth"}
+    duty : float
+        Share of the period that is on, for ``square``.
+
+    >>> Grating(2e-3, "sawtooth").force_share([0.0, 0.5e-3, 2.5e-3]).round(9).tolist()
+    [0.0, 0.25, 0.25]
+    """
+
+    period_m: float
+    shape: Shape = "square"
+    duty: float = 0.5
+
+    def __post_init__(self) -> None:
+        require.positive("Grating", period_m=self.period_m)
+        require.one_of("Grating.shape", self.shape, SHAPES)
+        require.within("Grating", 0, 1, duty=self.duty)
+
+    @checked
+    def force_share(self, x_m: ArrayLike) -> Real:
+        phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
+        return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
+
+    @checked
+    def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
+        """Periods per second under a finger: ``v/L``."""
+        return abs(speed_m_per_s) / self.period_m
+
+
+SHAPES: Mapping[str, Callable[[Real, float], NDArray[np.generic]]] = {
+    "square": lambda phase, duty: phase < duty,
+    "sinusoidal": lambda phase, duty: (1 + np.sin(2 * np.pi * phase)) / 2,
+    "sawtooth": lambda phase, duty: phase,
+}
+
+
+@dataclass(frozen=True)
+class Region:
+    """1 between two edges, 0 outside; each edge may be a line of `edge_m`, centred on it.
+
+    >>> Region(0.01, 0.03, edge_m=2e-3).force_share([0.005, 0.01, 0.02, 0.03]).round(9).tolist()
+    [0.0, 0.5, 1.0, 0.5]
+    """
+
+    left_m: float
+    right_m: float
+    edge_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.finite("Region", left_m=self.left_m, right_m=self.right_m)
+        require.not_negative("Region", edge_m=self.edge_m)
+        if self.right_m - self.left_m < self.edge_m or self.right_m <= self.left_m:
+            raise InvalidParameter(
+                f"Region: found {self.left_m} to {self.right_m} m with edges of {self.edge_m} m, expected a right "
+                "edge behind the left one by at least edge_m"
+            )
+
+    @checked
+    def force_share(self, x_m: ArrayLike) -> Real:
+        x = np.asarray(x_m, dtype=np.float64)
+        if self.edge_m == 0:
+            return np.where((x >= self.left_m) & (x < self.right_m), 1.0, 0.0)
+        inside_m = np.minimum(x - self.left_m, self.right_m - x)
+        return np.clip(inside_m / self.edge_m + 0.5, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Bump:
+    """A bump (or, with a negative height, a hole) by slope: ``1/2 + h'(x)/(2 max |h'|)`` where it lies, 1/2 outside.
+
+    Friction goes with the slope of a Gaussian height of standard deviation `width_m`: the lateral force that follows
+    the slope is what is felt as a bump. The slope rule itself is unverified. A finger that moves the other way meets
+    the opposite slope: `direction` is 1 or -1.
+
+    >>> Bump(0.02, width_m=5e-3).force_share([0.0, 0.015, 0.02, 0.025]).round(3).tolist()
+    [0.501, 1.0, 0.5, 0.0]
+    """
+
+    centre_m: float
+    width_m: float
+    height_sign: int = 1
+    direction: int = 1
+
+    def __post_init__(self) -> None:
+        require.finite("Bump", centre_m=self.centre_m)
+        require.positive("Bump", width_m=self.width_m)
+        require.one_of("Bump.height_sign", self.height_sign, SIGNS)
+        require.one_of("Bump.direction", self.direction, SIGNS)
+
+    @checked
+    def force_share(self, x_m: ArrayLike) -> Real:
+        u = (np.asarray(x_m, dtype=np.float64) - self.centre_m) / self.width_m
+        steepest = np.exp(-0.5)
+        slope = -u * np.exp(-(u**2) / 2) / steepest
+        return np.asarray(0.5 + self.height_sign * self.direction * slope / 2)
+
+
+SIGNS = (1, -1)
+LARGEST_TABLE, MOST_LINES = 2**20, 2**28
+
+
+@checked
+@dataclass(frozen=True)
+class Noise:
+    """A random texture with power ``f^exponent`` between two spatial frequencies, drawn from a generator once.
+
+    Parameters
+    ----------
+    low_per_m, high_per_m : float
+        Band (cycles per metre).
+    length_m : float
+        The texture repeats after this length; its lines lie at multiples of ``1/length_m``.
+    phases_rad : tuple of float
+        A phase per line, from `drawn`.
+    exponent : float
+        Of the power against spatial frequency; 0 is white in the band.
+    n_rms : float
+        The force share is ``1/2`` plus the noise scaled to `n_rms` standard deviations per half, clipped to 0..1.
+    """
+
+    low_per_m: float
+    high_per_m: float
+    length_m: float
+    phases_rad: tuple[float, ...]
+    exponent: float = 0.0
+    n_rms: float = 3.0
+
+    def __post_init__(self) -> None:
+        require.positive("Noise", n_rms=self.n_rms)
+        if len(self.phases_rad) != len(self.lines_per_m) or not self.phases_rad:
+            raise InvalidParameter(
+                f"Noise.phases_rad: found {len(self.phases_rad)}, expected one for each of the "
+                f"{len(self.lines_per_m)} lines between {self.low_per_m} and {self.high_per_m} per m "
+                f"(multiples of 1/length_m), at least one; use Noise.drawn"
+            )
+
+    @classmethod
+    def drawn(
+        cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
+    ) -> "Noise":
+        """A texture with uniform random phases.
+
+        >>> texture = Noise.drawn(100.0, 500.0, 0.1, rng=np.random.default_rng(1))
+        >>> len(texture.phases_rad)
+        41
+        """
+        n_lines = len(_lines(low_per_m, high_per_m, length_m))
+        return cls(low_per_m, high_per_m, length_m, tuple(rng.uniform(0, 2 * np.pi, n_lines).tolist()), exponent)
+
+    @property
+    def lines_per_m(self) -> Real:
+        """Spatial frequencies of the texture."""
+        return _lines(self.low_per_m, self.high_per_m, self.length_m)
+
+    def height(self, x_m: ArrayLike) -> Real:
+        """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
+        lines = self.lines_per_m
+        strongest = lines[-1] if self.exponent >= 0 else lines[0]
+        amplitudes = (lines / strongest) ** (self.exponent / 2)
+        amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
+        x, phases_rad = np.asarray(x_m, dtype=np.float64), np.array(self.phases_rad)
+        chunks = np.array_split(x.ravel(), 1 + x.size * lines.size // LARGEST_TABLE)
+        parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
+        return np.asarray(np.concatenate(parts).reshape(x.shape))
+
+    def force_share(self, x_m: ArrayLike) -> Real:
+        return np.clip(0.5 + self.height(x_m) / (2 * self.n_rms), 0.0, 1.0)
+
+
+def _lines(low_per_m: float, high_per_m: float, length_m: float) -> Real:
+    require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
+    if high_per_m * length_m > MOST_LINES:
+        raise InvalidParameter(
+            f"Noise.high_per_m: found {high_per_m} per m over {length_m} m, expected at most {MOST_LINES} lines"
+        )
+    first, last = int(np.ceil(low_per_m * length_m - 1e-9)), int(np.floor(high_per_m * length_m + 1e-9))
+    return np.arange(max(first, 1), last + 1) / length_m
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A row of grey levels (0 black, no friction; 1 or 255 white), straight lines between the pixels' centres.
+
+    Parameters
+    ----------
+    grey : (n_pixels,) or (n_rows, n_pixels) array
+        Whole numbers 0..255, or numbers 0..1. Colour channels are refused, and whole numbers of which 1 is the
+        largest, which may be meant either way.
+    pixel_m : float
+        Width of a pixel.
+    row : int
+        The row that the finger follows, of a picture.
+
+    >>> Image(np.array([[0, 255, 51]], dtype=np.uint8), pixel_m=1e-3).force_share([0.5e-3, 1e-3, 9.0]).tolist()
+    [0.0, 0.5, 0.2]
+    """
+
+    grey: NDArray[np.generic]
+    pixel_m: float
+    row: int = 0
+
+    def __post_init__(self) -> None:
+        require.positive("Image", pixel_m=self.pixel_m)
+        shape = np.shape(self.grey)
+        if len(shape) not in (1, 2) or 0 in shape:
+            raise InvalidParameter(
+                f"Image.grey: found shape {shape}, expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
+                "colour channels; convert it to grey first"
+            )
+        whole = isinstance(self.row, int | np.integer) and not isinstance(self.row, bool)
+        if not whole or not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
+            raise InvalidParameter(f"Image.row: found {self.row!r}, expected a row of the image (shape {shape})")
+        object.__setattr__(self, "grey", _grey(self.grey))
+
+    @checked
+    def force_share(self, x_m: ArrayLike) -> Real:
+        line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
+        at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
+        return np.asarray(np.interp(at, np.arange(line.size), line), dtype=np.float64)
+
+
+def _grey(values: NDArray[np.generic]) -> Real:
+    array = np.asarray(values)
+    if array.dtype.kind not in "uif":
+        raise InvalidParameter(f"Image.grey: found values of type {array.dtype}, expected numbers")
+    if array.dtype.kind in "ui" and array.max() == 1:
+        raise InvalidParameter(
+            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
+            "0.0 to 1.0, or scale them to 255"
+        )
+    scaled = array / 255.0 if array.dtype.kind in "ui" else np.asarray(array, dtype=np.float64)
+    if not (np.isfinite(scaled) & (scaled >= 0) & (scaled <= 1)).all():
+        raise InvalidParameter(
+            f"Image.grey: found values from {array.min()} to {array.max()}, expected whole numbers 0 to 255 or "
+            "numbers 0 to 1"
+        )
+    return np.asarray(scaled)

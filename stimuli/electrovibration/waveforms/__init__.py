@@ -1,0 +1,1 @@
+"""Voltages as families ordered by level, exactly (pieces) and sampled."""

@@ -1,0 +1,203 @@
+"""Voltages in pieces, each a straight line plus sinusoids: what the circuit can be solved for exactly."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
+    the first, held after the last.
+
+    Parameters
+    ----------
+    starts_s : (n_pieces,) array
+        Ascending, from 0; a piece holds until the next one starts.
+    end_s : float
+        End of the last piece.
+    offsets_v, slopes_v_per_s : (n_pieces,) arrays
+        The straight line of each piece.
+    frequencies_hz : (n_harmonics,) array
+        Of the sinusoids, above 0.
+    amplitudes_v : (n_pieces, n_harmonics) array of complex
+        ``c_k``: its modulus is the amplitude, its argument the phase of a cosine at time 0 of the whole
+        signal.
+
+    Raises
+    ------
+    InvalidParameter
+        If the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
+
+    >>> saw = Pieces(np.array([0.0, 1.0]), 2.0, np.zeros(2), np.array([1.0, 3.0]))
+    >>> saw.at([0.5, 1.5, 9.0]).tolist()
+    [0.5, 1.5, 3.0]
+    """
+
+    starts_s: Real
+    end_s: float
+    offsets_v: Real
+    slopes_v_per_s: Real
+    frequencies_hz: Real = field(default_factory=lambda: np.zeros(0))
+    amplitudes_v: Complex | None = None
+
+    def __post_init__(self) -> None:
+        require.positive("Pieces", end_s=self.end_s)
+        n_pieces, n_harmonics = np.size(self.starts_s), np.size(self.frequencies_hz)
+        amplitudes = np.zeros((n_pieces, 0)) if self.amplitudes_v is None else self.amplitudes_v
+        object.__setattr__(self, "amplitudes_v", np.asarray(amplitudes, dtype=np.complex128))
+        for name in ("starts_s", "offsets_v", "slopes_v_per_s"):
+            self._check_shape(name, (n_pieces,))
+        self._check_shape("frequencies_hz", (n_harmonics,))
+        self._check_shape("amplitudes_v", (n_pieces, n_harmonics))
+        if not (self.frequencies_hz > 0).all():
+            raise InvalidParameter(f"Pieces.frequencies_hz: found {self.frequencies_hz}, expected numbers above 0")
+        ascend = n_pieces > 0 and (np.diff(self.starts_s) > 0).all() and self.starts_s[-1] < self.end_s
+        if not ascend or self.starts_s[0] != 0:
+            raise InvalidParameter(
+                f"Pieces.starts_s: found {self.starts_s} and an end of {self.end_s}, expected ascending times from 0"
+            )
+
+    def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
+        found = getattr(self, name).shape
+        if found != shape:
+            raise InvalidParameter(f"Pieces.{name}: found shape {found}, expected {shape}")
+
+    @property
+    def harmonics_v(self) -> Complex:
+        """(n_pieces, n_harmonics) complex amplitudes, never None."""
+        return np.asarray(self.amplitudes_v, dtype=np.complex128)
+
+    def index(self, t_s: ArrayLike) -> NDArray[np.intp]:
+        """The piece that holds at each time; the last one also after its end."""
+        found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
+        return np.maximum(found, 0)
+
+    def at(self, t_s: ArrayLike) -> Real:
+        """The voltage, of the shape of `t_s`, from the right at a jump; 0 before 0, held at the end after it."""
+        t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
+        return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
+
+    def value_in(self, piece: NDArray[np.intp], t_s: Real) -> Real:
+        """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""
+        line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
+        return line + self.sinusoids(t_s, self.harmonics_v[piece])
+
+    def sinusoids(self, t_s: Real, amplitudes: Complex) -> Real:
+        """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
+        if amplitudes.shape[-1:] != self.frequencies_hz.shape:
+            raise InvalidParameter(
+                f"Pieces.sinusoids.amplitudes: found shape {amplitudes.shape}, expected (..., "
+                f"{len(self.frequencies_hz)}), one for each frequency"
+            )
+        phases = np.exp(2j * np.pi * np.multiply.outer(t_s, self.frequencies_hz))
+        return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
+
+    def jumps_v(self) -> Real:
+        """(n_pieces,) jump of the voltage at the start of each piece; the first from 0."""
+        index = np.arange(len(self.starts_s))
+        after = self.value_in(index, self.starts_s)
+        before = np.r_[0.0, self.value_in(index[:-1], self.starts_s[1:])]
+        return np.asarray(after - before)
+
+    def scaled(self, factor: float) -> "Pieces":
+        """The same course, `factor` times as high."""
+        return replace(
+            self,
+            offsets_v=factor * self.offsets_v,
+            slopes_v_per_s=factor * self.slopes_v_per_s,
+            amplitudes_v=factor * self.harmonics_v,
+        )
+
+    def split_at(self, times_s: ArrayLike) -> "Pieces":
+        """The same voltage with more pieces: one starts at each of `times_s` inside of the signal."""
+        times = np.asarray(times_s, dtype=np.float64)
+        starts = np.unique(np.r_[self.starts_s, times[(times > 0) & (times < self.end_s)]])
+        piece = self.index(starts)
+        lines = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (starts - self.starts_s[piece])
+        return replace(
+            self,
+            starts_s=starts,
+            offsets_v=lines,
+            slopes_v_per_s=self.slopes_v_per_s[piece],
+            amplitudes_v=self.harmonics_v[piece],
+        )
+
+
+@checked
+def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
+    """Straight lines between points; a repeated time is a jump.
+
+    >>> straight([0, 1, 1, 2], [0, 1, 5, 5]).at([0.5, 1.0, 2.0]).tolist()
+    [0.5, 5.0, 5.0]
+    """
+    t = np.asarray(times_s, dtype=np.float64)
+    v = np.asarray(values_v, dtype=np.float64)
+    if t.ndim != 1 or t.shape != v.shape or t.size < 2:
+        raise InvalidParameter(f"straight: found shapes {t.shape} and {v.shape}, expected two of one length")
+    if (np.diff(t) < 0).any():
+        back = int(np.argmax(np.diff(t) < 0))
+        raise InvalidParameter(
+            f"straight.times_s: found {t[back + 1]} after {t[back]}, expected times that do not go back"
+        )
+    long = np.diff(t) > 0
+    return Pieces(t[:-1][long], float(t[-1]), v[:-1][long], (np.diff(v)[long] / np.diff(t)[long]))
+
+
+def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
+    """The voltage with raised-cosine ramps on and off, exactly: a product of sinusoids is a sum of them.
+
+    Raises
+    ------
+    InvalidParameter
+        If the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
+    """
+    if ramp_s == 0:
+        return pieces
+    if pieces.slopes_v_per_s.any():
+        raise InvalidParameter(
+            f"ramp_s: found {ramp_s} s for a voltage with slopes, expected 0: a raised cosine times a slope "
+            "has no exact description; sample the signal instead"
+        )
+    split = pieces.split_at([ramp_s, pieces.end_s - ramp_s])
+    middles = split.starts_s + np.diff(np.r_[split.starts_s, split.end_s]) / 2
+    rising, falling = middles < ramp_s, middles > pieces.end_s - ramp_s
+    turn = np.exp(-1j * np.pi * pieces.end_s / ramp_s)
+    swing = np.where(rising, 1.0, 0.0) + np.where(falling, turn, 0.0)
+    return _modulated(split, np.where(rising | falling, 0.5, 1.0), -swing / 2, 1 / (2 * ramp_s))
+
+
+def _modulated(pieces: Pieces, mean: Real, cosine: Complex, frequency_hz: float) -> Pieces:
+    """``v (mean + Re(cosine exp(2 pi i f t)))`` for pieces without slope; mean and cosine (n_pieces,)."""
+    f_hz, c = pieces.frequencies_hz, pieces.harmonics_v
+    blocks = [
+        (f_hz, mean[:, None] * c),
+        (f_hz + frequency_hz, cosine[:, None] * c / 2),
+        (f_hz - frequency_hz, np.conj(cosine)[:, None] * c / 2),
+        (np.array([frequency_hz]), (cosine * pieces.offsets_v)[:, None]),
+    ]
+    return _merged(replace(pieces, offsets_v=mean * pieces.offsets_v), blocks)
+
+
+def _merged(pieces: Pieces, blocks: list[tuple[Real, Complex]]) -> Pieces:
+    """Pieces with these sinusoids alone: negative frequencies turned round, those of amplitude 0 left out."""
+    f_hz = np.concatenate([block[0] for block in blocks])
+    c = np.concatenate([block[1] for block in blocks], axis=1)
+    c = np.where(f_hz < 0, np.conj(c), c)
+    constant = c[:, f_hz == 0].real.sum(axis=1)
+    used = (f_hz != 0) & (c != 0).any(axis=0)
+    return replace(
+        pieces,
+        offsets_v=pieces.offsets_v + constant,
+        frequencies_hz=np.abs(f_hz[used]),
+        amplitudes_v=c[:, used],
+    )

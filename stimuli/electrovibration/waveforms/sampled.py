@@ -1,0 +1,93 @@
+"""Any voltage, as samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import resample
+
+from tactometry.arguments import require
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.waveforms.timing import check_timing, ramped
+from tactometry.stimuli.perception.detection import components
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Samples of any shape, scaled to the peak of the level.
+
+    Parameters
+    ----------
+    shape : tuple of float
+        At least two finite values, not all 0; their largest modulus stands for the peak.
+    rate_hz, ramp_s, level_unit
+        As in `Sine`; without ramps by default.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> Sampled((0.0, 2.0, -4.0, 0.0), rate_hz=100.0).at(0.0).samples.tolist()
+    [[0.0, 0.5, -1.0, 0.0]]
+    """
+
+    shape: tuple[float, ...]
+    rate_hz: float
+    ramp_s: float = 0.0
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        require.positive("Sampled", rate_hz=self.rate_hz)
+        values = require.finite_array("Sampled.shape", self.shape)
+        if values.ndim != 1 or values.size < 2 or not values.any():
+            raise InvalidParameter(
+                f"Sampled.shape: found shape {values.shape}, expected at least two samples, not all 0"
+            )
+        require.one_of("Sampled.level_unit", self.level_unit, ("dB re 1 V", "V"))
+        check_timing("Sampled", self.duration_s, self.ramp_s, self.rate_hz)
+
+    @property
+    def duration_s(self) -> float:
+        return len(self.shape) / self.rate_hz
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        """The strongest line of the spectrum; 0 if there is none."""
+        return strongest_hz(np.asarray(self.shape), self.rate_hz)
+
+    @property
+    def force_frequency_hz(self) -> float:
+        """The strongest line of the spectrum of the square, taken at twice the rate, where it does not alias;
+        0 if there is none.
+
+        >>> t_s = np.arange(20_000) / 20_000
+        >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
+        19800.0
+        """
+        finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
+        return strongest_hz(finer**2, 2 * self.rate_hz)
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        values = np.asarray(self.shape, dtype=np.float64)
+        unit = ramped(values / np.abs(values).max(), self.ramp_s, self.rate_hz)
+        return Signal((peak_voltage_v(level, self.level_unit) * unit)[None, :], self.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The straight lines between the samples, from the first to the last."""
+        signal = self.at(level)
+        return straight(np.arange(len(self.shape)) / self.rate_hz, signal.samples[0])
+
+
+def strongest_hz(samples: NDArray[np.float64], rate_hz: float) -> float:
+    """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
+
+    >>> strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0)
+    30.0
+    """
+    parts = components(samples, rate_hz)
+    return float(parts.frequencies_hz[np.argmax(parts.amplitudes)]) if parts.amplitudes.size else 0.0

@@ -1,0 +1,79 @@
+"""A sinusoidal voltage."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments import require
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
+from tactometry.stimuli.electrovibration.waveforms.timing import check_nyquist, check_timing, ramped, times_s
+
+
+@dataclass(frozen=True)
+class Sine:
+    """``V0 sin(2 pi f t + phase)``; the force, which is quadratic, vibrates at ``2 f``.
+
+    Parameters
+    ----------
+    frequency_hz : float
+        Frequency of the voltage, above 0 and below half of `rate_hz`.
+    duration_s : float
+        Whole length, ramps included.
+    ramp_s : float
+        Raised-cosine ramp on and off; 50 ms is an unverified default.
+    rate_hz : float
+        Samples per second; 20 kHz is a default that leaves room for the doubled bandwidth of the force.
+    phase_rad : float
+        Phase at time 0.
+    level_unit : {"dB re 1 V", "V"}
+        What `at` takes: decibel re 1 V peak, or volt peak.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> Sine(frequency_hz=60.0).at(20.0).peak
+    10.0
+    >>> Sine(frequency_hz=60.0).force_frequency_hz
+    120.0
+    """
+
+    frequency_hz: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    phase_rad: float = 0.0
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        require.positive("Sine", frequency_hz=self.frequency_hz)
+        require.finite("Sine", phase_rad=self.phase_rad)
+        require.one_of("Sine.level_unit", self.level_unit, ("dB re 1 V", "V"))
+        check_timing("Sine", self.duration_s, self.ramp_s, self.rate_hz)
+        check_nyquist("Sine", "frequency_hz", self.frequency_hz, self.rate_hz)
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.frequency_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        return 2 * self.frequency_hz
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        t_s = times_s(self.duration_s, self.rate_hz)
+        shape = np.sin(2 * np.pi * self.frequency_hz * t_s + self.phase_rad)
+        samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
+        return Signal(samples[None, :], self.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly, ramps included."""
+        c = -1j * np.exp(1j * self.phase_rad) * peak_voltage_v(level, self.level_unit)
+        zero, f_hz = np.zeros(1), np.array([self.frequency_hz])
+        tone = Pieces(zero, self.duration_s, zero, zero, f_hz, np.array([[c]]))
+        return ramped_pieces(tone, self.ramp_s)

@@ -1,0 +1,82 @@
+"""A voltage step, with a rise of its own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments import require
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.waveforms.timing import check_pulse, check_timing, n_samples, times_s
+
+
+@dataclass(frozen=True)
+class Step:
+    """0 until `onset_s`, up to ``V0`` in `rise_s`, hold, and down to 0 in `fall_s` before the end.
+
+    Parameters
+    ----------
+    onset_s, rise_s, fall_s : float
+        Start of the rise, length of the rise and of the fall; 0 is a jump. A jump of the samples is a
+        line over one sample.
+    duration_s, rate_hz, level_unit
+        As in `Sine`.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, the parts are longer than the whole, or the voltage stays for less
+        than a sample above ``V0 / 2``, so that samples may miss it.
+
+    >>> Step(onset_s=0.1, duration_s=0.4, rate_hz=10.0).at(20.0).samples.tolist()
+    [[0.0, 10.0, 10.0, 10.0]]
+    """
+
+    onset_s: float = 0.0
+    rise_s: float = 0.0
+    fall_s: float = 0.0
+    duration_s: float = 1.0
+    rate_hz: float = 20_000.0
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        require.not_negative("Step", onset_s=self.onset_s, rise_s=self.rise_s, fall_s=self.fall_s)
+        require.one_of("Step.level_unit", self.level_unit, ("dB re 1 V", "V"))
+        check_timing("Step", self.duration_s, 0.0, self.rate_hz)
+        parts_s = self.onset_s + self.rise_s + self.fall_s
+        if parts_s >= self.duration_s:
+            raise InvalidParameter(
+                f"Step: found onset, rise and fall of {parts_s} s in all, expected less than duration_s "
+                f"({self.duration_s} s); lengthen the signal"
+            )
+        end_s = min(self.duration_s - self.fall_s / 2, n_samples(self.duration_s, self.rate_hz) / self.rate_hz)
+        width_s = end_s - self.onset_s - self.rise_s / 2
+        check_pulse("Step.duration_s", width_s, self.rate_hz, "lengthen it or raise rate_hz")
+
+    @property
+    def ramp_s(self) -> float:
+        """0: rise and fall are its ramps."""
+        return 0.0
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        """0: a step has no frequency."""
+        return 0.0
+
+    @property
+    def force_frequency_hz(self) -> float:
+        return 0.0
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt."""
+        samples = self.pieces(level).at(np.round(times_s(self.duration_s, self.rate_hz), 12))
+        return Signal(samples[None, :], self.rate_hz, "V")
+
+    def pieces(self, level: float) -> Pieces:
+        """The voltage exactly."""
+        peak_v = peak_voltage_v(level, self.level_unit)
+        up_s = self.onset_s + self.rise_s
+        t_s = [0.0, self.onset_s, up_s, self.duration_s - self.fall_s, self.duration_s]
+        return straight(t_s, [0.0, 0.0, peak_v, peak_v, 0.0])

@@ -1,0 +1,56 @@
+"""The voltage across a layer: a divider without losses, or the exact answer of a circuit with some."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.stage import Size, Stage
+from tactometry.stimuli.scenes.stages.sampling import per_sample
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
+
+NEEDS = ("t_s", "unit_voltage", "form")
+
+
+def divider_stage() -> Stage:
+    """The layer's share of the voltage: what holds without losses."""
+    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divided", size=per_sample(700.0))
+
+
+def circuit_stage(effect: str) -> Stage:
+    """The exact relaxations of the layers, for an effect with a loss in it; see `check_ramp`."""
+
+    def size(demand: Demand) -> Size:
+        check_ramp(demand, effect)
+        return per_sample(1500.0)(demand)
+
+    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", effect=effect, size=size)
+
+
+def check_ramp(demand: Demand, effect: str) -> None:
+    """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
+    if not demand.surface.ramp_s:  # type: ignore[attr-defined]
+        raise InvalidParameter(
+            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the surface a "
+            "ramp_s above 0"
+        )
+
+
+def divided() -> "Callable[[Real, Pieces, ForceForm], Real]":
+    """Layers without losses divide a voltage at any frequency alike."""
+
+    def share(t_s: "Real", voltage: "Pieces", form: "ForceForm") -> "Real":
+        gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
+        return gain * voltage.at(t_s)
+
+    return share
+
+
+def relaxed() -> "Callable[[Real, Pieces, ForceForm], Real]":
+    """The exact solution of the circuit."""
+    from tactometry.stimuli.electrovibration.skin.solution import Solution
+
+    return lambda t_s, voltage, form: Solution(voltage, form.relaxations).at(t_s)

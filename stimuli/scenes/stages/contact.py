@@ -1,0 +1,62 @@
+"""Fingers that rest on the plate: each answers its motion there with a force that moves the plate in turn."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.stages.motion import Motion, answer, moving, times
+from tactometry.stimuli.time_reversal.responses.load import Load, carried
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Numbers = tuple[float, ...]
+
+
+def bearing(contacts: Sequence[Load]) -> Callable[[Motion], Motion]:
+    """The motion of a plate that bears contacts: their forces are further channels, exact for linear contacts."""
+    places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
+
+    def borne(motion: Motion) -> Motion:
+        _check_places(motion.screen, contacts)
+        screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
+        forces = _forces(motion, screen, contacts)
+        oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
+        pushed = np.ascontiguousarray(at[:, -len(places) :])
+        amplitude = answer(oscillators, screen.plate.mass_kg, motion.s, lambda part: times(pushed, -forces[:, part]))
+        amplitude += motion.amplitude
+        return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
+
+    return borne
+
+
+def _forces(motion: Motion, screen: Screen, contacts: Sequence[Load]) -> ComplexArray:
+    """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U."""
+    points = tuple((contact.x_m, contact.y_m) for contact in contacts)
+    unit = replace(motion, screen=replace(screen, sources=screen.sources[-len(contacts) :]))
+    among = np.stack([_pushed(unit, n).of_points(points) for n in range(len(contacts))], axis=1)
+    stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
+    free = motion.of_points(points)[None]
+    return np.asarray(carried(free, among.transpose(2, 0, 1), stiffness)[0])
+
+
+def _pushed(unit: Motion, contact: int) -> Motion:
+    """The motion by a unit force at one contact, at every frequency."""
+    played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
+    played[contact] = 1.0
+    oscillators, at = moving(unit.screen, unit.modes_to_hz, unit.static_to_hz)
+    amplitude = answer(oscillators, unit.screen.plate.mass_kg, unit.s, lambda part: at[:, contact, None])
+    return replace(unit, amplitude=amplitude, played=played)
+
+
+def _check_places(screen: Screen, contacts: Sequence[Load]) -> None:
+    for n, contact in enumerate(contacts):
+        if not screen.plate.contains(contact.x_m, contact.y_m):
+            raise InvalidParameter(
+                f"contacts[{n}]: found ({contact.x_m}, {contact.y_m}) m, expected a place on the plate of "
+                f"{screen.plate.length_m} x {screen.plate.width_m} m"
+            )

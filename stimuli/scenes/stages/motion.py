@@ -1,0 +1,196 @@
+"""The modes of a plate under an emission, on complex frequencies: from these, any reading at any time or place.
+
+An emission without content above its band moves every mode by its receptance, whatever the sampling; on the contour
+s = sigma + i w of `tactometry.stimuli.time_reversal.responses.load` this holds without attenuation, and nothing
+wraps around.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.stages.emission import Emission, Points
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.modes import Modes, values
+from tactometry.stimuli.time_reversal.responses.load import CHUNK, Receptances, contour
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Displacement per volt of a plate, on complex frequencies.
+
+    Parameters
+    ----------
+    screen : Screen
+    modes_to_hz, static_to_hz : float
+        Modes up to the first move, those from there to the second follow, with inertia to first order.
+    amplitude : (n_modes, n_frequencies) array
+        Of the modes that move (m/V).
+    played : (n_channels, n_frequencies) array
+    s : (n_frequencies,) array
+        Complex frequencies (rad/s), of which `n_fft` are the whole circle at `rate_hz`.
+    focus, n_samples : int
+        The sample of the focus, and how many samples there are.
+    """
+
+    screen: Screen
+    modes_to_hz: float
+    static_to_hz: float
+    amplitude: ComplexArray
+    played: ComplexArray
+    s: ComplexArray
+    n_fft: int
+    rate_hz: float
+    focus: int
+    n_samples: int
+
+    @property
+    def modes(self) -> Modes:
+        """Those that move, and behind them those that follow."""
+        return self.screen.modes(self.static_to_hz)
+
+    def turning(self, t_s: FloatArray) -> ComplexArray:
+        """(n_frequencies, n_times): what brings spectra to times from the focus instant."""
+        turning: ComplexArray = np.exp(np.outer(self.s, self.focus / self.rate_hz + t_s)) * (2 / self.n_fft)
+        turning[0] /= 2
+        return turning
+
+    def at_times(self, t_s: FloatArray) -> FloatArray:
+        """(n_modes, n_times): every mode at times from the focus instant (m/V)."""
+        turning = self.turning(t_s)
+        still, pushed = self.following, _real(self.played, turning)
+        hastened = _real(self.played, turning * self.s[:, None] ** 2)
+        stiffness = self.stiffness_n_per_m[:, None] / self.screen.plate.mass_kg
+        return np.vstack([_real(self.amplitude, turning), still @ pushed - still / stiffness @ hastened])
+
+    def of_points(self, points: Points) -> ComplexArray:
+        """(n_points, n_frequencies): the spectrum of the displacement of points."""
+        place = np.asarray(points, float)
+        shapes = values(self.modes, place[:, 0], place[:, 1]).T
+        n = len(self.amplitude)
+        still = shapes[:, n:] @ self.following + self._beyond(points)
+        inert = shapes[:, n:] @ (self.following / self.stiffness_n_per_m[:, None]) * self.screen.plate.mass_kg
+        moving = times(shapes[:, :n], self.amplitude) + times(still, self.played)
+        return moving - times(inert, self.played * self.s**2)
+
+    def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
+        """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
+        n = (self.n_samples - 1) * oversampling + 1
+        found = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
+        return np.asarray(found * np.exp(self.s[0].real / (oversampling * self.rate_hz) * np.arange(n)))
+
+    def times_s(self, oversampling: int) -> FloatArray:
+        """(n,): the times of a course, 0 at the focus instant."""
+        n = (self.n_samples - 1) * oversampling + 1
+        return (np.arange(n) - self.focus * oversampling) / (oversampling * self.rate_hz)
+
+    def strain_energy_j(self, static_to_hz: float) -> float:
+        """Half the sum of M w^2 q^2 at the focus instant, the modes up to `static_to_hz` included (J/V^2)."""
+        further = replace(self, static_to_hz=static_to_hz)
+        omega = further.modes.angular_frequency_rad_per_s
+        return 0.5 * self.screen.plate.mass_kg * float(np.sum((omega * further.at_times(np.zeros(1))[:, 0]) ** 2))
+
+    @cached_property
+    def stiffness_n_per_m(self) -> FloatArray:
+        """(n_following,): of the modes that follow."""
+        return self.screen.plate.mass_kg * self.modes.angular_frequency_rad_per_s[len(self.amplitude) :] ** 2
+
+    @cached_property
+    def following(self) -> FloatArray:
+        """(n_following, n_channels): the static displacement of the modes that follow (m/V)."""
+        return self.screen.modal_forces(self.static_to_hz)[len(self.amplitude) :] / self.stiffness_n_per_m[:, None]
+
+    def _beyond(self, points: Points) -> FloatArray:
+        """(n_points, n_channels): what modes above these do at the very place of a force, by their density."""
+        plate = self.screen.plate
+        tail_m_per_n = plate.modal_density_s / (4 * np.pi**2 * plate.mass_kg * self.static_to_hz)
+        places = [
+            (source.x_m, source.y_m) if isinstance(source, PointForce) else None for source in self.screen.sources
+        ]
+        return tail_m_per_n * np.array([[place == tuple(point) for place in places] for point in points], float)
+
+
+def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
+    """Oscillators that move, and their forces (n_modes, n_channels), of the solution that holds those that follow too.
+
+    By Rayleigh and Ritz the sign of a shape is another in each solution.
+    """
+    every = screen.oscillators(static_to_hz)
+    n = int(np.searchsorted(every.omega_rad_per_s, 2 * np.pi * modes_to_hz, side="right"))
+    return Oscillators(every.omega_rad_per_s[:n], every.decay_per_s[:n]), screen.modal_forces(static_to_hz)[:n]
+
+
+def driven(
+    modes_to_hz: float, static_to_hz: float, heard_to_hz: float, after_s: float
+) -> Callable[[Screen, Emission], Motion]:
+    """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
+
+    if static_to_hz < modes_to_hz:
+        raise InvalidParameter(
+            f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
+        )
+
+    def motion(screen: Screen, emission: Emission) -> Motion:
+        n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
+        n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
+        s, growth, n_fft = contour(n, rate_hz)
+        s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
+        played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
+        oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
+        amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: times(forces, played[:, part]))
+        return Motion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
+
+    return motion
+
+
+def answer(
+    oscillators: Oscillators, mass_kg: float, s: ComplexArray, push: Callable[[slice], ComplexArray | FloatArray]
+) -> ComplexArray:
+    """(n_modes, n_frequencies): modes under generalised forces, which `push` gives for some frequencies at a time.
+
+    What is computed on the way takes no more memory than those.
+    """
+    amplitude = np.empty((len(oscillators.omega_rad_per_s), len(s)), complex)
+    for start in range(0, len(s), CHUNK):
+        part = slice(start, start + CHUNK)
+        amplitude[:, part] = push(part) * Receptances.of(oscillators, mass_kg, s[part]).compliance
+    return amplitude
+
+
+def focus_value() -> Callable[[Motion, Points], FloatArray]:
+    """(n_foci,): the displacement of the foci at the focus instant (m/V)."""
+    return lambda motion, foci: _real(motion.of_points(foci), motion.turning(np.zeros(1)))[:, 0]
+
+
+def sampling(factor: int) -> Callable[[], int]:
+    """How many times finer than the clock courses are given."""
+    return lambda: factor
+
+
+def course_times() -> Callable[[Motion, int], FloatArray]:
+    """Times from the focus instant."""
+    return lambda motion, oversampling: motion.times_s(oversampling)
+
+
+def focus_course() -> Callable[[Motion, Points, int], FloatArray]:
+    """The displacement of the first focus over time (m/V)."""
+    return lambda motion, foci, oversampling: motion.course(motion.of_points(foci[:1])[0], oversampling)
+
+
+def times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
+    """A real by a complex matrix, without making the real one complex."""
+    return np.asarray(np.ascontiguousarray(real) @ np.ascontiguousarray(numbers).view(float)).view(complex)
+
+
+def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:
+    """The real part of a product."""
+    return np.asarray(numbers.real @ turning.real - numbers.imag @ turning.imag)

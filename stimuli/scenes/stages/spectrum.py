@@ -1,0 +1,97 @@
+"""Components of a record: peaks of its spectrum through a window, refined until they are read off exactly enough.
+
+The record is padded with zeros, and a parabola through the highest line and its neighbours gives height and frequency
+of a peak. What is then lost is how far the transform of the window (Blackman-Harris, sidelobes at -92 dB) is from a
+parabola over three lines: known in closed form. An error of frequency counts by the steepest slope of sensitivity.
+"""
+
+from collections.abc import Callable
+from math import log, pi, sin
+from typing import TYPE_CHECKING
+
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.stage import Size
+from tactometry.stimuli.scenes.stages.sampling import samples
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
+    from tactometry.stimuli.perception.detection import Components
+
+WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
+"""Coefficients of the four-term Blackman-Harris window."""
+PADDINGS = (1, 2, 4, 8, 16, 32, 64)
+MOST_LINES = 3e7
+FAINT = 1e-9
+STEEPEST_DB_PER_HZ = 0.69
+"""Of `tactometry.stimuli.perception.sensitivity_db`, at 0 Hz: an upper bound."""
+N_OFFSETS = 21
+
+
+def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> float:
+    """Largest relative error of a component above threshold by lines ``1/padding`` apart.
+
+    >>> peak_error(1, duration_s=1.0) < 0.03, peak_error(8, duration_s=1.0) < 1e-4
+    (True, True)
+    """
+    offsets = [k / (2 * (N_OFFSETS - 1)) for k in range(N_OFFSETS)]
+    found = [_read_off(offset, padding) for offset in offsets]
+    per_line = steepest_db_per_hz * log(10) / 20 / duration_s
+    return max(abs(height - 1) + per_line * abs(away) / padding for height, away in found)
+
+
+def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ, n: int = 1) -> int:
+    """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
+
+    >>> padding_for(1e-4, duration_s=1.0) <= 8, padding_for(1e-9, duration_s=1.0)
+    (True, 64)
+    """
+    fits = [padding for padding in PADDINGS if padding * n <= MOST_LINES] or PADDINGS[:1]
+    return next((padding for padding in fits if peak_error(padding, duration_s, steepest_db_per_hz) <= error), fits[-1])
+
+
+def size(demand: Demand, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> Size:
+    """How finely the components of friction are read off, for a threshold of that slope."""
+    duration_s: float = demand.surface.duration_s  # type: ignore[attr-defined]
+    n = demand.once(samples)
+    padding = padding_for(demand.error, duration_s, steepest_db_per_hz, n)
+    error = peak_error(padding, duration_s, steepest_db_per_hz)
+    return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
+
+
+def components_of(padding: int) -> "Callable[[Real, Real], Components]":
+    """The components of a record (n_samples,) at equal steps, its mean left out."""
+    import numpy as np
+    from scipy.signal.windows import blackmanharris
+
+    from tactometry.stimuli.perception.detection import Components
+
+    def found(t_s: "Real", record: "Real") -> "Components":
+        x = record[:-1]
+        window = blackmanharris(x.size, sym=False)
+        lines = np.fft.rfft((x - window @ x / window.sum()) * window, padding * x.size)
+        height = 2 * np.abs(lines) / window.sum()
+        inner = height[1:-1]
+        is_peak = (inner > height[:-2]) & (inner >= height[2:]) & (inner > FAINT * height.max())
+        index = 1 + np.flatnonzero(is_peak)
+        before, at, after = height[index - 1], height[index], height[index + 1]
+        away = (before - after) / (2 * (before - 2 * at + after))
+        return Components((index + away) / (padding * t_s[-1]), at - (before - after) * away / 4)
+
+    return found
+
+
+def _read_off(offset: float, padding: int) -> tuple[float, float]:
+    """Height, and place in lines off the truth, that a parabola reads off a component `offset` lines off a line."""
+    before, at, after = (_transform((offset + k) / padding) / WINDOW[0] for k in (1, 0, -1))
+    away = (before - after) / (2 * (before - 2 * at + after))
+    return at - (before - after) * away / 4, away - offset
+
+
+def _transform(lines: float) -> float:
+    """Fourier transform of the window, `lines` off its middle, over its length; for a long record."""
+
+    def sinc(x: float) -> float:
+        return 1.0 if x == 0 else sin(pi * x) / (pi * x)
+
+    sides = [WINDOW[k] / 2 * (sinc(lines - k) + sinc(lines + k)) for k in range(1, len(WINDOW))]
+    return WINDOW[0] * sinc(lines) + sum(sides)

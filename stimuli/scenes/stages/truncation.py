@@ -1,0 +1,221 @@
+"""How many modes a reading needs: a-priori errors with a margin, kept by tests.
+
+What modes above the band do is a pulse at the arrival of each wave, against a response that rings over the reversal:
+an energy ratio of ``2 / (pi w tau_e)``, ``tau_e = tau (1 - e^{-2T/tau})/2``. Its root is the `remainder`, of one
+transducer; the focus is the sum of all, so that 1/n of it counts.
+
+The modes up to ``r`` times the band move, those up to ``q`` times the band follow with inertia to first order: what is
+lost of the former falls as r^-5. What is lost of the latter is the static shape beside a transducer without its waves
+shorter than those at q. A patch bends the plate by a step of curvature, ``1/k^3`` along its normal: at the outline
+``int dk/k^3``, which is 1/q; at the distance d it turns, ``int e^{ikd} dk/k^3``, which is q^-1.5 over ``k_band d``. A
+point falls faster, a map has an outline in it. Under a finger, a force at a point, the modes matter that no transducer
+moves.
+"""
+
+from dataclasses import dataclass
+from math import exp, hypot, inf, pi, sqrt
+from typing import Any
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.scenes.demand import Demand
+from tactometry.stimuli.scenes.effect import Surroundings
+
+MOVING, STILL, TURNING = 2.0, 8.0, 2.0
+"""Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.
+
+At least 1.7 times the worst of 340 random screens, most of them with the focus beside or on a transducer."""
+OF_LOAD = 0.15
+MOST_COUNTED = 32
+"""Transducers of which the focus is taken to be the sum: of more of them several are at a place."""
+ROUNDING = 1e-9
+HEARD = ((1e-3, 1.1), (0.0, 1.3))
+"""How far above its band an emission is followed, by the error from which on that is enough."""
+MOST_NUMBERS = 4.5e7
+"""Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 1.5 GB."""
+MOST_FOLLOWING = 3e7
+"""Modes that follow times transducers."""
+MOST_RITZ_MODES = 6000
+MOST_MODES = 9e5
+MAPS = frozenset(("field_m", "movie_m"))
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Where the modes end, and the error of that."""
+
+    modes_to_hz: float
+    static_to_hz: float
+    heard_to_hz: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Tail:
+    """What the modes above q times the band do: `size` over q, and from a root of q of `turning` on less."""
+
+    size: float
+    turning: float
+
+    def beyond(self, q: float) -> float:
+        return self.size / q * min(1.0, self.turning / sqrt(q))
+
+    def end(self, error: float) -> float:
+        return min(self.size / error, float((self.size * self.turning / error) ** (2 / 3)))
+
+
+def remainder(scene: Surroundings) -> float:
+    """Root of the energy of the modes above the band over that of a response in it, at the focus."""
+    surface: Any = scene.surface
+    tau_s = _effective_tau_s(scene)
+    return _weakening(scene) * sqrt(2 / (pi * 2 * pi * surface.band_max_hz * tau_s))
+
+
+def cut_of(demand: Demand) -> Cut:
+    """The cut for the error that a stage may add; see `cut`."""
+    return cut(demand, demand.error)
+
+
+def cut(scene: Surroundings, error: float) -> Cut:
+    """The fewest modes for an error.
+
+    Raises
+    ------
+    InvalidParameter
+        If they are more than one run can hold.
+    """
+    surface: Any = scene.surface
+    left, load = remainder(scene), _load(scene)
+    half = error / (2 + ROUNDING)
+    one = left / min(surface.n_transducers, MOST_COUNTED)
+    moves = MOVING * one * _reading(scene) + load
+    ratio = max(1.0, (moves / half) ** (1 / 5))
+    tails = _tails(scene, one)
+    follow = max(ratio, *(tail.end(half) for tail in tails))
+    expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
+    band_hz = surface.band_max_hz
+    found = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
+    _check_size(scene, found, error)
+    return found
+
+
+def _tails(scene: Surroundings, one: float) -> list[Tail]:
+    """Where it is read, and on a map."""
+    places = Tail(STILL * one * _reading(scene), _turning(scene))
+    return [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
+
+
+def _turning(scene: Surroundings) -> float:
+    surface: Any = scene.surface
+    wavenumber_rad_per_m = sqrt(4 * pi * n_modes(scene, surface.band_max_hz) / surface.plate.area_m2)
+    distance_m = _distance_m(scene)
+    return TURNING / (wavenumber_rad_per_m * distance_m) if distance_m else inf
+
+
+def _distance_m(scene: Surroundings) -> float:
+    """The least distance of what is read from the outline of a transducer, 0 on one."""
+    from tactometry.stimuli.time_reversal.screen.transducer import border
+
+    surface: Any = scene.surface
+    patches: Any = scene.find("patches")
+    reach_m = 0.0 if patches is None else patches.side_m / 2
+    centres = border(surface.plate, surface.n_transducers, surface.inset_m, surface.inset_m)
+    return min(
+        hypot(max(abs(x_m - centre.x_m) - reach_m, 0.0), max(abs(y_m - centre.y_m) - reach_m, 0.0))
+        for centre in centres
+        for x_m, y_m in _places(scene)
+    )
+
+
+def _places(scene: Surroundings) -> list[tuple[float, float]]:
+    """The foci, and the fingers that rest elsewhere."""
+    surface: Any = scene.surface
+    foci: Any = scene.find("foci")
+    load: Any = scene.find("load")
+    further = [] if foci is None else list(zip(foci.x_m, foci.y_m, strict=True))
+    return [(surface.focus_x_m, surface.focus_y_m), *further, *([] if load is None else load.places_m(scene))]
+
+
+def _heard(error: float) -> float:
+    return next(share for above, share in HEARD if error >= above)
+
+
+def n_modes(scene: Surroundings, frequency_hz: float) -> float:
+    """About how many modes there are below a frequency."""
+    surface: Any = scene.surface
+    shear: Any = scene.find("shear")
+    if shear is None:
+        return float(surface.plate.modal_density_s * frequency_hz)
+    return float(surface.plate.area_m2 * shear.wavenumber_rad_per_m(surface.plate, frequency_hz) ** 2 / (4 * pi))
+
+
+def n_frequencies(scene: Surroundings, found: Cut) -> int:
+    """Complex frequencies of a run."""
+    surface: Any = scene.surface
+    watched_s = surface.reversal_s + _train_s(scene) + surface.after_s + 2 * surface.margin_s
+    return int(2.1 * found.heard_to_hz * watched_s)
+
+
+def n_frequencies_of_sound(scene: Surroundings) -> float:
+    """Frequencies that `tactometry.stimuli.time_reversal.field.sound.noise` takes."""
+    surface, attenuation = _of(scene)
+    return float(surface.rate_hz * (surface.reversal_s + _train_s(scene) + 3 * attenuation.tau_s))
+
+
+def _of(scene: Surroundings) -> tuple[Any, Any]:
+    return scene.surface, scene.find("attenuation")
+
+
+def _train_s(scene: Surroundings) -> float:
+    repetition: Any = scene.find("repetition")
+    return 0.0 if repetition is None else float(repetition.duration_s)
+
+
+def _check_size(scene: Surroundings, found: Cut, error: float) -> None:
+    moving = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
+    following = n_modes(scene, found.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
+    ritz = n_modes(scene, found.static_to_hz)
+    sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (ritz, MOST_MODES)
+    numbers, most = max(sizes, key=lambda size: size[0] / size[1])
+    if numbers > most:
+        raise InvalidParameter(
+            f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
+            f"expected at most {most:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
+            "thicker plate"
+        )
+    if scene.find("edges") is not None and ritz > MOST_RITZ_MODES:
+        raise InvalidParameter(
+            f"accuracy: found an error of {error:.2g} left for the modes, which takes {ritz:.0f} of a plate "
+            f"whose edges are not simply supported, expected at most {MOST_RITZ_MODES}; loosen the accuracy, lower "
+            "band_max_hz, or remove 'edges'"
+        )
+
+
+def _effective_tau_s(scene: Surroundings) -> float:
+    """How long a response lasts within the reversal time, at the top of the band."""
+    surface, attenuation = _of(scene)
+    tau_s = inf if attenuation is None else attenuation.tau_at_s(surface.band_max_hz)
+    if tau_s == inf:
+        return float(surface.reversal_s)
+    return float(tau_s * (1 - exp(-2 * surface.reversal_s / tau_s)) / 2)
+
+
+def _load(scene: Surroundings) -> float:
+    """The share that the finger's own spot adds."""
+    load: Any = scene.find("load")
+    return 0.0 if load is None else float(OF_LOAD * load.impedance_ratio(scene))
+
+
+def _reading(scene: Surroundings) -> float:
+    """How much more of the remainder a finger feels than the focus shows."""
+    load: Any = scene.find("load")
+    return 1.0 if load is None else float(load.reading(scene))
+
+
+def _weakening(scene: Surroundings) -> float:
+    """How much smaller than the plainest focus the reading is that errors are relative to."""
+    effects: list[Any] = [scene.find(slot) for slot in ("drift", "foci", "filter", "repetition", "load")]
+    factor = 1.0
+    for effect in effects:
+        if effect is not None:
+            factor *= effect.weakening(scene)
+    return factor

@@ -1,0 +1,1 @@
+"""Closed forms, the design guide, which sheet of glass."""

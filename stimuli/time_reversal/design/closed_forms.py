@@ -1,0 +1,238 @@
+"""What theory says of a focus before anything is simulated.
+
+Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates
+with equal mode weights, exponential decay and many modes; the latter is derived, not the thesis's, and
+`tactometry.stimuli.time_reversal.design.guide.OFF` says how far the simulation is from it. Symbols as in the thesis: Q
+transducers, T reversal time, tau attenuation constant, B bandwidth, T_c = modal density.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.annotations import UnboundedArray
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import (
+    at_most,
+    between,
+    not_negative,
+    not_negative_array,
+    positive,
+    positive_array,
+)
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+
+FloatArray = NDArray[np.float64]
+
+CHAOTIC_KURTOSIS: Final = 2.0
+"""<phi^4> / <phi^2>^2 - 1 of Gaussian shapes."""
+
+RECTANGLE_KURTOSIS: Final = 1.25
+"""The same for products of sines."""
+
+SILENT_TAUS: Final = 40.0
+"""What is left after so many tau is less than rounding."""
+
+MAX_OVERLAPS: Final = 1000
+
+ALPHA: Final = math.sqrt(math.pi / 2)
+"""Factor of the resolution law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean): half a wavelength."""
+
+
+@checked
+def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
+    """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive; T at least 0 or infinite, tau finite and above 0.
+
+    >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
+    0.865
+    """
+    not_negative_array("one_bit_amplitude_ratio.reversal_s", reversal_s, infinite=True)
+    positive("one_bit_amplitude_ratio", tau_s=tau_s)
+    return np.asarray(-np.expm1(-np.asarray(reversal_s, float) / tau_s))
+
+
+@checked
+def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
+    """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
+    not_negative_array("analogue_amplitude_ratio.reversal_s", reversal_s, infinite=True)
+    positive("analogue_amplitude_ratio", tau_s=tau_s)
+    return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
+
+
+@checked
+@dataclass(frozen=True)
+class Reverberation:
+    """What the contrast of a focus depends on.
+
+    Parameters
+    ----------
+    n_channels : int
+        Q, at least 1.
+    bandwidth_hz, tau_s, reversal_s, modal_density_s : float
+        B, tau, T and T_c, each above 0.
+    kurtosis : float
+        kappa, at least 0: 2 for chaotic shapes, 5/4 for a simply supported rectangle.
+    """
+
+    n_channels: int
+    bandwidth_hz: float
+    tau_s: float
+    reversal_s: float
+    modal_density_s: float
+    kurtosis: float = CHAOTIC_KURTOSIS
+
+    def __post_init__(self) -> None:
+        positive(
+            "Reverberation",
+            n_channels=self.n_channels,
+            bandwidth_hz=self.bandwidth_hz,
+            tau_s=self.tau_s,
+            reversal_s=self.reversal_s,
+            modal_density_s=self.modal_density_s,
+        )
+        not_negative("Reverberation", kurtosis=self.kurtosis)
+
+    @property
+    def n_modes(self) -> float:
+        """N = n_f B."""
+        return self.modal_density_s * self.bandwidth_hz
+
+    @property
+    def absorption(self) -> float:
+        """G = (T_c / 2 tau) coth(T / tau)."""
+        return self.modal_density_s / (2 * self.tau_s) / math.tanh(self.reversal_s / self.tau_s)
+
+
+@checked
+def contrast_whole(room: Reverberation) -> float:
+    """Amplitude over the rms of the whole plate at the focus instant: sqrt(Q N / (Q + kappa + G)).
+
+    >>> round(contrast_whole(Reverberation(32, 25e3, 3e-3, 6e-3, 17.96e-3, 2.0)), 1)
+    19.7
+    """
+    q, spread = room.n_channels, room.kurtosis + room.absorption
+    return math.sqrt(q * room.n_modes / (q + spread))
+
+
+@checked
+def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -> float:
+    """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
+    r), at most 1. Both arguments are above 0.
+    """
+    positive("contrast_far", k_max_rad_per_m=k_max_rad_per_m, radius_m=radius_m)
+    q, near = room.n_channels, min(2 / (math.pi * k_max_rad_per_m * radius_m), 1.0)
+    return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
+
+
+@checked
+def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> float:
+    """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
+    not_negative("contrast_temporal", start_s=start_s)
+    positive("contrast_temporal", **{"stop_s - start_s": stop_s - start_s})
+    decay = math.exp(-2 * start_s / room.tau_s) - math.exp(-2 * stop_s / room.tau_s)
+    share = decay / (2 * (stop_s - start_s) / room.tau_s)
+    q, kappa = room.n_channels, room.kurtosis
+    return math.sqrt(q * room.n_modes / (((kappa + 1) * (q + kappa) / 2 + room.absorption) * share))
+
+
+@checked
+def contrast_limit(room: Reverberation) -> float:
+    """sqrt(N): what no number of transducers and no reversal time exceeds."""
+    return math.sqrt(room.n_modes)
+
+
+@checked
+def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: float) -> FloatArray:
+    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
+    tau)).
+    """
+    positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
+    positive("repetition_noise_ratio", tau_s=tau_s)
+    return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
+
+
+@checked
+def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: float) -> float:
+    """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
+
+    At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
+    exp(-(s + j T_r) / tau), 0 <= s + j T_r <= T; Bussgang's gain of the sum gives the share of each:
+    the mean over s, weighted by exp(-s / tau), of (sum_j exp(-2 j T_r / tau))^(-1/2). Derived.
+
+    >>> repetition_amplitude_ratio(6e-3, 10e-3, 3e-3)
+    1.0
+    """
+    positive("repetition_amplitude_ratio", reversal_s=reversal_s, repetition_s=repetition_s, tau_s=tau_s)
+    from scipy.special import logsumexp
+
+    heard_s = min(reversal_s, SILENT_TAUS * tau_s)
+    at_most("min(reversal_s, 40 tau_s) / repetition_s", heard_s / repetition_s, MAX_OVERLAPS)
+    s = (np.arange(2000) + 0.5) / 2000 * heard_s
+    reach = math.ceil(heard_s / repetition_s)
+    j = np.arange(-reach, reach + 1)[:, None] * repetition_s
+    present = (s + j >= 0) & (s + j <= heard_s)
+    share = np.exp(-0.5 * logsumexp(np.where(present, -2 * j / tau_s, -np.inf), axis=0))
+    return float(np.average(share, weights=np.exp(-s / tau_s)))
+
+
+@checked
+def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
+    """u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
+
+    Written as the weighted mean of the Airy functions 2 J1(x) / x of both ends, which is regular at r = 0.
+    """
+    from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
+
+    r = np.asarray(radius_m, float)
+    k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
+    return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
+
+
+@checked
+def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
+    """Full width of `focus_profile` where it first falls to `level` (0.5: -6 dB; 0.7071: -3 dB), between 0 and 1.
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> round(resolution_m(A4_SCREEN, Band(20e3, 60e3)) * 1e3, 1)
+    8.1
+    """
+    from scipy.optimize import brentq
+
+    between("resolution_m", 0, 1, level=level)
+    k_mean = math.sqrt(2 * math.pi * band.mean_hz / plate.wave_constant_m2_per_s)
+    return 2 * float(brentq(lambda r: float(focus_profile(plate, band, r)) - level, 0.0, 3.0 / k_mean, xtol=1e-15))
+
+
+@checked
+def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
+    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
+    positive_array("half_wavelength_m.f_mean_hz", f_mean_hz)
+    positive("half_wavelength_m", alpha=alpha)
+    return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
+
+
+@checked
+def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) -> float:
+    """A(d) / A(0) when every frequency moves by 1 + d: the band's mean of 1 / (1 + (d w tau / 2)^2).
+
+    >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
+    1.0
+    """
+    positive("mistuned_amplitude_ratio", tau_s=tau_s)
+    reach = abs(relative_shift) * math.pi * tau_s
+    low, high = reach * band.f_min_hz, reach * band.f_max_hz
+    if high - low < 1e-8:
+        return 1 / (1 + ((low + high) / 2) ** 2)
+    return (math.atan(high) - math.atan(low)) / (high - low)
+
+
+def _airy(x: FloatArray) -> FloatArray:
+    """2 J1(x) / x, 1 at 0."""
+    from scipy.special import j1
+
+    safe = np.where(np.abs(x) < 1e-4, 1.0, x)
+    return np.where(np.abs(x) < 1e-4, 1 - np.square(x) / 8, 2 * j1(safe) / safe)

@@ -1,0 +1,381 @@
+"""The design guide (thesis 3.5): from a plate, transducers, a band and targets to T, T_r, Q, band and thickness.
+
+It answers with what closed forms predict for the recommendation (`OFF` says how far the simulation is from them), and
+says of each target that cannot be reached why not and what would have to change. Its rule for time constants is T = 2
+tau <= T_r (86 % of the 1-bit amplitude), an own rule: the thesis's recommendation was not found.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import given, positive
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.design.closed_forms import (
+    Reverberation,
+    contrast_limit,
+    contrast_whole,
+    one_bit_amplitude_ratio,
+    repetition_amplitude_ratio,
+    repetition_noise_ratio,
+    resolution_m,
+)
+from tactometry.stimuli.time_reversal.design.low_pass import effective_hz, passed_hz, weighted_width_m
+from tactometry.stimuli.time_reversal.plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
+
+FloatArray = NDArray[np.float64]
+
+OFF: Final[Mapping[str, tuple[float, float]]] = {
+    "resolution": (-0.15, 0.10),
+    "contrast": (-0.25, 0.15),
+    "amplitude": (-0.25, 0.15),
+}
+"""Simulation over law, less 1: the least and the most, of the mean of four foci in the middle of the plate.
+
+Measured on 520 screens: glass of 297 x 210 and 210 x 148 mm, 0.3 to 4 mm thick, edges supported, 8 to 64 patches of 2
+to 10 mm in a row 12 mm from the edge, tau of 1 to 8 ms, T of 0.5 to 4 tau, bands from 1-10 to 36-108 kHz; in so far as
+the field is diffuse (`Design.is_diffuse`). Nine of ten lie within -8 to 4 %, -13 to 4 % and -14 to 5 %.
+"""
+
+FEWEST_CROSSINGS: Final = 3.0
+FEWEST_MODES: Final = 40.0
+MAX_TRANSDUCERS: Final = 256
+STRESS_MAX_PA: Final = 20e6
+"""Bending stress that annealed glass bears for long under a finger; unverified default."""
+
+FINGER_FORCE_N: Final = 2.0
+FINGER_DIAMETER_M: Final = 10e-3
+
+
+@checked
+@dataclass(frozen=True)
+class Transducers:
+    """Square patches of side `side_m` (m) with a moment (N per V), driven with one bit at `voltage_v`."""
+
+    n: int = 32
+    side_m: float = 10e-3
+    moment_n_per_v: float = MOMENT_N_PER_V
+    voltage_v: float = 30.0
+
+    def __post_init__(self) -> None:
+        positive(
+            "Transducers", n=self.n, side_m=self.side_m, moment_n_per_v=self.moment_n_per_v, voltage_v=self.voltage_v
+        )
+
+
+@checked
+@dataclass(frozen=True)
+class Target:
+    """What is wanted; None is no wish.
+
+    Parameters
+    ----------
+    resolution_m : float, optional
+        Largest full width at -6 dB.
+    contrast : float, optional
+        Smallest `closed_forms.contrast_whole`.
+    amplitude_m : float, optional
+        Smallest displacement at the focus without a finger.
+    repetition_hz : float, optional
+        Rate at which foci follow one another.
+    """
+
+    resolution_m: float | None = None
+    contrast: float | None = None
+    amplitude_m: float | None = None
+    repetition_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("Target", **given(vars(self)))
+
+
+@checked
+@dataclass(frozen=True)
+class Design:
+    """A screen in numbers, enough for the closed forms."""
+
+    plate: Plate
+    transducers: Transducers
+    band: Band
+    tau_s: float
+    reversal_s: float
+    repetition_s: float | None = None
+
+    def __post_init__(self) -> None:
+        times = {"tau_s": self.tau_s, "reversal_s": self.reversal_s, "repetition_s": self.repetition_s}
+        positive("Design", **given(times))
+        held = n_held(self.plate, self.transducers.side_m)
+        if self.transducers.n > held:
+            raise InvalidParameter(
+                f"Transducers: found {self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm, expected "
+                f"at most {held} along the edges of the plate; take fewer or smaller ones"
+            )
+
+    @property
+    def noise_ratio(self) -> float:
+        """Residual noise power of the repeated focus over that of one."""
+        return 1.0 if self.repetition_s is None else float(repetition_noise_ratio(self.repetition_s, self.tau_s))
+
+    @property
+    def overlap_ratio(self) -> float:
+        """What drives that overlap leave of the amplitude; 1 for T up to T_r."""
+        if self.repetition_s is None or self.repetition_s >= self.reversal_s:
+            return 1.0
+        return repetition_amplitude_ratio(self.reversal_s, self.repetition_s, self.tau_s)
+
+    @property
+    def reverberation(self) -> Reverberation:
+        """Of the modes as the patches weight them: N_eff = n_f (integral of W^2)^2 / integral of W^4."""
+        return Reverberation(
+            self.transducers.n, effective_hz(*self._weighting), self.tau_s, self.reversal_s, self.plate.modal_density_s
+        )
+
+    @property
+    def n_crossings(self) -> float:
+        """How often the waves of the mean frequency cross the plate, the root of its area, within T and tau."""
+        speed_m_per_s = float(group_velocity_m_per_s(self.plate, self.band.mean_hz))
+        return speed_m_per_s * min(self.reversal_s, self.tau_s) / math.sqrt(self.plate.area_m2)
+
+    @property
+    def is_diffuse(self) -> bool:
+        """Whether waves cross the plate often enough, and modes are enough, for the laws to hold as `OFF` states."""
+        return self.n_crossings >= FEWEST_CROSSINGS and self.reverberation.n_modes >= FEWEST_MODES
+
+    @property
+    def resolution_m(self) -> float:
+        """Full width at -6 dB of the mean of J0(k r) over the band, weighted by W^2; see `OFF`."""
+        return weighted_width_m(*self._weighting)
+
+    @property
+    def _weighting(self) -> tuple[Plate, float, Band]:
+        return self.plate, self.transducers.side_m, self.band
+
+    @property
+    def contrast(self) -> float:
+        """`contrast_whole` of the weighted modes with the noise of repetition; see `OFF`."""
+        return contrast_whole(self.reverberation) / math.sqrt(self.noise_ratio)
+
+    @property
+    def amplitude_m(self) -> float:
+        return one_bit_amplitude_m(self)
+
+
+@checked
+@dataclass(frozen=True)
+class Guide:
+    """The answer: a design, its repetition time (None: single foci) and the wishes that it cannot meet, with why."""
+
+    design: Design
+    repetition_s: float | None
+    unreachable: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+@checked
+def one_bit_amplitude_m(design: Design) -> float:
+    """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
+
+    A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of W^2
+    over the band; W is the low-pass of the patch, averaged over directions. Derived; see `OFF`. Drives
+    that overlap, T above T_r, take `closed_forms.repetition_amplitude_ratio` of it.
+    """
+    plate, patches = design.plate, design.transducers
+    push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
+    sigma = push * math.sqrt(plate.modal_density_s / 2 * passed_hz(plate, patches.side_m, design.band))
+    ring_s = design.tau_s * float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
+    return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma * design.overlap_ratio
+
+
+@checked
+def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, target: Target) -> Guide:
+    """Choose T, T_r, Q and band for a target, changing as little as possible of what is given.
+
+    Parameters
+    ----------
+    plate, transducers, band, tau_s
+        What is there. Q is raised to what contrast and amplitude need; the band is moved up where resolution needs
+        it; the thickness is kept: `thickness.sheets` and `recommended` choose that.
+    target : Target
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> target = Target(contrast=15.0, repetition_hz=100.0)
+    >>> guide = recommend(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3.5e-3, target)
+    >>> guide.unreachable
+    ()
+    >>> guide.design.reversal_s
+    0.007
+    """
+    positive("recommend", tau_s=tau_s)
+    repetition_s = None if target.repetition_hz is None else 1 / target.repetition_hz
+    reversal_s = 2 * tau_s if repetition_s is None else min(2 * tau_s, repetition_s)
+    start = Design(plate, transducers, band, tau_s, reversal_s, repetition_s)
+    sharp, unsharp, notes = _for_resolution(start, target.resolution_m)
+    clear, unclear = _for_contrast(sharp, target.contrast)
+    strong, weak = _for_amplitude(clear, target.amplitude_m)
+    unreachable = (*unsharp, *unclear, *weak, *_too_fast(strong, repetition_s))
+    told = (*notes, *_about_time(strong, repetition_s), *_about_stress(plate), *_about_laws(strong))
+    return Guide(strong, repetition_s, unreachable, told)
+
+
+@checked
+def amplitude_over_reversal(design: Design, reversal_s: Vector) -> FloatArray:
+    """Amplitude (m) for reversal times."""
+    return np.array([replace(design, reversal_s=float(t)).amplitude_m for t in reversal_s])
+
+
+@checked
+def contrast_over(design: Design, n_channels: Vector, reversal_s: Vector) -> FloatArray:
+    """(n_channels, n_times): contrast for numbers of transducers and reversal times."""
+    room = design.reverberation
+    return np.array(
+        [
+            [contrast_whole(replace(room, n_channels=int(q), reversal_s=float(t))) for t in reversal_s]
+            for q in n_channels
+        ]
+    ) / math.sqrt(design.noise_ratio)
+
+
+@checked
+def n_held(plate: Plate, side_m: float) -> int:
+    """Square patches of side `side_m` in one row along the edges; 0 if a patch is larger than the plate.
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> n_held(A4_SCREEN, 35e-3)
+    24
+    """
+    positive("n_held", side_m=side_m)
+    room_m = (plate.length_m - side_m, plate.width_m - side_m)
+    return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m + 1e-9) for room in room_m))
+
+
+@checked
+def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
+    """Thickness that gives a resolution in a band with small patches: widths go with its square root."""
+    return plate.thickness_m * (wanted_resolution_m / resolution_m(plate, band)) ** 2
+
+
+def _for_resolution(design: Design, wanted_m: float | None) -> tuple[Design, tuple[str, ...], tuple[str, ...]]:
+    if wanted_m is None or design.resolution_m <= wanted_m:
+        return design, (), ()
+    factor = (resolution_m(design.plate, design.band) / wanted_m) ** 2
+    thin_m = thickness_for_m(design.plate, design.band, wanted_m)
+    advice = (
+        f"resolution: {wanted_m * 1e3:.3g} mm instead of {design.resolution_m * 1e3:.3g} mm needs, with patches far "
+        f"smaller than the wave, a mean frequency of {design.band.mean_hz * factor / 1e3:.3g} kHz or a plate of "
+        f"{thin_m * 1e3:.2g} mm"
+    )
+    higher = _moved_up(design, wanted_m)
+    if higher is not None:
+        return higher, (), (f"{advice}; the band is moved up to {higher.band.mean_hz / 1e3:.3g} kHz",)
+    reason = f"; higher up the wave is shorter than a patch of {design.transducers.side_m * 1e3:.3g} mm"
+    return design, (advice + reason,), ()
+
+
+def _moved_up(design: Design, wanted_m: float) -> Design | None:
+    """The design with its band scaled until it resolves, if the wave stays longer than a patch."""
+    from scipy.optimize import brentq
+
+    def scaled(factor: float) -> Design:
+        band = design.band
+        return replace(design, band=Band(band.f_min_hz * factor, band.f_max_hz * factor, band.flank_hz))
+
+    most = wavelength_to_patch(design.plate, design.band.f_max_hz, design.transducers.side_m) ** 2
+    if most <= 1 or scaled(most).resolution_m > wanted_m:
+        return None
+    return scaled(float(brentq(lambda x: scaled(x).resolution_m - wanted_m, 1.0, most, xtol=1e-12)))
+
+
+@checked
+def wavelength_to_patch(plate: Plate, frequency_hz: float, side_m: float) -> float:
+    """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
+    positive("wavelength_to_patch", frequency_hz=frequency_hz, side_m=side_m)
+    return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
+
+
+def _for_contrast(design: Design, wanted: float | None) -> tuple[Design, tuple[str, ...]]:
+    if wanted is None or design.contrast >= wanted:
+        return design, ()
+    room = design.reverberation
+    limit = contrast_limit(room) / math.sqrt(design.noise_ratio)
+    if wanted >= limit:
+        needed_hz = design.band.width_hz * (wanted / limit) ** 2
+        return design, (
+            f"contrast: {wanted:.3g} is above sqrt(N) = {limit:.3g}, the limit for {room.n_modes:.0f} modes that the "
+            "patches excite in the band at this repetition, whatever Q and T; widen the band beyond "
+            f"{needed_hz / 1e3:.3g} kHz or take smaller patches or a larger or thinner plate",
+        )
+    needed = math.ceil((room.kurtosis + room.absorption) / ((limit / wanted) ** 2 - 1))
+    most = _most(design)
+    if needed > most:
+        return design, (
+            f"contrast: {wanted:.3g} needs {needed} transducers, more than {most} in a row along the edges; "
+            "widen the band, or raise tau and T",
+        )
+    return replace(design, transducers=replace(design.transducers, n=needed)), ()
+
+
+def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tuple[str, ...]]:
+    if wanted_m is None or design.amplitude_m >= wanted_m:
+        return design, ()
+    needed = math.ceil(design.transducers.n * wanted_m / design.amplitude_m)
+    if needed > _most(design):
+        volts = design.transducers.voltage_v * wanted_m / design.amplitude_m
+        return design, (
+            f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than the plate's edges hold; "
+            f"{design.transducers.n} of them reach it at {volts:.3g} V",
+        )
+    return replace(design, transducers=replace(design.transducers, n=needed)), ()
+
+
+def _most(design: Design) -> int:
+    return min(MAX_TRANSDUCERS, n_held(design.plate, design.transducers.side_m))
+
+
+def _too_fast(design: Design, repetition_s: float | None) -> tuple[str, ...]:
+    shortest_s = 2 / design.band.width_hz
+    if repetition_s is None or repetition_s >= shortest_s:
+        return ()
+    return (
+        f"repetition: {1 / repetition_s:.3g} Hz leaves {repetition_s * 1e3:.3g} ms, less than two widths of a focus "
+        f"({shortest_s * 1e3:.3g} ms for the bandwidth); repeat more slowly or widen the band",
+    )
+
+
+def _about_time(design: Design, repetition_s: float | None) -> tuple[str, ...]:
+    share = float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
+    said = f"time: T = {design.reversal_s * 1e3:.3g} ms uses {share:.0%} of the amplitude of an endless reversal"
+    if repetition_s is None:
+        return (said,)
+    noise = float(repetition_noise_ratio(repetition_s, design.tau_s))
+    return (f"{said}; repetition multiplies the residual noise power by {noise:.2g}",)
+
+
+def _about_stress(plate: Plate) -> tuple[str, ...]:
+    stress_pa = bending_stress_pa(plate, FINGER_FORCE_N, FINGER_DIAMETER_M)
+    verdict = "more than" if stress_pa > STRESS_MAX_PA else "within"
+    return (
+        f"stress: {FINGER_FORCE_N:.0f} N bend the plate (edges supported) with {stress_pa / 1e6:.2g} MPa, "
+        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long",
+    )
+
+
+def _about_laws(design: Design) -> tuple[str, ...]:
+    if design.is_diffuse:
+        return ()
+    return (
+        f"laws: in T and tau the waves cross the plate {design.n_crossings:.2g} times, and the band holds "
+        f"{design.reverberation.n_modes:.0f} modes; below {FEWEST_CROSSINGS:.0f} or {FEWEST_MODES:.0f} the field is "
+        "not diffuse, and the laws may be off by half",
+    )

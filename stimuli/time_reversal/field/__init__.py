@@ -1,0 +1,1 @@
+"""What a drive does: field, figures of merit, energy, sound, evenness."""

@@ -1,0 +1,78 @@
+"""Energy: stored in the plate, needed to deform it, and drawn by the switched piezo loads."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import not_negative, positive
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
+from tactometry.stimuli.time_reversal.focusing.quantiser import transitions_per_s
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+FloatArray = NDArray[np.float64]
+
+VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
+PZ27_RELATIVE_PERMITTIVITY = 1800.0
+"""eps33T / eps0 of PZ27; unverified default."""
+
+
+@checked
+def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
+    """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
+    modes.
+    """
+    q = modal_amplitudes(screen, signal, sample, f_max_hz)
+    return 0.5 * screen.plate.mass_kg * float(np.sum((screen.oscillators(f_max_hz).omega_rad_per_s * q) ** 2))
+
+
+@checked
+def kinetic_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
+    """Kinetic energy of the plate at a sample of a drive: half the sum of M q_n'^2."""
+    v = modal_amplitudes(screen, signal, sample, f_max_hz, "velocity")
+    return 0.5 * screen.plate.mass_kg * float(v @ v)
+
+
+@checked
+def capacitance_f(
+    area_m2: float, thickness_m: float, relative_permittivity: float = PZ27_RELATIVE_PERMITTIVITY
+) -> float:
+    """C = eps A / t of a piezoelectric plate.
+
+    >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
+    5.31
+    """
+    positive("capacitance_f", area_m2=area_m2, thickness_m=thickness_m, relative_permittivity=relative_permittivity)
+    return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
+
+
+@checked
+def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
+    """Mean electrical power during a switched drive.
+
+    Every change by dV of a capacitance that is charged from a stiff supply dissipates C dV^2 / 2: a +-V
+    bridge loses 2 C V^2 per transition, Q C 2 V^2 r_t in all.
+    """
+    not_negative("switched_power_w", channel_capacitance_f=channel_capacitance_f)
+    if signal.samples.shape[1] < 2:
+        raise InvalidParameter("signal: found fewer than two samples, expected a drive")
+    lost_j = 0.5 * channel_capacitance_f * np.sum(np.diff(signal.samples, axis=1) ** 2)
+    return float(lost_j * signal.rate_hz / (signal.samples.shape[1] - 1))
+
+
+@checked
+def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
+    """Q C 2 V^2 r_t from the counted transitions of a +-V drive; equals `switched_power_w` for one-bit
+    signals.
+    """
+    not_negative("bridge_power_w", channel_capacitance_f=channel_capacitance_f)
+    rate = float(np.sum(transitions_per_s(signal.samples, signal.rate_hz)))
+    return channel_capacitance_f * 2 * signal.peak**2 * rate
+
+
+@checked
+def average_power_w(power_w: float, duration_s: float, repetition_hz: float) -> float:
+    """Mean over a train of foci: the power during a drive times its duty (at most 1)."""
+    not_negative("average_power_w", power_w=power_w, duration_s=duration_s, repetition_hz=repetition_hz)
+    return power_w * min(duration_s * repetition_hz, 1.0)

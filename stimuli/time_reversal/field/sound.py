@@ -1,0 +1,168 @@
+"""Airborne sound of a driven plate: radiated power, spectrum, A-weighted level.
+
+A model for ranking drives. Absolute levels need the distance and the room of a measurement.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.annotations import Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import ascending, not_negative_array, positive
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.responses.responses import chunks
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+FloatArray = NDArray[np.float64]
+
+SOUND_SPEED_M_PER_S: Final = 343.0
+AIR_DENSITY_KG_PER_M3: Final = 1.204
+REFERENCE_PRESSURE_PA: Final = 20e-6
+AUDIBLE_MAX_HZ: Final = 20e3
+FREQUENCIES_AT_ONCE: Final = 1024
+EDGE_EFFICIENCY: Final = 0.01
+"""Radiation efficiency below coincidence, where only edges radiate; unverified default."""
+
+_POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)
+
+
+@checked
+def a_weighting_db(frequency_hz: ArrayLike) -> FloatArray:
+    """A-weighting of IEC 61672, 0 dB at 1 kHz; minus infinity above 20 kHz, which has no weight.
+
+    >>> [round(float(a), 1) for a in a_weighting_db([100.0, 1000.0, 10000.0])]
+    [-19.1, 0.0, -2.5]
+    """
+    not_negative_array("a_weighting_db.frequency_hz", frequency_hz)
+    f = np.atleast_1d(np.asarray(frequency_hz, float))
+    with np.errstate(divide="ignore"):
+        db = 20 * np.log10(_a_gain(f) / _a_gain(np.array([1000.0])))
+    return np.where(f <= AUDIBLE_MAX_HZ, db, -np.inf)
+
+
+@checked
+def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: float = SOUND_SPEED_M_PER_S) -> float:
+    """Where bending waves are as fast as sound: c^2 / (2 pi) sqrt(rho_s / D).
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> round(coincidence_frequency_hz(A4_SCREEN) / 1e3, 1)
+    10.8
+    """
+    positive("coincidence_frequency_hz", sound_speed_m_per_s=sound_speed_m_per_s)
+    return sound_speed_m_per_s**2 / (2 * math.pi * plate.wave_constant_m2_per_s)
+
+
+@checked
+def radiation_efficiency(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """sigma = (1 - f_c / f)^(-1/2) above coincidence, limited by the plate's size near it;
+    `EDGE_EFFICIENCY` below.
+    """
+    not_negative_array("radiation_efficiency.frequency_hz", frequency_hz)
+    f = np.asarray(frequency_hz, float)
+    f_c = coincidence_frequency_hz(plate)
+    ratio = np.divide(f_c, f, out=np.ones_like(f), where=f >= f_c)
+    cap = math.sqrt(math.pi * plate.perimeter_m * f_c / (8 * SOUND_SPEED_M_PER_S))
+    above = 1 / np.sqrt(np.maximum(1 - ratio, 1 / cap**2))
+    return np.where(f >= f_c, above, EDGE_EFFICIENCY)
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class NoiseSpectrum:
+    """Mean-square pressure per hertz (Pa^2/Hz) over frequency, at a distance over a hemisphere."""
+
+    frequency_hz: Vector
+    pressure_pa2_per_hz: Vector
+
+    def __post_init__(self) -> None:
+        ascending("NoiseSpectrum.frequency_hz", self.frequency_hz)
+        not_negative_array("NoiseSpectrum.frequency_hz", self.frequency_hz)
+        not_negative_array("NoiseSpectrum.pressure_pa2_per_hz", self.pressure_pa2_per_hz)
+        if len(self.frequency_hz) != len(self.pressure_pa2_per_hz):
+            raise InvalidParameter(
+                f"NoiseSpectrum.pressure_pa2_per_hz: found {len(self.pressure_pa2_per_hz)} values, expected "
+                f"{len(self.frequency_hz)}, one per frequency"
+            )
+
+    @property
+    def level_db_re_20upa(self) -> FloatArray:
+        """Spectral level in 1 Hz, floored at -60 dB."""
+        return np.asarray(10 * np.log10(np.maximum(self.pressure_pa2_per_hz / REFERENCE_PRESSURE_PA**2, 1e-6)))
+
+    @property
+    def a_weighted_db(self) -> float:
+        """L_A = 10 log10 of the sum of 10^((L_i + A_i) / 10), up to 20 kHz; minus infinity for silence."""
+        weight = 10 ** (a_weighting_db(self.frequency_hz) / 10)
+        total = float(np.sum(self.pressure_pa2_per_hz * weight) * (self.frequency_hz[1] - self.frequency_hz[0]))
+        return 10 * math.log10(total / REFERENCE_PRESSURE_PA**2) if total > 0 else -math.inf
+
+
+@checked
+def noise(
+    screen: Screen,
+    signal: Signal,
+    f_max_hz: float,
+    *,
+    distance_m: float = 0.3,
+    duration_s: float | None = None,
+) -> NoiseSpectrum:
+    """Sound of a drive at a distance, averaged over `duration_s`, above 0 (by default the drive and 5 tau).
+
+    W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
+    """
+    positive("noise", distance_m=distance_m)
+    frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
+    span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
+    positive("noise", duration_s=span_s)
+    watt_per_hz = (
+        AIR_DENSITY_KG_PER_M3
+        * SOUND_SPEED_M_PER_S
+        * screen.plate.area_m2
+        * radiation_efficiency(screen.plate, frequency_hz)
+        * power
+        / span_s
+    )
+    intensity = watt_per_hz / (2 * math.pi * distance_m**2)
+    return NoiseSpectrum(frequency_hz, intensity * AIR_DENSITY_KG_PER_M3 * SOUND_SPEED_M_PER_S)
+
+
+@checked
+def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[FloatArray, FloatArray]:
+    """Frequencies up to Nyquist, and the one-sided energy spectrum of the plate's mean-square velocity.
+
+    Its integral over frequency is the time integral of the mean over the plate of v^2 (m^2/s). Since
+    <phi^2> = 1 the mean over the plate is the sum over modes.
+    """
+    from scipy.fft import next_fast_len
+
+    positive("Screen.attenuation", tau_s=screen.attenuation.tau_s)
+    oscillators = screen.oscillators(f_max_hz)
+    n_fft = int(next_fast_len(2 * signal.samples.shape[1] + round(6 * screen.attenuation.tau_s * signal.rate_hz)))
+    frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)
+    played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
+    w = np.asarray(2 * np.pi * frequency_hz, float)
+    total = np.zeros(len(w))
+    forces = screen.modal_forces(f_max_hz)
+    for start, stop in chunks(len(w), FREQUENCIES_AT_ONCE):
+        driven = np.abs(forces @ played[:, start:stop]) ** 2
+        total[start:stop] = np.sum(driven * _mobility(oscillators, w[start:stop]), axis=0)
+    return np.asarray(frequency_hz), 2 * total / screen.plate.mass_kg**2
+
+
+def _mobility(oscillators: Oscillators, w: FloatArray) -> FloatArray:
+    """(n_modes, n_frequencies): |i w / (w_n^2 - w^2 + 2 i w / tau)|^2."""
+    omega2, decay = oscillators.omega_rad_per_s[:, None] ** 2, oscillators.decay_per_s[:, None]
+    return np.asarray(w**2 / ((omega2 - w**2) ** 2 + (2 * decay * w) ** 2 + np.finfo(float).tiny))
+
+
+def _a_gain(f: FloatArray) -> FloatArray:
+    f1, f2, f3, f4 = (pole**2 for pole in _POLES_HZ)
+    s = np.square(f)
+    return np.asarray(f4 * s**2 / ((s + f1) * np.sqrt((s + f2) * (s + f3)) * (s + f4)))

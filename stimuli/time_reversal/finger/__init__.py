@@ -1,0 +1,1 @@
+"""What presses on the screen: fingers, contactors, and what they cost."""

@@ -1,0 +1,156 @@
+"""Time-reversal focusing: learn, reverse, emit.
+
+Learn h[n], n = 0..K-1, of each channel at the wanted focus; emit V Q{ w h[L-1-n] } with L samples of
+reversal; at sample L - 1 all channels add up at the focus. 1 bit: u = V sum |h|; analogue with gain g: u =
+V g sum h^2; both identities hold to rounding.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, Quantiser
+from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+FloatArray = NDArray[np.float64]
+
+
+@checked
+def reversed_waveform(
+    foci: Responses,
+    *,
+    reversal_s: float | None = None,
+    weights: Sequence[float] | None = None,
+    window: FloatArray | None = None,
+) -> FloatArray:
+    """The reversed responses of the foci, summed with weights.
+
+    Parameters
+    ----------
+    foci : Responses
+        One row per focus.
+    reversal_s : float, optional
+        T, at least 0 and no longer than the responses; by default all of them.
+    weights : sequence of float, optional
+        One per focus, by default 1; the sign is kept.
+    window : (n_samples,) array, optional
+        Multiplies the learnt responses, from their start.
+
+    Returns
+    -------
+    (n_channels, n_samples) array
+
+    Raises
+    ------
+    InvalidParameter
+        If T is longer than the responses, a number of weights or samples does not fit, or all responses are
+        zero.
+    """
+    n = foci.n_samples if reversal_s is None else samples_in("reversal_s", reversal_s, foci.rate_hz)
+    if n > foci.n_samples:
+        raise InvalidParameter(
+            f"reversal_s: found {reversal_s}, longer than the responses of {foci.duration_s} s; "
+            "learn longer responses or shorten T"
+        )
+    weight = _weights(foci.n_points, weights)
+    learnt = np.einsum("p,pqn->qn", weight, foci.samples[:, :, :n]) * _window(window, n)
+    if n and not learnt.any():
+        raise InvalidParameter(
+            "foci: found responses that are zero everywhere, expected a focus that some transducer can move "
+            "(not on a held edge, nor on the node line of every mode)"
+        )
+    return np.asarray(learnt[:, ::-1])
+
+
+@checked
+def drive(
+    foci: Responses,
+    voltage_v: float,
+    quantiser: Quantiser | None = None,
+    *,
+    reversal_s: float | None = None,
+    weights: Sequence[float] | None = None,
+    window: FloatArray | None = None,
+) -> Signal:
+    """What the amplifiers emit (V) to focus; the focus comes at the last sample.
+
+    Parameters
+    ----------
+    voltage_v : float
+        Peak voltage, above 0.
+    quantiser : Quantiser, optional
+        By default one bit.
+
+    Examples
+    --------
+    >>> h = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
+    >>> drive(h, 30.0).samples
+    array([[ 30., -30.,  30.]])
+    >>> round(focus_amplitude(drive(h, 30.0), h), 9)
+    180.0
+    """
+    positive("drive", voltage_v=voltage_v)
+    waveform = reversed_waveform(foci, reversal_s=reversal_s, weights=weights, window=window)
+    return Signal(voltage_v * (quantiser or OneBit()).quantise(waveform, foci.rate_hz), foci.rate_hz, "V")
+
+
+@checked
+def emitted(signal: Signal, responses: Responses) -> FloatArray:
+    """(n_points, n_samples + n_response_samples - 1): the time signal at every point, by fast convolution."""
+    from scipy.fft import next_fast_len
+
+    _same_channels(signal, responses)
+    n = max(signal.samples.shape[1] + responses.n_samples - 1, 0)
+    if signal.samples.shape[1] == 0 or responses.n_samples == 0:
+        return np.zeros((responses.n_points, n))
+    n_fft = int(next_fast_len(n, real=True))
+    spectrum = np.einsum("qf,pqf->pf", np.fft.rfft(signal.samples, n_fft), np.fft.rfft(responses.samples, n_fft))
+    return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n])
+
+
+@checked
+def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
+    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of
+    products.
+    """
+    _same_channels(signal, responses)
+    n = signal.samples.shape[1]
+    if n > responses.n_samples:
+        raise InvalidParameter(
+            f"signal: found {n} samples, more than the {responses.n_samples} of the responses; learn longer ones"
+        )
+    return np.asarray(np.einsum("qn,pqn->p", signal.samples[:, ::-1], responses.samples[:, :, :n]))
+
+
+@checked
+def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
+    """One point at the focus instant."""
+    return float(focus_amplitudes(signal, responses.at_point(point))[0])
+
+
+def _weights(n_foci: int, weights: Sequence[float] | None) -> FloatArray:
+    weight = np.ones(n_foci) if weights is None else np.asarray(weights, float)
+    if weight.shape != (n_foci,) or not np.isfinite(weight).all():
+        raise InvalidParameter(f"weights: found {weights}, expected {n_foci} finite numbers, one per focus")
+    return weight
+
+
+def _window(window: FloatArray | None, n: int) -> FloatArray:
+    if window is None:
+        return np.ones(n)
+    if np.shape(window) != (n,):
+        raise InvalidParameter(f"window: found shape {np.shape(window)}, expected ({n},)")
+    return np.asarray(window, float)
+
+
+def _same_channels(signal: Signal, responses: Responses) -> None:
+    if signal.samples.shape[0] != responses.n_channels or signal.rate_hz != responses.rate_hz:
+        raise InvalidParameter(
+            f"signal: found {signal.samples.shape[0]} channels at {signal.rate_hz} Hz, expected "
+            f"{responses.n_channels} at {responses.rate_hz} Hz as in the responses"
+        )

@@ -1,0 +1,77 @@
+"""Inverse-filter focusing, what others publish instead of time reversal.
+
+For every frequency the drive of least energy that makes the wanted signal at each point and silence at the
+others: v = H^H (H H^H + beta I)^-1 d, with Tikhonov's beta relative to the largest mean power of the
+responses.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import finite_array, positive, within
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.responses.filtering import Band
+from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+FloatArray = NDArray[np.float64]
+
+
+@checked
+def inverse_filter_waveform(
+    points: Responses,
+    wanted: Sequence[float],
+    band: Band,
+    *,
+    reversal_s: float,
+    regularisation: float = 1e-2,
+) -> FloatArray:
+    """Waveforms that focus at the last sample, as `focusing.reversed_waveform`.
+
+    Parameters
+    ----------
+    points : Responses
+        The foci and the points to keep quiet.
+    wanted : sequence of float
+        Amplitude at each point, 0 for a quiet one.
+    band : Band
+        Spectrum of the pulse that is wanted.
+    regularisation : float
+        beta, above 0; large values approach time reversal, which is H^H d.
+
+    Returns
+    -------
+    (n_channels, n_samples) array, scaled to no particular voltage.
+
+    Raises
+    ------
+    InvalidParameter
+        If the band passes the Nyquist frequency, `wanted` does not fit or is not finite, all responses are zero, or
+        `regularisation` is not above 0.
+    """
+    positive("inverse_filter_waveform", regularisation=regularisation)
+    within("Band", 0.0, points.rate_hz / 2, **{"f_max_hz (the Nyquist frequency is the limit)": band.f_max_hz})
+    target = np.asarray(wanted, float)
+    finite_array("inverse_filter_waveform.wanted", target)
+    if target.shape != (points.n_points,) or not target.any():
+        raise InvalidParameter(f"wanted: found {wanted}, expected {points.n_points} numbers, not all zero")
+    if not points.samples.any():
+        raise InvalidParameter("points: found responses that are zero everywhere, expected a point that can be moved")
+    n = samples_in("reversal_s", reversal_s, points.rate_hz)
+    n_fft = 2 * max(n, points.n_samples)
+    frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / points.rate_hz), float)
+    transfer = np.moveaxis(np.fft.rfft(points.samples, n_fft), -1, 0)
+    pulse = band.at(frequency_hz) * np.exp(-2j * np.pi * frequency_hz * (n - 1) / points.rate_hz)
+    spectrum = _tikhonov(transfer, regularisation) @ target * pulse[:, None]
+    return np.asarray(np.fft.irfft(spectrum, n_fft, axis=0)[:n].T)
+
+
+def _tikhonov(transfer: NDArray[np.complex128], regularisation: float) -> NDArray[np.complex128]:
+    """(n_frequencies, n_channels, n_points): H^H (H H^H + beta I)^-1."""
+    adjoint = np.conj(np.swapaxes(transfer, 1, 2))
+    power = transfer @ adjoint
+    largest = float(np.abs(np.einsum("fpp->fp", power)).mean(axis=1).max())
+    system = power + regularisation * largest * np.eye(power.shape[1])
+    return np.asarray(np.conj(np.swapaxes(np.linalg.solve(system, transfer), 1, 2)))

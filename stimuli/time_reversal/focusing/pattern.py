@@ -1,0 +1,269 @@
+"""Trains of foci under an envelope: the thesis's patterns P0 to P6, and any other.
+
+P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high one under the
+same three. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
+exponential and sinc, 50 ms are documented choices (unverified defaults).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import at_most, not_negative, one_of, positive, within
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.focusing.focusing import reversed_waveform
+from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, Quantiser
+from tactometry.stimuli.time_reversal.responses.responses import MAX_SAMPLES, Responses
+
+FloatArray = NDArray[np.float64]
+
+LOW_HZ: Final = 200.0
+HIGH_HZ: Final = 500.0
+DURATION_S: Final = 50e-3
+MAX_FOCI: Final = 1_000_000
+MODULATIONS: Final = ("voltage", "burst")
+
+
+@runtime_checkable
+class Envelope(Protocol):
+    """Weights over a pattern."""
+
+    def at(self, position: FloatArray) -> FloatArray:
+        """Weights at positions from 0 (start) to 1 (end) of the pattern."""
+
+
+@checked
+@dataclass(frozen=True)
+class Rectangular:
+    """1 throughout."""
+
+    def at(self, position: FloatArray) -> FloatArray:
+        return np.ones_like(position)
+
+
+@checked
+@dataclass(frozen=True)
+class RaisedCosine:
+    """(1 - cos 2 pi x) / 2."""
+
+    def at(self, position: FloatArray) -> FloatArray:
+        return np.asarray((1 - np.cos(2 * math.pi * position)) / 2)
+
+
+@checked
+@dataclass(frozen=True)
+class Exponential:
+    """exp(-x / decay): `decay` as a share of the duration, above 0."""
+
+    decay: float = 0.25
+
+    def __post_init__(self) -> None:
+        positive("Exponential", decay=self.decay)
+
+    def at(self, position: FloatArray) -> FloatArray:
+        return np.asarray(np.exp(-position / self.decay))
+
+
+@checked
+@dataclass(frozen=True)
+class Sinc:
+    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the
+    lobes.
+    """
+
+    n_zeros: int = 3
+    signed: bool = True
+
+    def at(self, position: FloatArray) -> FloatArray:
+        values = np.sinc(2 * self.n_zeros * (position - 0.5))
+        return np.asarray(values if self.signed else np.abs(values))
+
+
+@checked
+@dataclass(frozen=True)
+class Table:
+    """Weights at equal steps from start to end, linear between."""
+
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.values) < 2 or not np.isfinite(self.values).all():
+            raise InvalidParameter(f"Table.values: found {self.values}, expected at least two finite numbers")
+
+    def at(self, position: FloatArray) -> FloatArray:
+        return np.interp(position, np.linspace(0, 1, len(self.values)), self.values)
+
+
+@checked
+@dataclass(frozen=True)
+class Pattern:
+    """Foci at a repetition frequency under an envelope.
+
+    Parameters
+    ----------
+    repetition_hz, duration_s : float
+        Above 0; their product, rounded, is the number of foci (at least one).
+    envelope : Envelope
+        Scaled so that the largest weight is 1.
+
+    Examples
+    --------
+    >>> Pattern(200.0, 50e-3).n_foci
+    10
+    """
+
+    repetition_hz: float
+    duration_s: float
+    envelope: Envelope = Rectangular()
+
+    def __post_init__(self) -> None:
+        positive("Pattern", repetition_hz=self.repetition_hz, duration_s=self.duration_s)
+        at_most("Pattern.repetition_hz times duration_s", self.repetition_hz * self.duration_s, MAX_FOCI)
+
+    @property
+    def n_foci(self) -> int:
+        return max(round(self.duration_s * self.repetition_hz), 1)
+
+    @property
+    def times_s(self) -> FloatArray:
+        """When each focus comes, from the first."""
+        return np.arange(self.n_foci) / self.repetition_hz
+
+    @property
+    def weights(self) -> FloatArray:
+        """Weight of each focus; the largest magnitude is 1."""
+        if self.n_foci == 1:
+            return np.ones(1)
+        raw = self.envelope.at((np.arange(self.n_foci) + 0.5) / self.n_foci)
+        largest = np.abs(raw).max()
+        if largest == 0:
+            raise InvalidParameter(f"Pattern.envelope: found {self.envelope}, zero at every focus")
+        return np.asarray(raw / largest)
+
+
+PATTERNS: Final[Mapping[str, Pattern]] = {
+    "P0": Pattern(LOW_HZ, 1 / LOW_HZ),
+    "P1": Pattern(LOW_HZ, DURATION_S, Rectangular()),
+    "P2": Pattern(LOW_HZ, DURATION_S, Exponential()),
+    "P3": Pattern(LOW_HZ, DURATION_S, Sinc()),
+    "P4": Pattern(HIGH_HZ, DURATION_S, Rectangular()),
+    "P5": Pattern(HIGH_HZ, DURATION_S, Exponential()),
+    "P6": Pattern(HIGH_HZ, DURATION_S, Sinc()),
+}
+
+
+@checked
+def pattern_drive(
+    foci: Responses,
+    pattern: Pattern,
+    voltage_v: float,
+    quantiser: Quantiser | None = None,
+    *,
+    reversal_s: float | None = None,
+    path: Sequence[int] | None = None,
+    modulation: str = "voltage",
+    tau_s: float | None = None,
+) -> Signal:
+    """The drive of a pattern; focus k comes at sample ``focus_samples(...)[k]``.
+
+    Parameters
+    ----------
+    foci : Responses
+        One row per place.
+    path : sequence of int, optional
+        The row of each focus, for a moving one; by default row 0.
+    modulation : str
+        ``voltage`` scales the emitted values of each focus; ``burst`` keeps the voltage and shortens the
+        emission to reach the weight by 1 - exp(-T / tau), which needs `tau_s`. Where drives overlap (T
+        above the repetition time) the sum is quantised anew, so that the voltage is kept (that of the largest
+        weight under way), and the foci lose the repetition penalty.
+
+    Raises
+    ------
+    InvalidParameter
+        If the path does not fit, or burst modulation has no tau.
+    """
+    positive("pattern_drive", voltage_v=voltage_v)
+    one_of("pattern_drive.modulation", modulation, MODULATIONS)
+    rows = _rows(path, pattern.n_foci, foci.n_points)
+    rule = quantiser or OneBit()
+    waves = {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
+    n = next(iter(waves.values())).shape[1]
+    starts = _starts(pattern, foci.rate_hz)
+    overlaps = len(starts) > 1 and int(np.min(np.diff(starts))) < n
+    pieces = []
+    for row, weight in zip(rows, pattern.weights, strict=True):
+        piece = waves[row] if overlaps else rule.quantise(waves[row], foci.rate_hz)
+        pieces.append(_modulated(piece, float(weight), modulation, tau_s, foci.rate_hz))
+    total = _overlay(pieces, starts)
+    if overlaps:
+        supply = _supply(pattern.weights if modulation == "voltage" else np.ones(len(starts)), starts, n)
+        total = supply * rule.quantise(total / np.where(supply > 0, supply, 1.0), foci.rate_hz)
+    return Signal(voltage_v * total, foci.rate_hz, "V")
+
+
+@checked
+def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[np.int64]:
+    """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
+    positive("focus_samples", rate_hz=rate_hz)
+    return _starts(pattern, rate_hz) + n_reversal - 1
+
+
+@checked
+def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
+    """Emission that reaches `weight` times the amplitude of the whole T: -tau ln(1 - w (1 - exp(-T / tau))).
+
+    The weight lies from 0 to 1, T is at least 0 and tau above 0.
+
+    >>> round(burst_s(1.0, 7e-3, 3.5e-3) * 1e3, 9)
+    7.0
+    """
+    within("burst_s", 0.0, 1.0, weight=weight)
+    not_negative("burst_s", reversal_s=reversal_s)
+    positive("burst_s", tau_s=tau_s)
+    reached = -weight * math.expm1(-reversal_s / tau_s)
+    return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
+
+
+def _starts(pattern: Pattern, rate_hz: float) -> NDArray[np.int64]:
+    at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
+    return np.round(pattern.times_s * rate_hz).astype(np.int64)
+
+
+def _rows(path: Sequence[int] | None, n_foci: int, n_points: int) -> list[int]:
+    rows = [0] * n_foci if path is None else list(path)
+    if len(rows) != n_foci or any(not 0 <= row < n_points for row in rows):
+        raise InvalidParameter(f"path: found {path}, expected {n_foci} rows from 0 to {n_points - 1}, one per focus")
+    return rows
+
+
+def _modulated(piece: FloatArray, weight: float, modulation: str, tau_s: float | None, rate_hz: float) -> FloatArray:
+    if modulation == "voltage":
+        return weight * piece
+    if tau_s is None:
+        raise InvalidParameter("tau_s: found None, expected the attenuation constant for burst modulation")
+    n_kept = round(burst_s(abs(weight), piece.shape[1] / rate_hz, tau_s) * rate_hz)
+    kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept
+    return np.asarray(math.copysign(1.0, weight) * piece * kept)
+
+
+def _supply(weights: FloatArray, starts: NDArray[np.int64], n: int) -> FloatArray:
+    """(n_samples,): the largest magnitude of the weights whose drives are under way."""
+    supply = np.zeros(int(starts[-1]) + n)
+    for weight, start in zip(np.abs(weights), starts, strict=True):
+        supply[start : start + n] = np.maximum(supply[start : start + n], weight)
+    return supply
+
+
+def _overlay(pieces: Sequence[FloatArray], starts: NDArray[np.int64]) -> FloatArray:
+    n_channels, n = pieces[0].shape
+    total = np.zeros((n_channels, int(starts[-1]) + n))
+    for piece, start in zip(pieces, starts, strict=True):
+        total[:, start : start + n] += piece
+    return total

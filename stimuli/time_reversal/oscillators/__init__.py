@@ -1,0 +1,1 @@
+"""Damped oscillators in time, exact at every sample."""

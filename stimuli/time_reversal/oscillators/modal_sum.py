@@ -1,0 +1,176 @@
+"""Sums over modes for many pairs at once, faster than a product with the time functions of the modes.
+
+A sum of damped sinusoids at n equal steps of time is a non-uniform discrete Fourier transform (type 1). Each mode is
+spread over a few bins around its frequency by a Kaiser-Bessel kernel; one inverse FFT per pair makes the time signal;
+the kernel's own transform, known in closed form, is divided out (Fessler and Sutton, IEEE Trans. Signal Process. 51,
+560, 2003). With a kernel of 16 bins on a grid twice as long as the signal the error is 1e-14 of the largest value
+at any frequency. It costs 32 products per mode and pair, and a transform, where a matrix product costs n per mode
+and pair.
+
+Modes that do not oscillate, few modes, short signals and decays that differ much from the rest are summed by the
+matrix product.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, turns
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+WIDTH: Final = 16
+"""Bins of the kernel."""
+
+LONGER: Final = 2.0
+"""The grid over the signal."""
+
+LARGEST_SPREAD: Final = 0.5
+"""Of the decay rates times the duration: beyond, the kernel's continuation to complex frequencies costs digits."""
+
+FEWEST_MODES: Final = 64
+SHORTEST: Final = 128
+TILE: Final = 32
+"""Pairs that are transformed together: their grids stay in cache."""
+
+
+def modal_sums(
+    oscillators: Oscillators,
+    weights: FloatArray,
+    rate_hz: float,
+    start: int,
+    stop: int,
+    quantity: str = "displacement",
+    out: FloatArray | None = None,
+) -> FloatArray:
+    """(n_rows, stop - start): weights (n_rows, n_modes) times the impulse responses of the modes at samples
+    start..stop-1; written to `out` if that is given.
+
+    Examples
+    --------
+    >>> modes = Oscillators(np.linspace(1e3, 1e5, 200), np.full(200, 300.0))
+    >>> weights = np.ones((2, 200))
+    >>> fast = modal_sums(modes, weights, 50e3, 0, 500)
+    >>> slow = weights @ modes.impulse(50e3, 0, 500)
+    >>> bool(np.abs(fast - slow).max() < 1e-12 * np.abs(slow).max())
+    True
+    """
+    total = np.empty((len(weights), stop - start)) if out is None else out
+    fast = _alike(oscillators, (stop - start) / rate_hz)
+    if stop - start < SHORTEST or np.count_nonzero(fast) < FEWEST_MODES:
+        return np.matmul(weights, oscillators.impulse(rate_hz, start, stop, quantity), out=total)
+    _transform(oscillators.of(fast), weights[:, fast], rate_hz, start, quantity, total)
+    if not fast.all():
+        total += weights[:, ~fast] @ oscillators.of(~fast).impulse(rate_hz, start, stop, quantity)
+    return total
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """A grid of `n_fft` bins for `n` samples around the sample `middle`."""
+
+    n: int
+    n_fft: int
+
+    @classmethod
+    def of(cls, n: int) -> "_Grid":
+        from scipy.fft import next_fast_len
+
+        return cls(n, 2 * int(next_fast_len(math.ceil(LONGER * n / 2), real=True)))
+
+    @property
+    def middle(self) -> int:
+        return self.n // 2
+
+    @property
+    def n_bins(self) -> int:
+        return self.n_fft // 2 + 1
+
+    @property
+    def beta(self) -> float:
+        """The kernel's parameter for this ratio of grid and signal (Beatty et al., IEEE Trans. Med. Imaging 2005)."""
+        ratio = self.n_fft / self.n
+        return math.pi * math.sqrt((WIDTH * (ratio - 0.5) / ratio) ** 2 - 0.8)
+
+    def kernel(self, bins: ComplexArray) -> ComplexArray:
+        """I_0(beta (1 - (2 x / width)^2)^(1/2)) at distances x in bins, complex for a decay."""
+        from scipy.special import iv
+
+        return np.asarray(iv(0, self.beta * np.sqrt(1 - (2 * bins / WIDTH) ** 2)))
+
+    def transform(self) -> FloatArray:
+        """(n,): the kernel's Fourier transform at the samples, width sinh(r) / r."""
+        time = np.arange(self.n) - self.middle
+        r = np.sqrt(self.beta**2 - (math.pi * WIDTH * time / self.n_fft) ** 2)
+        return np.asarray(WIDTH * np.sinh(r) / r)
+
+
+def _alike(oscillators: Oscillators, duration_s: float) -> NDArray[np.bool_]:
+    """Modes that swing, and decay nearly as the median does."""
+    swings = oscillators.oscillates
+    if not swings.any():
+        return swings
+    apart = np.abs(oscillators.decay_per_s - _common_decay(oscillators.of(swings)))
+    return np.asarray(swings & (apart * duration_s <= LARGEST_SPREAD))
+
+
+def _common_decay(oscillators: Oscillators) -> float:
+    return float(np.median(oscillators.decay_per_s))
+
+
+def _transform(
+    oscillators: Oscillators, weights: FloatArray, rate_hz: float, start: int, quantity: str, out: FloatArray
+) -> None:
+    grid = _Grid.of(out.shape[1])
+    first, kernel = _spread_kernel(oscillators, grid, rate_hz, start, quantity)
+    decay = np.exp(-_common_decay(oscillators) / rate_hz * (np.arange(grid.n) - grid.middle))
+    scale = decay * (grid.n_fft / 2) / grid.transform()
+    late, early = slice(grid.middle, None), slice(None, grid.middle)
+    for row in range(0, len(weights), TILE):
+        rows = out[row : row + TILE]
+        signal = _tile(weights[row : row + TILE], first, kernel, grid)
+        np.multiply(signal[:, : grid.n - grid.middle], scale[late], out=rows[:, late])
+        np.multiply(signal[:, grid.n_fft - grid.middle :], scale[early], out=rows[:, early])
+    if start == 0 and quantity == "displacement":
+        out[:, 0] = 0.0  # every mode starts at rest; what rounding leaves has a sign, which one bit would emit
+
+
+def _spread_kernel(
+    oscillators: Oscillators, grid: _Grid, rate_hz: float, start: int, quantity: str
+) -> tuple[NDArray[np.int64], ComplexArray]:
+    """(n,) first bins and (n, width) values of each mode, its phase at the middle of the signal included."""
+    apart = oscillators.decay_per_s - _common_decay(oscillators)
+    bins, rounded = turns(oscillators.split_rad_per_s, grid.n_fft, rate_hz)
+    first = np.ceil(bins - WIDTH / 2).astype(np.int64)
+    away = (bins - first) + rounded + 1j * (apart * (grid.n_fft / (2 * math.pi * rate_hz)))
+    values = grid.kernel(np.arange(WIDTH).astype(complex) - away[:, None])
+    return first, -1j * oscillators.analytic(rate_hz, start + grid.middle, quantity)[:, None] * values
+
+
+def _tile(weights: FloatArray, first: NDArray[np.int64], kernel: ComplexArray, grid: _Grid) -> FloatArray:
+    """(n_rows, n_fft): what the spread bins become in time; bins beyond 0 and Nyquist fold back, conjugate."""
+    from scipy.fft import irfft
+
+    wide = np.zeros((len(weights), 2 * (grid.n_bins + 2 * WIDTH)))
+    _spread(weights, kernel.view(float), first + WIDTH, wide)
+    bins = wide.view(complex)
+    spectrum = bins[:, WIDTH : WIDTH + grid.n_bins]
+    spectrum[:, :WIDTH] += np.conj(bins[:, WIDTH:0:-1])
+    last = WIDTH + grid.n_bins - 1
+    spectrum[:, -WIDTH:] += np.conj(bins[:, last : last + WIDTH][:, ::-1])
+    return np.asarray(irfft(spectrum, grid.n_fft))
+
+
+@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+def _spread(weights: FloatArray, kernel: FloatArray, first: NDArray[np.int64], wide: FloatArray) -> None:
+    n_rows, n_modes = weights.shape
+    for row in range(n_rows):
+        for mode in range(n_modes):
+            weight, at = weights[row, mode], 2 * first[mode]
+            for k in range(2 * WIDTH):
+                wide[row, at + k] += weight * kernel[mode, k]

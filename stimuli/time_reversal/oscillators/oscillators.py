@@ -1,0 +1,198 @@
+"""The response of damped oscillators to an impulse, exact at every sample.
+
+g'' + (2 / tau) g' + omega^2 g = delta(t). Under-damped modes use e^{-t/tau} sin(w t) / w with the phase of
+each block of samples computed anew in double-double precision, so that no error grows with time;
+over-damped modes use the slow rate omega^2 / (1/tau + w), which is not a difference; critical and
+rigid-body modes are the limits of the same formula.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.require import one_of, positive
+from tactometry.errors import InvalidParameter
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+BLOCK: Final = 64
+STILL_RAD_PER_S: Final = 1e-150
+PER_TURN: Final = 0.15915494309189535
+PER_TURN_LOW: Final = -9.839338337591243e-18
+"""1 / (2 pi) as a pair of doubles."""
+
+QUANTITIES: Final = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class Oscillators:
+    """Damped oscillators of unit mass.
+
+    Parameters
+    ----------
+    omega_rad_per_s, decay_per_s : (n,) arrays
+        Undamped angular frequency and 1 / tau, each at least 0.
+    """
+
+    omega_rad_per_s: FloatArray
+    decay_per_s: FloatArray
+
+    @property
+    def n(self) -> int:
+        return len(self.omega_rad_per_s)
+
+    @property
+    def oscillates(self) -> NDArray[np.bool_]:
+        return np.asarray(self.omega_rad_per_s > np.maximum(self.decay_per_s, STILL_RAD_PER_S))
+
+    @property
+    def split_rad_per_s(self) -> FloatArray:
+        """|omega^2 - 1/tau^2|^(1/2) as a product: the damped frequency, or half the distance of the two
+        rates.
+        """
+        omega, decay = self.omega_rad_per_s, self.decay_per_s
+        larger = np.maximum(np.maximum(omega, decay), np.finfo(float).tiny)
+        return np.asarray(larger * np.sqrt(np.abs(omega - decay) / larger * ((omega + decay) / larger)))
+
+    def impulse(self, rate_hz: float, start: int, stop: int, quantity: str = "displacement") -> FloatArray:
+        """(n, stop - start): the response at samples start..stop-1 to a unit impulse at sample 0.
+
+        Acceleration is that of t > 0: the impulse itself is not in it.
+        """
+        one_of("Oscillators.impulse.quantity", quantity, QUANTITIES)
+        out = np.empty((self.n, stop - start))
+        swings = self.oscillates
+        if swings.any():
+            out[swings] = self.of(swings)._swinging(rate_hz, start, stop, quantity)
+        if not swings.all():
+            time_s = np.arange(start, stop) / rate_hz
+            out[~swings] = _CREEPING[quantity](self.of(~swings), time_s)
+        return out
+
+    def impulse_at(self, time_s: ArrayLike, quantity: str = "displacement") -> FloatArray:
+        """(n, n_times): the response at any times, at least 0."""
+        one_of("Oscillators.impulse_at.quantity", quantity, QUANTITIES)
+        time = np.atleast_1d(np.asarray(time_s, float))
+        out = np.empty((self.n, len(time)))
+        swings = self.oscillates
+        swinging = self.of(swings)
+        out[swings] = (swinging._phasor(time, 1.0) * swinging._weight(quantity)[:, None]).imag
+        out[~swings] = _CREEPING[quantity](self.of(~swings), time)
+        return out
+
+    def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
+        """(n,) displacement and velocity of the response after one time, at least 0."""
+        if not self.oscillates.all():
+            return self.impulse_at(step_s)[:, 0], self.impulse_at(step_s, "velocity")[:, 0]
+        turned = self._phasor(np.array([step_s]), 1.0)[:, 0]
+        moved, moving = (turned * self._weight(quantity) for quantity in QUANTITIES[:2])
+        return np.asarray(moved.imag), np.asarray(moving.imag)
+
+    def analytic(self, rate_hz: float, sample: int, quantity: str = "displacement") -> ComplexArray:
+        """(n,): at one sample, what the response of each mode, all swinging, is the imaginary part of."""
+        return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
+
+    def of(self, which: NDArray[np.bool_]) -> "Oscillators":
+        """Some of the modes."""
+        return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
+
+    def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:
+        """Im of w e^{(-1/tau + i w_d) t}, from phases of blocks times phases inside a block."""
+        first, last = start // BLOCK, (stop - 1) // BLOCK + 1
+        anchors = self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
+        inner = self._phasor(np.arange(float(BLOCK)), rate_hz)
+        left, right = np.stack([anchors.real, anchors.imag], axis=2), np.stack([inner.imag, inner.real], axis=1)
+        out = np.matmul(left, right).reshape(self.n, -1)
+        return np.asarray(out[:, start - first * BLOCK : stop - first * BLOCK])
+
+    def _weight(self, quantity: str) -> ComplexArray:
+        pole = -self.decay_per_s + 1j * self.split_rad_per_s
+        return np.asarray(pole ** QUANTITIES.index(quantity) / self.split_rad_per_s)
+
+    def _phasor(self, sample: NDArray[np.floating], rate_hz: float) -> ComplexArray:
+        turning = unit_phasor(self.split_rad_per_s[:, None], sample, rate_hz)
+        return np.asarray(turning * np.exp(-self.decay_per_s[:, None] * (sample / rate_hz)))
+
+
+def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_hz: float) -> ComplexArray:
+    """exp(i omega sample / rate), right to a few units in the last place at any phase.
+
+    The product and the quotient are carried as a pair of doubles; the sine reduces the first one exactly.
+    """
+    product, product_low = _two_product(omega_rad_per_s, sample)
+    phase = product / rate_hz
+    back, back_low = _two_product(phase, np.float64(rate_hz))
+    phase_low = ((product - back) - back_low + product_low) / rate_hz
+    return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low - phase_low**2 / 2))
+
+
+def turns(omega_rad_per_s: FloatArray, sample: float, rate_hz: float) -> tuple[FloatArray, FloatArray]:
+    """omega sample / (2 pi rate) as a pair of doubles: the second is what the first is rounded by."""
+    product, product_low = _two_product(omega_rad_per_s, np.float64(sample))
+    turned, turned_low = _two_product(product, np.float64(PER_TURN))
+    high = turned / rate_hz
+    back, back_low = _two_product(high, np.float64(rate_hz))
+    rest = (turned - back) - back_low + turned_low + product * PER_TURN_LOW + product_low * PER_TURN
+    return np.asarray(high), np.asarray(rest / rate_hz)
+
+
+def _two_product(a: FloatArray, b: NDArray[np.floating] | np.float64) -> tuple[FloatArray, FloatArray]:
+    """Dekker's exact product: a b = high + low."""
+    high = np.asarray(a * b)
+    a_high, b_high = _upper_half(np.asarray(a)), _upper_half(np.asarray(b))
+    a_low, b_low = a - a_high, b - b_high
+    low = ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low
+    return high, np.asarray(low)
+
+
+def _upper_half(a: NDArray[np.floating]) -> FloatArray:
+    shifted = 134217729.0 * a
+    return np.asarray(shifted - (shifted - a))
+
+
+def _rates(modes: Oscillators) -> tuple[FloatArray, FloatArray]:
+    """The slow rate and the distance to the fast one."""
+    w = modes.split_rad_per_s
+    fast = modes.decay_per_s + w
+    slow = np.divide(modes.omega_rad_per_s**2, fast, out=np.zeros_like(fast), where=fast > 0)
+    return slow[:, None], 2 * w[:, None]
+
+
+def _ramp(distance: FloatArray, time_s: FloatArray) -> FloatArray:
+    """(1 - e^{-d t}) / d, which is t for d = 0."""
+    x = distance * time_s
+    ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
+    return np.asarray(time_s * ratio)
+
+
+def _creeping_displacement(modes: Oscillators, time_s: FloatArray) -> FloatArray:
+    slow, distance = _rates(modes)
+    return np.asarray(np.exp(-slow * time_s) * _ramp(distance, time_s))
+
+
+def _creeping_velocity(modes: Oscillators, time_s: FloatArray) -> FloatArray:
+    slow, distance = _rates(modes)
+    return np.asarray(np.exp(-slow * time_s) * (np.exp(-distance * time_s) - slow * _ramp(distance, time_s)))
+
+
+def _creeping_acceleration(modes: Oscillators, time_s: FloatArray) -> FloatArray:
+    displacement, velocity = _creeping_displacement(modes, time_s), _creeping_velocity(modes, time_s)
+    return -2 * modes.decay_per_s[:, None] * velocity - modes.omega_rad_per_s[:, None] ** 2 * displacement
+
+
+_CREEPING: Final[dict[str, Callable[[Oscillators, FloatArray], FloatArray]]] = {
+    "displacement": _creeping_displacement,
+    "velocity": _creeping_velocity,
+    "acceleration": _creeping_acceleration,
+}
+
+
+def check_sampling(rate_hz: float, n_samples: int) -> None:
+    """Refuse a rate that is not above 0 or a negative length."""
+    positive("sampling", rate_hz=rate_hz)
+    if n_samples < 0:
+        raise InvalidParameter(f"n_samples: found {n_samples}, expected at least 0")

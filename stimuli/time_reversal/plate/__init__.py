@@ -1,0 +1,1 @@
+"""The plate: material, size, edges; its modes, waves and static bending."""

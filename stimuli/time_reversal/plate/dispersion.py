@@ -1,0 +1,120 @@
+"""Bending waves: wavelength, phase and group velocity of thin (Kirchhoff) and thick (Mindlin) plates."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import not_negative_array, positive, positive_array
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+FloatArray = NDArray[np.float64]
+
+MINDLIN_SHEAR_FACTOR: Final = 5 / 6
+
+
+@checked
+def wavenumber_rad_per_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
+    not_negative_array("wavenumber_rad_per_m.frequency_hz", frequency_hz)
+    return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
+
+
+@checked
+def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff wavelength 2 pi / k.
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
+    20.9
+    """
+    positive_array("wavelength_m.frequency_hz", frequency_hz)
+    return 2 * np.pi / wavenumber_rad_per_m(plate, frequency_hz)
+
+
+@checked
+def phase_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: omega / k."""
+    not_negative_array("phase_velocity_m_per_s.frequency_hz", frequency_hz)
+    return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
+
+
+@checked
+def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+    """Kirchhoff: d omega / d k = 2 omega / k."""
+    return 2 * phase_velocity_m_per_s(plate, frequency_hz)
+
+
+@checked
+def mindlin_phase_velocity_m_per_s(
+    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """omega / k of the flexural branch; frequencies above 0."""
+    positive_array("mindlin_phase_velocity_m_per_s.frequency_hz", frequency_hz)
+    omega = 2 * np.pi * np.asarray(frequency_hz, float)
+    return np.asarray(omega / mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor))
+
+
+@checked
+def mindlin_group_velocity_m_per_s(
+    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """d omega / d k of the flexural branch, by differentiating its equation in omega^2 and k^2; frequencies above 0.
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> thick, thin = (v(A4_SCREEN, 60e3) for v in (mindlin_group_velocity_m_per_s, group_velocity_m_per_s))
+    >>> round(float(thick / thin), 2)
+    0.94
+    """
+    positive_array("mindlin_group_velocity_m_per_s.frequency_hz", frequency_hz)
+    omega = 2 * np.pi * np.asarray(frequency_hz, float)
+    k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), m * plate.thickness_m**2 / 12
+    bent, sheared = rigidity * k**2 - inertia * omega**2, shear * k**2 - m * omega**2
+    return np.asarray(k / omega * (shear * bent + rigidity * sheared) / (m * (bent + shear) + inertia * sheared))
+
+
+@checked
+def mindlin_angular_frequency_rad_per_s(
+    plate: Plate, wavenumber_rad_per_m: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """Flexural branch of Mindlin's plate at a wavenumber.
+
+    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
+    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
+    equals.
+    """
+    positive("mindlin_angular_frequency_rad_per_s", shear_factor=shear_factor)
+    not_negative_array("mindlin_angular_frequency_rad_per_s.wavenumber_rad_per_m", wavenumber_rad_per_m)
+    k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear = shear_stiffness_n_per_m(plate, shear_factor)
+    inertia = m * plate.thickness_m**2 / 12
+    b = m * (rigidity * k2 + shear) + inertia * shear * k2
+    c = shear * rigidity * k2**2
+    return np.asarray(np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c))))
+
+
+@checked
+def mindlin_wavenumber_rad_per_m(
+    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+) -> FloatArray:
+    """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
+    positive("mindlin_wavenumber_rad_per_m", shear_factor=shear_factor)
+    not_negative_array("mindlin_wavenumber_rad_per_m.frequency_hz", frequency_hz)
+    w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear = shear_stiffness_n_per_m(plate, shear_factor)
+    inertia = m * plate.thickness_m**2 / 12
+    a = shear * rigidity
+    b = w2 * (m * rigidity + inertia * shear)
+    c = m * w2 * (inertia * w2 - shear)
+    return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
+
+
+@checked
+def shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
+    shear_modulus_pa = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio))
+    return shear_factor * shear_modulus_pa * plate.thickness_m

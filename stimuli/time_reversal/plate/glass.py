@@ -1,0 +1,46 @@
+"""Glasses for screens: elastic constants with their source."""
+
+from dataclasses import dataclass
+
+from tactometry.arguments.checked import checked
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+
+@checked
+@dataclass(frozen=True)
+class Glass:
+    """Young's modulus (Pa), Poisson's ratio, density (kg/m^3) and where they come from."""
+
+    name: str
+    youngs_modulus_pa: float
+    poisson_ratio: float
+    density_kg_per_m3: float
+    source: str
+
+    def plate(self, length_m: float, width_m: float, thickness_m: float, boundary: str) -> Plate:
+        """A plate of this glass.
+
+        >>> round(BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS").mass_kg, 4)
+        0.153
+        """
+        return Plate(
+            length_m,
+            width_m,
+            thickness_m,
+            self.youngs_modulus_pa,
+            self.poisson_ratio,
+            self.density_kg_per_m3,
+            boundary,
+        )
+
+
+BOROFLOAT_33 = Glass("Borofloat 33", 64e9, 0.20, 2230.0, "SCHOTT, mechanical properties of BOROFLOAT 33")
+DURAN = Glass("DURAN borosilicate 3.3", 63e9, 0.20, 2230.0, "DURAN data sheet")
+SODA_LIME = Glass("soda-lime", 72.8e9, 0.222, 2563.0, "Sci. Rep. 2021, s41598-021-04045-6, table 1")
+GORILLA_4 = Glass("Gorilla 4", 66e9, 0.22, 2420.0, "density: release of Gorilla Glass 4; moduli: unverified default")
+D263T = Glass("D263T", 72.9e9, 0.208, 2510.0, "unverified default")
+
+GLASSES = {glass.name: glass for glass in (BOROFLOAT_33, DURAN, SODA_LIME, GORILLA_4, D263T)}
+
+A4_SCREEN = BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS")
+"""The thesis's prototype: A4, 1.1 mm. The glass and the edges are an unverified default."""

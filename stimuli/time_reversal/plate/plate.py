@@ -1,0 +1,157 @@
+"""A thin rectangular plate: material, size, edges and what follows from them in closed form."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import not_negative, positive, within
+from tactometry.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from tactometry.stimuli.time_reversal.plate.modes import Modes
+
+FloatArray = NDArray[np.float64]
+
+
+@checked
+@dataclass(frozen=True)
+class Plate:
+    """An isotropic Kirchhoff-Love plate that covers 0..length in x and 0..width in y.
+
+    Parameters
+    ----------
+    length_m, width_m, thickness_m : float
+        Above 0.
+    youngs_modulus_pa, density_kg_per_m3 : float
+        Above 0.
+    poisson_ratio : float
+        From 0 to 0.5.
+    boundary : str
+        Four letters, S (simply supported), C (clamped) or F (free), for x = 0, y = 0, x = length, y = width.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its range.
+
+    Examples
+    --------
+    >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
+    >>> [round(float(f), 1) for f in plate.frequencies_hz(300.0)]
+    [92.8, 185.5, 278.3]
+    """
+
+    length_m: float
+    width_m: float
+    thickness_m: float
+    youngs_modulus_pa: float
+    poisson_ratio: float
+    density_kg_per_m3: float
+    boundary: str
+
+    def __post_init__(self) -> None:
+        positive(
+            "Plate",
+            length_m=self.length_m,
+            width_m=self.width_m,
+            thickness_m=self.thickness_m,
+            youngs_modulus_pa=self.youngs_modulus_pa,
+            density_kg_per_m3=self.density_kg_per_m3,
+        )
+        within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
+        if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
+            raise InvalidParameter(
+                f"Plate.boundary: found {self.boundary!r}, expected four letters of S, C, F for the edges "
+                "x=0, y=0, x=length, y=width, such as 'SSSS'"
+            )
+
+    @property
+    def area_m2(self) -> float:
+        return self.length_m * self.width_m
+
+    @property
+    def perimeter_m(self) -> float:
+        return 2 * (self.length_m + self.width_m)
+
+    @property
+    def area_density_kg_per_m2(self) -> float:
+        return self.density_kg_per_m3 * self.thickness_m
+
+    @property
+    def mass_kg(self) -> float:
+        return self.area_density_kg_per_m2 * self.area_m2
+
+    @property
+    def bending_rigidity_n_m(self) -> float:
+        """D = Y h^3 / (12 (1 - nu^2))."""
+        return self.youngs_modulus_pa * self.thickness_m**3 / (12 * (1 - self.poisson_ratio**2))
+
+    @property
+    def wave_constant_m2_per_s(self) -> float:
+        """sqrt(D / rho_s): the angular frequency is this times the squared wavenumber."""
+        return math.sqrt(self.bending_rigidity_n_m / self.area_density_kg_per_m2)
+
+    @property
+    def modal_density_s(self) -> float:
+        """Modes per hertz at high frequency, S / (2 sqrt(D / rho_s)), whatever the edges."""
+        return self.area_m2 / (2 * self.wave_constant_m2_per_s)
+
+    @property
+    def point_impedance_n_s_per_m(self) -> float:
+        """Driving-point impedance of the infinite plate, 8 sqrt(D rho_s), real at every frequency."""
+        return 8 * math.sqrt(self.bending_rigidity_n_m * self.area_density_kg_per_m2)
+
+    def contains(self, x_m: float, y_m: float) -> bool:
+        """Whether a point is on the plate, its edges included."""
+        return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
+
+    def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
+        """Raise `InvalidParameter`, which names the argument, if a point is outside of the plate."""
+        if not self.contains(*at_m):
+            x_m, y_m = (float(each) for each in at_m)
+            raise InvalidParameter(
+                f"{name}: found ({x_m}, {y_m}) m, expected a point of the plate of {self.length_m} x {self.width_m} m"
+            )
+
+    def modes(self, f_max_hz: float, *, shear_factor: float | None = None) -> "Modes":
+        """The modes from 0 Hz to `f_max_hz`, sorted; see
+        `tactometry.stimuli.time_reversal.plate.modes.modes_of`.
+        """
+        return _modes(self, f_max_hz, shear_factor)
+
+    def frequencies_hz(self, f_max_hz: float) -> FloatArray:
+        """Sorted natural frequencies (Kirchhoff) up to `f_max_hz`; rigid-body modes are 0 Hz.
+
+        Raises
+        ------
+        InvalidParameter
+            If `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
+        """
+        return self.modes(f_max_hz).frequency_hz
+
+    def mode_count(self, frequency_hz: float) -> float:
+        """Number of simply supported modes below a frequency by Weyl's law with perimeter and corner terms.
+
+        N = S k^2 / (4 pi) - P k / (4 pi) + 1/4.
+
+        >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
+        >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
+        (425, 425)
+        """
+        not_negative("Plate.mode_count", frequency_hz=frequency_hz)
+        k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
+        return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
+
+
+@lru_cache(maxsize=16)
+def _modes(plate: Plate, f_max_hz: float, shear_factor: float | None) -> "Modes":
+    from tactometry.stimuli.time_reversal.plate.modes import modes_of
+
+    modes = modes_of(plate, f_max_hz, shear_factor=shear_factor)
+    modes.angular_frequency_rad_per_s.setflags(write=False)
+    return modes

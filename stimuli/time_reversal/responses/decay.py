@@ -1,0 +1,197 @@
+"""The attenuation constant from impulse responses: a decay above a floor, fitted to the log energy of blocks.
+
+The backward integral of Schroeder bends down at the end of a record and flattens on its noise, which biases a slope
+read from it; the model E(t) = A (exp(-2 t / tau) + N) holds in a cut record and above a floor.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Unbounded, Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import between, positive
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+FloatArray = NDArray[np.float64]
+
+N_BLOCKS: Final = 32
+N_LEFT_OUT: Final = 8
+"""Groups of channels, and of neighbouring blocks, that are left out in turn for the interval."""
+
+LEAST_FALL_DB: Final = 10.0
+FAINTEST: Final = 1e-7
+"""A record ends with its last sample above this part of its peak (140 dB below)."""
+LOWEST_LOG_FLOOR: Final = -69.0
+"""Energies below this part (its logarithm) of the loudest block are taken as a floor: 300 dB."""
+CONFIDENCE: Final = 0.95
+
+
+@checked
+@dataclass(frozen=True)
+class Estimate:
+    """A value with the ends of its 95 % interval."""
+
+    value: float
+    low: Unbounded
+    high: Unbounded
+
+
+@checked
+def schroeder_db(response: FloatArray) -> FloatArray:
+    """Energy still to come at each sample, in dB of the whole; minus infinity after the last."""
+    _check_sounds(response)
+    to_come = np.cumsum(np.square(response)[..., ::-1], axis=-1)[..., ::-1]
+    with np.errstate(divide="ignore"):
+        return np.asarray(10 * np.log10(to_come / to_come[..., :1]))
+
+
+@checked
+@dataclass(frozen=True)
+class Decay:
+    """Energy over a record as A (exp(-2 n_taus t) + floor), t from 0 to 1; `fall_db` from the loudest to the end."""
+
+    n_taus: float
+    floor: float
+    fall_db: float
+
+
+@checked
+def tau_s(response: Vector, rate_hz: float) -> float:
+    """Time constant of the amplitude of one response.
+
+    Parameters
+    ----------
+    response : (n_samples,) array
+
+    Raises
+    ------
+    InvalidParameter
+        If the response is silent, or falls by less than 10 dB until it ends or drowns in its floor.
+
+    Examples
+    --------
+    >>> t = np.arange(10000) / 1e5
+    >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
+    4.0
+    """
+    positive("tau_s", rate_hz=rate_hz)
+    energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
+    return length_s / _identified(energy[0]).n_taus
+
+
+@checked
+def tau_estimate(responses: Responses) -> Estimate:
+    """tau from the energy of all pairs of point and channel, with its interval.
+
+    The interval is Student's t on ln(tau), its variance the sum of two jackknives: over groups of channels and over
+    stretches of time, the second for what all channels share. It describes this screen and these places. In 96 records
+    of the model (tau 1 to 20 ms, 2 to 10 tau long, floors to -30 dB, 32 channels) it always held the truth.
+
+    Raises
+    ------
+    InvalidParameter
+        If the responses are silent, or fall by less than 10 dB until they end or drown in their floor.
+    """
+    from scipy.stats import t
+
+    pairs, length_s = _blocks(responses.samples.reshape(-1, responses.n_samples), responses.rate_hz)
+    channels = pairs.reshape(*responses.samples.shape[:2], N_BLOCKS).sum(axis=0)
+    n_taus = _identified(channels.sum(axis=0)).n_taus
+    half = float(t.ppf((1 + CONFIDENCE) / 2, N_LEFT_OUT - 1)) * math.sqrt(_variance(channels))
+    tau = length_s / n_taus
+    return Estimate(tau, tau * math.exp(-half), tau * math.exp(half))
+
+
+@checked
+def decay_of(energy: Vector, kept: NDArray[np.intp] | None = None) -> Decay:
+    """Fit of the log energy (`N_BLOCKS`,) of equal blocks, from the loudest on; `kept` of them if given."""
+    if len(energy) != N_BLOCKS or energy.min() < 0 or not energy.any():
+        raise InvalidParameter(f"energy: found {len(energy)} blocks, expected {N_BLOCKS} of at least 0, not all zero")
+    first = _first(energy)
+    kept = np.arange(first, N_BLOCKS) if kept is None else kept
+    time = (kept + 0.5) / N_BLOCKS
+    level = np.log(np.maximum(energy[kept], energy.max() * math.exp(LOWEST_LOG_FLOOR)))
+    fits = [_fit(time, level, log_floor) for log_floor in (-60.0, -25.0, -3.0)]
+    _, n_taus, log_floor = min(fits)[1]
+    ends = np.exp(-2 * n_taus * np.array([first / N_BLOCKS, 1.0])) + math.exp(log_floor)
+    return Decay(n_taus, math.exp(log_floor), float(10 * np.log10(ends[0] / ends[1])))
+
+
+def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, tuple[float, ...]]:
+    """Cost and (ln A, n_taus, ln floor) of the least squares that starts at a floor."""
+    from scipy.optimize import least_squares
+
+    def misfit(x: FloatArray) -> FloatArray:
+        return np.asarray(x[0] + np.logaddexp(-2 * x[1] * time, x[2]) - level)
+
+    def slopes(x: FloatArray) -> FloatArray:
+        share = np.exp(-2 * x[1] * time - np.logaddexp(-2 * x[1] * time, x[2]))
+        return np.stack([np.ones_like(time), -2 * time * share, 1 - share], axis=1)
+
+    middle = len(time) // 2
+    start = float(np.clip((level[0] - level[middle]) / (2 * (time[middle] - time[0])), 0.1, 400.0))
+    limits = ([-np.inf, 1e-3, LOWEST_LOG_FLOOR], [np.inf, 500.0, 5.0])
+    found = least_squares(misfit, [level[0], start, log_floor], slopes, bounds=limits)
+    return float(found.cost), tuple(float(x) for x in found.x)
+
+
+def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
+    """(n, `N_BLOCKS`) mean energy of equal blocks up to the last sound, and their whole length in s."""
+    loudest = np.abs(responses).max(axis=0)
+    sounding = np.flatnonzero(loudest > FAINTEST * loudest.max(initial=0.0))
+    if not len(sounding):
+        raise InvalidParameter("response: found zero everywhere, expected an impulse response")
+    size = (int(sounding[-1]) + 1) // N_BLOCKS
+    if size < 1:
+        raise InvalidParameter(f"response: found {sounding[-1] + 1} samples, expected at least {N_BLOCKS}")
+    cut = responses[:, : size * N_BLOCKS].reshape(-1, N_BLOCKS, size)
+    return np.asarray(np.square(cut).mean(axis=2)), size * N_BLOCKS / rate_hz
+
+
+def _check_sounds(response: FloatArray) -> None:
+    if not np.any(response):
+        raise InvalidParameter("response: found zero everywhere, expected an impulse response")
+
+
+def _first(energy: FloatArray) -> int:
+    return max(1, int(np.argmax(energy)))
+
+
+def _identified(energy: FloatArray) -> Decay:
+    if _first(energy) > N_BLOCKS // 2:
+        raise InvalidParameter("response: found its loudest part in the second half, expected a decay; learn longer")
+    decay = decay_of(energy)
+    if decay.fall_db < LEAST_FALL_DB:
+        raise InvalidParameter(
+            f"response: found a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor, expected at least "
+            f"{LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
+        )
+    return decay
+
+
+def _variance(channels: FloatArray) -> float:
+    """Variance of ln(n_taus) of the sum over (n_channels, `N_BLOCKS`), by leaving out channels, then stretches."""
+    whole = channels.sum(axis=0)
+    n = min(N_LEFT_OUT, len(channels))
+    fewer = [decay_of(whole - channels[i::n].sum(axis=0)) for i in range(n)] if n > 1 else []
+    blocks = np.arange(_first(whole), N_BLOCKS)
+    shorter = [decay_of(whole, np.setdiff1d(blocks, part)) for part in np.array_split(blocks, N_LEFT_OUT)]
+    return sum((len(d) - 1) * float(np.var(np.log([x.n_taus for x in d]))) for d in (fewer, shorter) if d)
+
+
+@checked
+def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> Estimate:
+    """The mean with its interval from Student's t; infinite with fewer than two values."""
+    from scipy.stats import t
+
+    between("mean_estimate", 0, 1, confidence=confidence)
+    mean = float(np.mean(values))
+    if len(values) < 2:
+        return Estimate(mean, -np.inf, np.inf)
+    half = float(t.ppf((1 + confidence) / 2, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values)))
+    return Estimate(mean, mean - half, mean + half)

@@ -1,0 +1,251 @@
+"""Learning impulse responses: an excitation on each channel, what was recorded, and a regularised deconvolution.
+
+With p the excitation, r the recording and P, R their spectra, h = IFFT(R P* / (abs(P)^2 + epsilon)): Tikhonov's
+regularisation, which keeps what the excitation holds little of from being raised to noise. Both are padded with zeros,
+so that the convolution is linear. A sweep after Farina (Audio Engineering Society Convention 108, 2000, preprint 5093)
+puts products of distortion before the response; a maximum-length sequence is white and has the lowest peak for its
+energy.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive, within
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files.durable import read_file
+from tactometry.files.samples import Npz
+from tactometry.stimuli.time_reversal.oscillators.oscillators import QUANTITIES
+from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+FloatArray = NDArray[np.float64]
+
+REGULARISATION: Final = 1e-6
+"""Of the mean power of the excitation's spectrum in its band (unverified default)."""
+FADE_PART: Final = 0.05
+"""Part of a sweep over which it rises, and falls (unverified default)."""
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """What is played on one channel: values from -1 to 1, and the band (Hz) that they fill.
+
+    Examples
+    --------
+    >>> sweep(20e3, 60e3, rate_hz=250e3, duration_s=0.01).samples.shape, sequence(10, rate_hz=250e3).samples.shape
+    ((2500,), (1023,))
+    """
+
+    samples: FloatArray
+    rate_hz: float
+    f_min_hz: float
+    f_max_hz: float
+    name: str
+
+
+@checked
+def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
+    """An exponential sweep with raised-cosine ends.
+
+    Raises
+    ------
+    InvalidParameter
+        If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
+    """
+    positive("sweep", f_min_hz=f_min_hz)
+    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)
+    n = samples_in("sweep.duration_s", duration_s, rate_hz)
+    if n < 2:
+        raise InvalidParameter(f"sweep.duration_s: found {duration_s}, expected at least two samples")
+    time_s, growth_s = np.arange(n) / rate_hz, n / rate_hz / np.log(f_max_hz / f_min_hz)
+    phase_rad = 2 * np.pi * f_min_hz * growth_s * np.expm1(time_s / growth_s)
+    edge = np.clip(np.minimum(np.arange(n), np.arange(n)[::-1]) / max(FADE_PART * n, 1.0), 0.0, 1.0)
+    samples = np.sin(phase_rad) * np.sin(np.pi / 2 * edge) ** 2
+    return Excitation(samples, rate_hz, f_min_hz, f_max_hz, "sweep")
+
+
+@checked
+def sequence(order: int, *, rate_hz: float) -> Excitation:
+    """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
+
+    Raises
+    ------
+    InvalidParameter
+        If the order is not from 2 to 24.
+    """
+    from scipy.signal import max_len_seq
+
+    within("sequence", 2, 24, order=order)
+    positive("sequence", rate_hz=rate_hz)
+    return Excitation(
+        1.0 - 2.0 * max_len_seq(order)[0].astype(np.float64), rate_hz, 0.0, rate_hz / 2, "maximum-length sequence"
+    )
+
+
+@checked
+def deconvolved(
+    played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
+) -> FloatArray:
+    """The response that turns `played` into `recorded`.
+
+    Parameters
+    ----------
+    played : (n_played,) array
+        The excitation, or the recording of it on a reference channel, which takes the latency away.
+    recorded : (..., n_recorded) array
+        From the same instant on; what comes later than `n_recorded` counts as zero, so record the tail.
+    n_samples : int
+        Of the response, at least 1, at most `n_recorded`.
+    regularisation : float
+        Of the mean power of the played spectrum, at least 0. The response is scaled by P^2 / (P^2 + epsilon): within
+        this part of the truth where the excitation has its mean power, and small where it has none.
+
+    Returns
+    -------
+    (..., n_samples) array
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated or the excitation is zero.
+
+    Examples
+    --------
+    >>> h = np.array([0.0, 2.0, -1.0])
+    >>> pulse = sequence(6, rate_hz=1e3).samples
+    >>> deconvolved(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
+    [0.0, 2.0, -1.0]
+    """
+    from scipy.fft import next_fast_len
+
+    within("deconvolved", 1, recorded.shape[-1], n_samples=n_samples)
+    within("deconvolved", 0.0, 1e6, regularisation=regularisation)
+    n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))
+    spectrum = np.fft.rfft(played, n_fft)
+    power = np.square(np.abs(spectrum))
+    if not power.any():
+        raise InvalidParameter("played: found zeros alone, expected an excitation")
+    inverse = np.conj(spectrum) / (power + regularisation * power.mean())
+    return np.asarray(np.fft.irfft(np.fft.rfft(recorded, n_fft) * inverse, n_fft)[..., :n_samples])
+
+
+@checked
+def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
+    """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
+
+    Examples
+    --------
+    >>> pulse = sequence(8, rate_hz=1e3).samples
+    >>> delay_s(pulse, np.concatenate([np.zeros(7), pulse]), 1e3)
+    0.007
+    """
+    from scipy.signal import correlate, correlation_lags
+
+    positive("delay_s", rate_hz=rate_hz)
+    matched = np.abs(correlate(recorded, played, method="fft"))
+    lags = correlation_lags(len(recorded), len(played))
+    peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))
+    before, at, after = (matched[min(max(peak + k, 0), len(matched) - 1)] for k in (-1, 0, 1))
+    bend = before - 2 * at + after
+    shift = 0.5 * (before - after) / bend if bend < 0 else 0.0
+    return float(round((lags[peak] + shift) / rate_hz, 12))
+
+
+@checked
+def learnt(
+    played: FloatArray,
+    recorded: FloatArray,
+    rate_hz: float,
+    *,
+    duration_s: float,
+    quantity: str = "displacement",
+    regularisation: float = REGULARISATION,
+) -> Responses:
+    """The responses of one point to every channel.
+
+    Parameters
+    ----------
+    played : (n_played,) or (n_channels, n_recorded) array
+        The excitation in the unit of the drive (V), the same for all; or what a reference channel recorded of each.
+    recorded : (n_channels, n_recorded) array
+        What the point did, in the unit of `quantity`, while each channel was played alone.
+    rate_hz : float
+    duration_s : float
+        How long a response is kept.
+
+    Raises
+    ------
+    InvalidParameter
+        If the shapes do not fit, or a value is not as stated.
+    """
+    recorded = np.asarray(recorded, float)
+    played = np.asarray(played, float)
+    if recorded.ndim != 2 or played.ndim not in (1, 2) or (played.ndim == 2 and len(played) != len(recorded)):
+        raise InvalidParameter(
+            f"learnt: found played {played.shape} and recorded {recorded.shape}, expected (n_played,) or one row per "
+            "channel, and (n_channels, n_recorded)"
+        )
+    n = samples_in("learnt.duration_s", duration_s, rate_hz)
+    rows = np.broadcast_to(played, (len(recorded), played.shape[-1]))
+    samples = [deconvolved(p, r, n, regularisation=regularisation) for p, r in zip(rows, recorded, strict=True)]
+    return Responses(np.array(samples)[None], rate_hz, quantity)
+
+
+@checked
+def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> Responses:
+    """The displacement of responses in velocity or acceleration: divided by (i omega)^k within a band, 0 beside it.
+
+    The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
+
+    Raises
+    ------
+    InvalidParameter
+        If the band does not rise, begins at 0 or passes the Nyquist frequency.
+
+    Examples
+    --------
+    >>> velocity = Responses(np.eye(1, 64, 9)[None], 1e3, "velocity")
+    >>> as_displacement(velocity, 100.0, 400.0).quantity
+    'displacement'
+    """
+    positive("as_displacement", f_min_hz=f_min_hz)
+    within("as_displacement", np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2, f_max_hz=f_max_hz)
+    n_fft = 2 * responses.n_samples
+    frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
+    inside = np.clip(np.minimum(frequency_hz - 0.9 * f_min_hz, f_max_hz + 0.1 * f_min_hz - frequency_hz), 0, None)
+    window = np.sin(np.pi / 2 * np.clip(inside / (0.1 * f_min_hz), 0, 1)) ** 2
+    factor = window / (2j * np.pi * np.where(window > 0, frequency_hz, 1.0)) ** QUANTITIES.index(responses.quantity)
+    samples = np.fft.irfft(np.fft.rfft(responses.samples, n_fft) * factor, n_fft)[..., : responses.n_samples]
+    return Responses(samples, responses.rate_hz, "displacement")
+
+
+@checked
+def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:
+    """Keep responses as NPZ that `measured.read` reads, with where they come from as JSON in ``provenance``."""
+    said = json.dumps(dict(provenance))
+    np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=said)
+
+
+@checked
+def read_provenance(path: Path) -> dict[str, str | float | int]:
+    """Where learnt responses come from; empty for a file that does not say.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is no NPZ of responses.
+    """
+    content = read_file(path, "learnt responses")
+    try:
+        file = Npz(content)
+        return dict(json.loads(file.words("provenance"))) if "provenance" in file else {}
+    except (ValueError, TypeError, RecursionError) as error:
+        raise InvalidFile(f"{path}: cannot be read as learnt responses ({error}), expected an NPZ file") from None

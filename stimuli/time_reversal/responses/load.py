@@ -1,0 +1,284 @@
+"""Local loads on the plate as a low-rank update in the frequency domain.
+
+With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1
+H_cs. It is written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the
+size of H_cc, which is exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z,
+nowhere an overflow.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Unbounded, UnboundedComplex
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import not_negative, positive, shaped, whole
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.responses.responses import Point, Responses, impulse_responses, values_at
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+WRAP_AROUND: Final = 1e-8
+"""What is left of the response after one period of the discrete transform."""
+
+CHUNK: Final = 256
+"""Frequencies at a time: the motion of some hundred modes stays in cache."""
+
+RECEPTANCES_AT_ONCE: Final = 2**20
+"""Pairs of contacts times frequencies, 16 MB: a thousand contacts are taken one frequency at a time."""
+
+WEIGHTS_AT_ONCE: Final = 2**14
+"""Pairs of contacts whose modal weights are multiplied at a time."""
+
+COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
+
+
+@runtime_checkable
+class Attached(Protocol):
+    """Something on the plate that answers one motion of it with one generalised force."""
+
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): that motion in each mode: the displacement of a point, or the curvature of a patch."""
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
+
+
+@checked
+@dataclass(frozen=True)
+class Load:
+    """A mass, a damper and a spring to ground at a point of the plate.
+
+    Parameters
+    ----------
+    x_m, y_m : float
+    resistance_n_s_per_m, mass_kg : float
+        At least 0.
+    stiffness_n_per_m : float
+        At least 0; ``math.inf`` pins the point.
+    """
+
+    x_m: float
+    y_m: float
+    resistance_n_s_per_m: float = 0.0
+    mass_kg: float = 0.0
+    stiffness_n_per_m: Unbounded = 0.0
+
+    def __post_init__(self) -> None:
+        not_negative("Load", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
+        if not self.stiffness_n_per_m >= 0:
+            raise InvalidParameter(
+                f"Load.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
+            )
+
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): the shapes at the contact."""
+        screen.plate.check_holds("Load", (self.x_m, self.y_m))
+        return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """Force per displacement m s^2 + R s + k (N/m) at complex frequencies s (rad/s); infinite for a pin."""
+        return self.mass_kg * s**2 + self.resistance_n_s_per_m * s + self.stiffness_n_per_m
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Receptances:
+    """Displacement per force between sets of modal weights, on a grid of complex frequencies.
+
+    The reciprocal denominators 1 / (M (s^2 + 2 a s + w^2)) are formed once and shared by every pair.
+    """
+
+    compliance: ComplexArray
+
+    @classmethod
+    def of(cls, oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> "Receptances":
+        """`compliance` (n_modes, n_frequencies)."""
+        positive("Receptances.of", mass_kg=mass_kg)
+        omega2 = oscillators.omega_rad_per_s[:, None] ** 2
+        return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
+
+    def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
+        """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
+        self._check(to=to, of=of)
+        return self._pairs(to[:, :, None] * of[:, None, :])
+
+    def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex) -> ComplexArray:
+        """(n_to, n_of, n_frequencies): what contacts take away from `between(to, of)`.
+
+        With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
+        n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
+
+        Parameters
+        ----------
+        at : (n_modes, k) array
+            Modal weights of the contacts.
+        stiffness : (n_frequencies, k) array
+            Dynamic stiffness of each; infinite pins it.
+
+        Raises
+        ------
+        InvalidParameter
+            If pinned contacts coincide.
+        """
+        self._check(to=to, of=of, at=at)
+        if of.shape[1] < to.shape[1]:
+            return self.correction(of, to, at, stiffness).swapaxes(0, 1)
+        n_frequencies, k = self.compliance.shape[1], at.shape[1]
+        shaped("Receptances.correction.stiffness", stiffness, (n_frequencies, k))
+        out = np.empty((to.shape[1], of.shape[1], n_frequencies), complex)
+        step = max(1, RECEPTANCES_AT_ONCE // max(k, 1) ** 2)
+        for start in range(0, n_frequencies, step):
+            part = slice(start, start + step)
+            Receptances(self.compliance[:, part])._take(to, of, at, stiffness[part], out[:, :, part])
+        return out
+
+    def _take(
+        self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex, out: ComplexArray
+    ) -> None:
+        for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
+            for start in range(0, len(stiffness), CHUNK):
+                part = slice(start, start + CHUNK)
+                taken[:, part] = _times(of.T, _times(at, toward[:, part]) * self.compliance[:, part])
+
+    def among(self, at: FloatArray) -> ComplexArray:
+        """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
+        self._check(at=at)
+        k = at.shape[1]
+        among = np.empty((self.compliance.shape[1], k, k), complex)
+        i, j = np.triu_indices(k)
+        for start in range(0, len(i), WEIGHTS_AT_ONCE):
+            left, right = i[start : start + WEIGHTS_AT_ONCE], j[start : start + WEIGHTS_AT_ONCE]
+            among[:, left, right] = among[:, right, left] = self._pairs(at[:, left] * at[:, right]).T
+        return among
+
+    def _check(self, **weights: FloatArray) -> None:
+        for name, each in weights.items():
+            shaped(name, each, (len(self.compliance), None))
+
+    def _pairs(self, weights: FloatArray) -> ComplexArray:
+        """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
+        found = _times(weights.reshape(len(weights), math.prod(weights.shape[1:])).T, self.compliance)
+        return found.reshape(*weights.shape[1:], self.compliance.shape[1])
+
+
+@checked
+def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
+    """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
+
+    Parameters
+    ----------
+    to_contacts : (n_to, k, n_frequencies) array
+        H_rc.
+    among : (n_frequencies, k, k) array
+        H_cc.
+    stiffness : (n_frequencies, k) array
+        Dynamic stiffness of each contact; infinite pins it.
+
+    Raises
+    ------
+    InvalidParameter
+        If pinned contacts coincide.
+    """
+    shaped("carried.to_contacts", to_contacts, (None, None, None))
+    n_contacts, n_frequencies = to_contacts.shape[1:]
+    shaped("carried.among", among, (n_frequencies, n_contacts, n_contacts))
+    shaped("carried.stiffness", stiffness, (n_frequencies, n_contacts))
+    a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
+    system = among * a[:, None, :]
+    np.einsum("fkk->fk", system)[...] += b
+    try:
+        turned = np.linalg.solve(system.transpose(0, 2, 1), (to_contacts * a.T).transpose(2, 1, 0))
+    except np.linalg.LinAlgError as error:
+        raise InvalidParameter(COINCIDENT_PINS) from error
+    return np.ascontiguousarray(turned.transpose(2, 1, 0))
+
+
+@checked
+def loaded_receptance(
+    receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex
+) -> ComplexArray:
+    """(n_to, n_of, n_frequencies): receptances of the plate that bears contacts; see `Receptances`."""
+    return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)
+
+
+@checked
+def loaded_responses(
+    screen: Screen,
+    points: Sequence[Point],
+    loads: Sequence[Attached],
+    *,
+    rate_hz: float,
+    duration_s: float,
+    f_max_hz: float,
+) -> Responses:
+    """Displacement responses with loads on the plate.
+
+    The unloaded part is the exact sum over modes; only the correction goes through a discrete transform, on the contour
+    s = sigma + i w: regular without attenuation, no wrap-around. The correction of a damper falls with the third power
+    of frequency, that of a pin with the second: what the Nyquist frequency cuts off is then up to 3 % and lies near
+    that frequency, so limit the band afterwards.
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+    >>> sampling = {"rate_hz": 50e3, "duration_s": 1e-3, "f_max_hz": 10e3}
+    >>> free = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling)
+    >>> same = loaded_responses(A4_PROTOTYPE, [(0.1, 0.1)], [Load(0.1, 0.1, 0.0)], **sampling)
+    >>> bool((same.samples == free.samples).all())
+    True
+    """
+    free = impulse_responses(screen, points, rate_hz=rate_hz, duration_s=duration_s, f_max_hz=f_max_hz)
+    if not loads or free.n_samples == 0:
+        return free
+    _check_pins(loads)
+    s, growth, n_fft = contour(free.n_samples, rate_hz)
+    receptances = Receptances.of(screen.oscillators(f_max_hz), screen.plate.mass_kg, s)
+    at = np.stack([load.weights(screen, f_max_hz) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    to, of = values_at(screen, points, f_max_hz), screen.modal_forces(f_max_hz)
+    taken = receptances.correction(to, of, at, stiffness)
+    correction = np.fft.irfft(taken, n_fft)[..., : free.n_samples] * growth
+    return replace(free, samples=free.samples - correction)
+
+
+@checked
+def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, int]:
+    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
+    transform.
+    """
+    from scipy.fft import next_fast_len
+
+    whole("contour", lowest=1, n_samples=n_samples)
+    positive("contour", rate_hz=rate_hz)
+    n_fft = int(next_fast_len(2 * n_samples, real=True))
+    shift = -math.log(WRAP_AROUND) * rate_hz / n_fft
+    s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
+    return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
+
+
+def _check_pins(loads: Sequence[Attached]) -> None:
+    pins = [(each.x_m, each.y_m) for each in loads if isinstance(each, Load) and math.isinf(each.stiffness_n_per_m)]
+    if len(set(pins)) < len(pins):
+        raise InvalidParameter(COINCIDENT_PINS)
+
+
+def _times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
+    """A product of a real and a complex matrix, without making the real one complex."""
+    return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
+
+
+def _balanced(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h); 1 / h and 0 for an infinite Z."""
+    pinned = np.isinf(stiffness)
+    finite = np.where(pinned, 0.0, stiffness)
+    scale = 1 / (1 + np.abs(finite) * size)
+    a = np.where(pinned, 1 / np.where(size > 0, size, 1.0), finite * scale)
+    return a, np.where(pinned & (size > 0), 0.0, scale).astype(complex)

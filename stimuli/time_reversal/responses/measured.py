@@ -1,0 +1,285 @@
+"""Impulse responses that were measured: read, align, trim, check.
+
+Files
+-----
+WAV : one file per point, one channel per transducer; the rate from the header, full scale in m (m/s, m/s^2)
+per unit of
+    the drive from the caller. 8-bit samples are unsigned around 128, as the format has it.
+NPZ, HDF5 : ``samples`` (n_points, n_channels, n_samples), ``rate_hz``, and optionally ``quantity``.
+CSV : first line ``# rate_hz=100000 quantity=displacement unit=um``, then a header row with one name per
+    transducer and one column each; one file per point. ``scale`` is a factor on top of the unit.
+"""
+
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import one_of, positive, shaped, some, within
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files.durable import LARGEST_BYTES, read_file
+from tactometry.files.hdf5 import as_npz
+from tactometry.files.samples import Npz, table_of_numbers, wav_of
+from tactometry.stimuli.time_reversal.responses.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+FloatArray = NDArray[np.float64]
+
+CLIPPED_RUN: Final = 3
+"""Equal samples at the extreme of a channel that betray clipping."""
+
+_PREFIXES: Final = {"": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
+_UNITS: Final = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+_CSV_WORDS: Final = ("rate_hz", "quantity", "unit", "scale")
+
+
+FLUCTUATION: Final = 20.0
+"""Factor by which the power of a tenth of one pair may exceed the decay that the pairs share; unverified default."""
+
+
+@checked
+def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
+    """Responses from files, one point after the other.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        ``.wav``, ``.npz``, ``.h5``, ``.hdf5`` or ``.csv``, all with the same rate, channels and length.
+    full_scale : float
+        What a WAV sample of 1.0 stands for, in the unit of `quantity` per unit of the drive.
+    quantity : str
+        Of files that do not say it themselves.
+
+    Raises
+    ------
+    InvalidFile
+        If a file cannot be read as what it claims to be, or the files do not match.
+    """
+    some("read.paths", paths)
+    positive("read", full_scale=full_scale)
+    parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
+    for path, part in zip(paths, parts, strict=True):
+        if (part.rate_hz, part.quantity, part.samples.shape[1:]) != _kind(parts[0]):
+            raise InvalidFile(
+                f"{path}: found {part.samples.shape[1]} channels of {part.n_samples} samples at {part.rate_hz} Hz "
+                f"({part.quantity}), expected the same as in {paths[0]}"
+            )
+    return replace(parts[0], samples=np.concatenate([part.samples for part in parts]))
+
+
+@checked
+def write_npz(responses: Responses, path: Path) -> None:
+    """Keep responses in a file that `read` reads."""
+    np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity)
+
+
+@checked
+def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
+    """A piece of the responses."""
+    first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
+    if first < 0 or n < 1 or first + n > responses.n_samples:
+        raise InvalidParameter(
+            f"start_s, duration_s: found {start_s} and {duration_s}, expected a piece of {responses.duration_s} s"
+        )
+    return replace(responses, samples=responses.samples[:, :, first : first + n])
+
+
+@checked
+def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
+    """Every channel moved earlier by its delay, by a phase ramp: exact to fractions of a sample.
+
+    Parameters
+    ----------
+    delay_s : sequence of float
+        One per channel: latency of the output and the trigger; what moves before time 0 is cut off.
+    """
+    if len(delay_s) != responses.n_channels:
+        raise InvalidParameter(f"delay_s: found {len(delay_s)}, expected {responses.n_channels}, one per channel")
+    n_fft = 2 * responses.n_samples
+    frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
+    ramp = np.exp(2j * np.pi * frequency_hz * np.asarray(delay_s, float)[:, None])
+    moved = np.fft.irfft(np.fft.rfft(responses.samples, n_fft) * ramp, n_fft)
+    return replace(responses, samples=moved[:, :, : responses.n_samples])
+
+
+@checked
+@dataclass(frozen=True)
+class Findings:
+    """What is wrong with measured responses, by (point, channel); all empty for sound ones.
+
+    `clipped` repeat their largest value, `silent` are zero, `noisy` end less than `snr_db` below their start.
+    """
+
+    clipped: tuple[tuple[int, int], ...]
+    silent: tuple[tuple[int, int], ...]
+    noisy: tuple[tuple[int, int], ...]
+
+    @property
+    def sound(self) -> bool:
+        return not (self.clipped or self.silent or self.noisy)
+
+
+@checked
+def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
+    """Look for clipping, silent channels and a high noise floor.
+
+    The floor is the mean power of the last tenth, compared with that of the loudest tenth. The end of a short record is
+    allowed to be as loud as the decay that the pairs share leaves it.
+    """
+    within("inspect", -300.0, 300.0, snr_db=snr_db)
+    h = responses.samples
+    silent = ~h.any(axis=2)
+    tenth = max(h.shape[2] // 10, 1)
+    power = np.square(h[:, :, : tenth * (h.shape[2] // tenth)]).reshape(*h.shape[:2], -1, tenth).mean(axis=3)
+    allowed = max(10 ** (-snr_db / 10), _left_of_decay(h[~silent]))
+    noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * allowed)
+    clipped = ~silent & (_longest_run_at_peak(h) >= CLIPPED_RUN)
+    return Findings(*(tuple((int(p), int(q)) for p, q in np.argwhere(bad)) for bad in (clipped, silent, noisy)))
+
+
+def _left_of_decay(pairs: FloatArray) -> float:
+    """Share of its loudest tenth to which a pair may have decayed at its end; 0 where no decay can be told."""
+    size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
+    if size == 0:
+        return 0.0
+    energy = np.square(pairs[:, : size * N_BLOCKS]).reshape(len(pairs), N_BLOCKS, size).mean(axis=2)
+    share = np.maximum(energy / energy.max(axis=1, keepdims=True), 1e-30)
+    decay = decay_of(np.exp(np.log(share).mean(axis=0)))
+    return FLUCTUATION * math.exp(-1.8 * decay.n_taus) if decay.fall_db >= LEAST_FALL_DB else 0.0
+
+
+@checked
+def reciprocity_error(there: Vector, back: Vector) -> float:
+    """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
+    shaped("reciprocity_error.back", back, np.shape(there))
+    size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
+    if size == 0:
+        raise InvalidParameter("there, back: found zero everywhere, expected responses")
+    return float(np.sqrt(np.mean(np.square(np.asarray(there) - back)) / size))
+
+
+def _kind(responses: Responses) -> tuple[float, str, tuple[int, ...]]:
+    return responses.rate_hz, responses.quantity, responses.samples.shape[1:]
+
+
+def _longest_run_at_peak(h: FloatArray) -> NDArray[np.int64]:
+    """(n_points, n_channels): most consecutive samples at the extreme value of their channel."""
+    at_peak = np.abs(h) >= np.abs(h).max(axis=2, keepdims=True) * (1 - 1e-9)
+    run = np.zeros(h.shape[:2], np.int64)
+    longest = run.copy()
+    for sample in np.moveaxis(at_peak, 2, 0):
+        run = np.where(sample, run + 1, 0)
+        longest = np.maximum(longest, run)
+    return longest
+
+
+def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        raise InvalidFile(f"{path}: found {path.suffix!r}, expected one of {', '.join(_READERS)}")
+    content = read_file(path, "impulse responses")
+    try:
+        content = as_npz(path, LARGEST_BYTES) if suffix in _HDF5 else content
+        found = _READERS[suffix](content, full_scale, quantity)
+        if found.n_samples == 0:
+            raise ValueError("found no samples, expected at least one")
+    except ImportError as error:
+        raise InvalidFile(
+            f"{path}: found no h5py, expected it for an HDF5 file: pip install tactometry[hdf5]"
+        ) from error
+    except (ValueError, OverflowError, MemoryError) as error:
+        words = " ".join(str(error).split())
+        raise InvalidFile(f"{path}: cannot be read as impulse responses: {words}") from error
+    return found
+
+
+def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
+    rate_hz, frames = wav_of(content)
+    zero, unit = _wav_zero_and_unit(frames.dtype)
+    with np.errstate(invalid="ignore"):  # what is no number is refused below
+        samples = (frames.astype(float) - zero) * (full_scale / unit)
+    return Responses(samples.T[None], rate_hz, quantity)
+
+
+def _wav_zero_and_unit(kind: np.dtype[np.generic]) -> tuple[float, float]:
+    if kind.kind == "f":
+        return 0.0, 1.0
+    half = 2.0 ** (8 * kind.itemsize - 1)
+    return (half if kind.kind == "u" else 0.0), half
+
+
+def _read_npz(content: bytes, full_scale: float, quantity: str) -> Responses:
+    del full_scale
+    file = Npz(content)
+    said = file.words("quantity") if "quantity" in file else quantity
+    return Responses(_numbers("samples", file["samples"]), file.number("rate_hz"), said)
+
+
+def _numbers(name: str, found: NDArray[Any]) -> FloatArray:
+    if found.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: found an array of {found.dtype}, expected numbers")
+    return found.astype(np.float64, copy=False)
+
+
+def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
+    del full_scale
+    file = io.StringIO(content.decode("utf-8-sig"))
+    said = _said(file.readline())
+    names = _header(file.readline())
+    columns = table_of_numbers(file, n_columns=len(names))
+    kind = said.get("quantity", quantity)
+    scale = float(said.get("scale", "1")) * (_unit_scale(said["unit"], kind) if "unit" in said else 1.0)
+    return Responses(columns.T[None] * scale, float(said["rate_hz"]), kind)
+
+
+def _said(line: str) -> dict[str, str]:
+    """What the first line of a CSV file says, every word known and said once."""
+    words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
+    said = dict(words)
+    for word in said:
+        one_of("first line", word, _CSV_WORDS)
+    if len(said) < len(words):
+        raise ValueError(f"first line: found {line.strip()!r}, expected each word once")
+    if "rate_hz" not in said:
+        raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
+    return said
+
+
+def _header(line: str) -> list[str]:
+    """The names of the second line; numbers would be a sample taken for names."""
+    names = line.split(",")
+    if all(_is_number(cell) for cell in names):
+        raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")
+    return names
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _unit_scale(unit: str, quantity: str) -> float:
+    """SI units in one of `unit`."""
+    si = _UNITS.get(quantity, "")
+    one_of("unit", unit, [prefix + si for prefix in _PREFIXES])
+    return _PREFIXES[unit.removesuffix(si)]
+
+
+_HDF5: Final = (".h5", ".hdf5")
+_READERS: Final[Mapping[str, Callable[[bytes, float, str], Responses]]] = {
+    ".wav": _read_wav,
+    ".npz": _read_npz,
+    ".h5": _read_npz,
+    ".hdf5": _read_npz,
+    ".csv": _read_csv,
+}

@@ -1,0 +1,198 @@
+"""Impulse responses from every channel to every point: of the model, or measured."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import one_of, whole
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.oscillators.oscillators import QUANTITIES, check_sampling
+from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float]
+
+CHUNK: Final = 16_384
+MAX_SAMPLES: Final = 1_000_000_000
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """What each point does per unit sample on each channel.
+
+    Parameters
+    ----------
+    samples : (n_points, n_channels, n_samples) array
+        Finite; m, m/s or m/s^2 per unit of the channel. The array is made read-only.
+    rate_hz : float
+        Above 0.
+    quantity : str
+        ``displacement``, ``velocity`` or ``acceleration``.
+    """
+
+    samples: FloatArray
+    rate_hz: float
+    quantity: str = "displacement"
+
+    def __post_init__(self) -> None:
+        samples = np.asarray(self.samples, float).view()
+        if samples.ndim != 3 or 0 in samples.shape[:2]:
+            raise InvalidParameter(
+                f"Responses.samples: found shape {samples.shape}, expected (n_points, n_channels, n_samples) "
+                "with at least one point and one channel"
+            )
+        check_sampling(self.rate_hz, samples.shape[2])
+        one_of("Responses.quantity", self.quantity, QUANTITIES)
+        samples.setflags(write=False)
+        object.__setattr__(self, "samples", samples)
+
+    @property
+    def n_points(self) -> int:
+        return int(self.samples.shape[0])
+
+    @property
+    def n_channels(self) -> int:
+        return int(self.samples.shape[1])
+
+    @property
+    def n_samples(self) -> int:
+        return int(self.samples.shape[2])
+
+    @property
+    def duration_s(self) -> float:
+        return self.n_samples / self.rate_hz
+
+    def at_point(self, index: int) -> "Responses":
+        """The responses of one point."""
+        return replace(self, samples=self.samples[index : index + 1])
+
+    def of_channels(self, channels: Sequence[int]) -> "Responses":
+        """The responses of some channels."""
+        return replace(self, samples=self.samples[:, list(channels)])
+
+
+@checked
+def impulse_responses(
+    screen: Screen,
+    points: Sequence[Point],
+    *,
+    rate_hz: float,
+    duration_s: float,
+    f_max_hz: float,
+    quantity: str = "displacement",
+    static_to_hz: float | None = None,
+) -> Responses:
+    """Responses of the model, the exact sum over the modes below `f_max_hz`.
+
+    A unit sample is an impulse of area 1 / rate. All pairs of point and channel are summed at once, chunk by
+    chunk of time; see `modal_sum`.
+
+    Parameters
+    ----------
+    screen : Screen
+    points : sequence of (x_m, y_m)
+    rate_hz : float
+        At least twice `f_max_hz`.
+    duration_s : float
+        At least 0; rounded to whole samples.
+    static_to_hz : float, optional
+        Above `f_max_hz`: the modes between the two follow at once, without inertia, which puts their static compliance
+        on sample 0 (displacement only). Up to half of `f_max_hz` they do better than three times as many modes.
+
+    Raises
+    ------
+    InvalidParameter
+        If a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist frequency, or
+        `static_to_hz` does not fit.
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+    >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
+    >>> h.samples.shape
+    (1, 32, 50)
+    """
+    one_of("impulse_responses.quantity", quantity, QUANTITIES)
+    n_samples = samples_in("duration_s", duration_s, rate_hz)
+    if 2 * f_max_hz > rate_hz:
+        raise InvalidParameter(
+            f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
+        )
+    from tactometry.stimuli.time_reversal.oscillators.modal_sum import modal_sums
+
+    weights = _weights(screen, points, f_max_hz)
+    out = np.empty((weights.shape[0] * weights.shape[1], n_samples))
+    flat = weights.reshape(len(out), -1) / (screen.plate.mass_kg * rate_hz)
+    for start, stop in chunks(n_samples):
+        modal_sums(screen.oscillators(f_max_hz), flat, rate_hz, start, stop, quantity, out=out[:, start:stop])
+    if static_to_hz is not None and n_samples:
+        out[:, 0] += _static_residual(screen, points, f_max_hz, static_to_hz, quantity).ravel()
+    return Responses(out.reshape(*weights.shape[:2], n_samples), rate_hz, quantity)
+
+
+@checked
+def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
+    """Whole samples of a duration, at least 0."""
+    check_sampling(rate_hz, 0)
+    if not (np.isfinite(duration_s) and duration_s >= 0):
+        raise InvalidParameter(f"{name}: found {duration_s}, expected a finite time, at least 0")
+    if duration_s * rate_hz > MAX_SAMPLES:
+        raise InvalidParameter(
+            f"{name}: found {duration_s} s at {rate_hz} Hz, expected at most {MAX_SAMPLES:.0e} samples"
+        )
+    return round(duration_s * rate_hz)
+
+
+@checked
+def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
+    """Start and stop of pieces of at most `size` samples."""
+    whole("chunks", lowest=1, size=size)
+    for start in range(0, n_samples, size):
+        yield start, min(start + size, n_samples)
+
+
+def _weights(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
+    """(n_points, n_channels, n_modes): shape at the point times force of the channel."""
+    at_points = values_at(screen, points, f_max_hz)
+    return np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
+
+
+def _static_residual(
+    screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
+) -> FloatArray:
+    """(n_points, n_channels): static displacement per unit of a channel in the modes from `f_max_hz` on."""
+    if not f_max_hz < static_to_hz < np.inf or quantity != "displacement":
+        raise InvalidParameter(
+            f"static_to_hz: found {static_to_hz} for {quantity}, expected a frequency above f_max_hz = {f_max_hz} and "
+            "displacement"
+        )
+    omega = screen.modes(static_to_hz).angular_frequency_rad_per_s
+    left_out = omega > 2 * np.pi * f_max_hz
+    compliance = left_out / (screen.plate.mass_kg * np.where(left_out, omega, 1.0) ** 2)
+    at_points = values_at(screen, points, static_to_hz) * compliance[:, None]
+    return np.asarray(at_points.T @ screen.modal_forces(static_to_hz))
+
+
+@checked
+def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
+    """(n_modes, n_points): the shapes at points of the plate.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no point, or one is outside of the plate.
+    """
+    place = np.asarray(points, float)
+    if len(place) == 0:
+        raise InvalidParameter("points: found none, expected at least one")
+    if place.ndim != 2 or place.shape[1] != 2:
+        raise InvalidParameter(f"points: found shape {place.shape}, expected (n_points, 2), pairs (x_m, y_m)")
+    for i, (x, y) in enumerate(place):
+        screen.plate.check_holds(f"points[{i}]", (x, y))
+    return values(screen.modes(f_max_hz), place[:, 0], place[:, 1])

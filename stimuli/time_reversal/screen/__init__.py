@@ -1,0 +1,1 @@
+"""A plate with transducers and losses."""

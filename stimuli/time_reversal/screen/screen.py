@@ -1,0 +1,80 @@
+"""A haptic screen: a plate, its transducers and how it loses energy."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import some
+from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.plate.modes import Modes
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import Source, border, modal_forces
+
+FloatArray = NDArray[np.float64]
+
+
+@checked
+@dataclass(frozen=True)
+class Screen:
+    """Plate, sources and attenuation.
+
+    Parameters
+    ----------
+    plate : Plate
+    sources : sequence of Source
+        One channel each, at least one; kept as a tuple.
+    attenuation : Attenuation
+    shear_factor : float, optional
+        Mindlin's shear factor (5/6); None is Kirchhoff's thin plate.
+    """
+
+    plate: Plate
+    sources: Sequence[Source]
+    attenuation: Attenuation
+    shear_factor: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sources", tuple(self.sources))
+        some("Screen.sources", self.sources)
+        for i, source in enumerate(self.sources):
+            source.check(self.plate, f"Screen.sources[{i}]")
+
+    @property
+    def n_channels(self) -> int:
+        return len(self.sources)
+
+    def modes(self, f_max_hz: float) -> Modes:
+        """The modes below a frequency."""
+        return self.plate.modes(f_max_hz, shear_factor=self.shear_factor)
+
+    def oscillators(self, f_max_hz: float) -> Oscillators:
+        """The modes below a frequency as oscillators of unit mass."""
+        modes = self.modes(f_max_hz)
+        return Oscillators(modes.angular_frequency_rad_per_s, self.attenuation.rate_per_s(modes.frequency_hz))
+
+    def modal_forces(self, f_max_hz: float) -> FloatArray:
+        """(n_modes, n_channels): generalised force per unit of each channel."""
+        return _modal_forces(self, f_max_hz)
+
+
+@lru_cache(maxsize=8)
+def _modal_forces(screen: Screen, f_max_hz: float) -> FloatArray:
+    forces = modal_forces(screen.modes(f_max_hz), screen.sources)
+    forces.setflags(write=False)
+    return forces
+
+
+TAU_S: Final = 3.5e-3
+"""Attenuation constant that goes with the finger of `finger`; unverified default."""
+
+A4_PROTOTYPE: Final = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(TAU_S))
+"""The thesis's prototype: 32 patches on A4 glass of 1.1 mm. Edges, layout, patch and tau are unverified
+defaults.
+"""

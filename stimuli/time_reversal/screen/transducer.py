@@ -1,0 +1,184 @@
+"""What pushes the plate: point forces and bonded piezoelectric patches."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive, some, whole
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.plate.modes import Modes, laplacians, values
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+FloatArray = NDArray[np.float64]
+
+MOMENT_N_PER_V: Final = 8.2e-4
+"""Bending moment per length and volt of a patch; unverified default, set so that
+the one-bit drive of 0.2-60 kHz at 30 V makes a focus of 10 um on the A4 prototype."""
+
+MAX_TRANSDUCERS: Final = 10_000
+EDGE_TOLERANCE: Final = 1e-9
+
+
+@runtime_checkable
+class Source(Protocol):
+    """Something that drives the plate with one channel."""
+
+    def modal_force(self, modes: Modes) -> FloatArray:
+        """(n_modes,): generalised force on each mode per unit of the channel (N per N, or N per V)."""
+
+    def check(self, plate: Plate, name: str) -> None:
+        """Refuse a place outside of the plate."""
+
+
+@checked
+@dataclass(frozen=True)
+class PointForce:
+    """A normal force at a point; the channel's unit is N."""
+
+    x_m: float
+    y_m: float
+
+    def modal_force(self, modes: Modes) -> FloatArray:
+        return values(modes, self.x_m, self.y_m)[:, 0]
+
+    def check(self, plate: Plate, name: str) -> None:
+        plate.check_holds(name, (self.x_m, self.y_m))
+
+
+@checked
+@dataclass(frozen=True)
+class Patch:
+    """A rectangular patch that bends the plate by a moment along its outline; the channel's unit is V.
+
+    The generalised force is -m V times the integral of the Laplacian of the shape over the patch, exact for
+    both kinds of modes.
+
+    Parameters
+    ----------
+    x_m, y_m : float
+        Centre.
+    length_m, width_m : float
+        Sides along x and y, above 0.
+    moment_n_per_v : float
+        Bending moment per length and volt (N m / m / V).
+    """
+
+    x_m: float
+    y_m: float
+    length_m: float
+    width_m: float
+    moment_n_per_v: float = MOMENT_N_PER_V
+
+    def __post_init__(self) -> None:
+        positive("Patch", length_m=self.length_m, width_m=self.width_m)
+
+    @property
+    def area_m2(self) -> float:
+        return self.length_m * self.width_m
+
+    def modal_force(self, modes: Modes) -> FloatArray:
+        x = (self.x_m - self.length_m / 2, self.x_m + self.length_m / 2)
+        y = (self.y_m - self.width_m / 2, self.y_m + self.width_m / 2)
+        bent_x = modes.products(lambda axis: axis.curvature_integral(*x), lambda axis: axis.integral(*y))
+        bent_y = modes.products(lambda axis: axis.integral(*x), lambda axis: axis.curvature_integral(*y))
+        return -self.moment_n_per_v * (bent_x + bent_y)[:, 0]
+
+    def check(self, plate: Plate, name: str) -> None:
+        _inside(plate, name, (self.x_m, self.y_m), (self.length_m / 2, self.width_m / 2))
+
+
+@checked
+@dataclass(frozen=True)
+class Disc:
+    """A circular patch, as `Patch`; integrated with Gauss's rule along the radius and equal angles.
+
+    Parameters
+    ----------
+    x_m, y_m : float
+        Centre.
+    diameter_m : float
+        Above 0.
+    moment_n_per_v : float
+        Bending moment per length and volt (N m / m / V).
+    """
+
+    x_m: float
+    y_m: float
+    diameter_m: float
+    moment_n_per_v: float = MOMENT_N_PER_V
+
+    def __post_init__(self) -> None:
+        positive("Disc", diameter_m=self.diameter_m)
+
+    @property
+    def area_m2(self) -> float:
+        return math.pi * self.diameter_m**2 / 4
+
+    def modal_force(self, modes: Modes) -> FloatArray:
+        x, y, weights = self._rule(modes)
+        return -self.moment_n_per_v * (laplacians(modes, x, y) @ weights)
+
+    def check(self, plate: Plate, name: str) -> None:
+        _inside(plate, name, (self.x_m, self.y_m), (self.diameter_m / 2, self.diameter_m / 2))
+
+    def _rule(self, modes: Modes) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points and weights for the shortest wave: 12 and wavenumber times radius nodes along the radius."""
+        radius = self.diameter_m / 2
+        k_max = math.sqrt(modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s)
+        n_radii = 12 + math.ceil(k_max * radius)
+        nodes, weights = np.polynomial.legendre.leggauss(n_radii)
+        r = radius * (nodes + 1) / 2
+        angle = np.arange(2 * n_radii) * (math.pi / n_radii)
+        x = self.x_m + np.outer(r, np.cos(angle))
+        y = self.y_m + np.outer(r, np.sin(angle))
+        area = np.outer(weights * r * radius / 2, np.full(angle.size, math.pi / n_radii))
+        return x.ravel(), y.ravel(), area.ravel()
+
+
+@checked
+def modal_forces(modes: Modes, sources: Sequence[Source]) -> FloatArray:
+    """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no source, or one is outside of the plate.
+    """
+    some("modal_forces.sources", sources)
+    for i, source in enumerate(sources):
+        source.check(modes.plate, f"sources[{i}]")
+    return np.stack([source.modal_force(modes) for source in sources], axis=1)
+
+
+@checked
+def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: float = 12e-3) -> list[Patch]:
+    """Square patches at equal steps along a rectangle `inset_m` inside the edges (unverified default layout).
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> len(border(A4_SCREEN, 32))
+    32
+    """
+    whole("border", lowest=1, highest=MAX_TRANSDUCERS, n_transducers=n_transducers)
+    a, b = plate.length_m - 2 * inset_m, plate.width_m - 2 * inset_m
+    if min(a, b) <= 0 or side_m > 2 * inset_m:
+        raise InvalidParameter(f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate")
+    along = (np.arange(n_transducers) + 0.5) / n_transducers * 2 * (a + b)
+    corners = np.array([0, a, a + b, 2 * a + b, 2 * (a + b)])
+    x = inset_m + np.interp(along, corners, [0, a, a, 0, 0])
+    y = inset_m + np.interp(along, corners, [0, 0, b, b, 0])
+    return [Patch(float(px), float(py), side_m, side_m) for px, py in zip(x, y, strict=True)]
+
+
+def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[float, float]) -> None:
+    room = EDGE_TOLERANCE * max(plate.length_m, plate.width_m)
+    for at, reach, side in zip(centre, half, (plate.length_m, plate.width_m), strict=True):
+        if not reach - room <= at <= side - reach + room:
+            raise InvalidParameter(
+                f"{name}: found a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m, "
+                f"expected it inside of the plate of {plate.length_m} x {plate.width_m} m"
+            )

@@ -1,0 +1,226 @@
+"""A focus, or a pattern of foci, as a stimulus of a study file: kinds `focus` and `pattern`."""
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Final, Literal
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import given, positive, whole
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.focusing.pattern import (
+    PATTERNS,
+    Envelope,
+    Exponential,
+    Pattern,
+    RaisedCosine,
+    Rectangular,
+    Sinc,
+    Table,
+)
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
+from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
+EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
+
+DRIVES: Final[dict[str, Quantiser]] = {
+    "one_bit": OneBit(),
+    "analogue": Analogue(),
+    "sigma_delta_1": SigmaDelta(order=1),
+    "sigma_delta_2": SigmaDelta(order=2),
+}
+ENVELOPES: Final[dict[str, Envelope]] = {
+    "rectangular": Rectangular(),
+    "raised_cosine": RaisedCosine(),
+    "exponential": Exponential(),
+    "sinc": Sinc(),
+}
+
+
+@checked
+@dataclass(frozen=True)
+class FocusTrain:
+    """One focus (P0, the default) or a train of foci; the level is the unloaded amplitude of the largest one.
+
+    Parameters
+    ----------
+    setup : Setup
+        The screen and the place of the focus.
+    pattern : str
+        P0 to P6; `repetition_hz`, `envelope` and `train_s` replace what it says.
+    drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
+        How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
+    f_min_hz, f_max_hz : float
+        Band of the learnt responses: 20 to 60 kHz is the filtered drive, 0.2 to 60 kHz the unfiltered one
+        (unverified defaults).
+    reversal_s : float, optional
+        T, at most `setup.learnt_s`; by default that, but no longer than the repetition time, so that drives do not
+        overlap.
+    voltage_max_v : float
+        What the amplifier can emit (unverified default).
+    duration_s : float
+        The interval in which the drive is played, from its beginning.
+    level_unit : {"dB re 1 um", "m"}
+    envelope_table : sequence of float, optional
+        Weights at equal steps over the train, in place of a named envelope.
+    modulation : {"voltage", "burst"}
+        Whether the voltage or the length of the burst makes a focus weaker.
+
+    Examples
+    --------
+    >>> stimulus = FocusTrain(Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3), f_max_hz=20e3)
+    >>> signal = stimulus.at(0.0)
+    >>> signal.samples.shape, round(signal.duration_s * 1e3, 3)
+    ((8, 350), 7.0)
+    """
+
+    setup: Setup = field(default_factory=Setup)
+    pattern: Literal["P0", "P1", "P2", "P3", "P4", "P5", "P6"] = "P0"
+    drive: Drive = "one_bit"
+    f_min_hz: float = 200.0
+    f_max_hz: float = 60e3
+    reversal_s: float | None = None
+    voltage_max_v: float = 200.0
+    duration_s: float = 0.5
+    level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
+    repetition_hz: float | None = None
+    envelope: EnvelopeName | None = None
+    train_s: float | None = None
+    envelope_table: tuple[float, ...] | None = None
+    modulation: Literal["voltage", "burst"] = "voltage"
+
+    def __post_init__(self) -> None:
+        if self.envelope_table is not None:
+            object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
+        positive("FocusTrain", duration_s=self.duration_s, voltage_max_v=self.voltage_max_v)
+        _check_band(self)
+        _check_times(self)
+
+    @property
+    def foci(self) -> Pattern:
+        """The pattern after replacement."""
+        named = PATTERNS[self.pattern]
+        return Pattern(
+            self.repetition_hz or named.repetition_hz,
+            self.train_s or named.duration_s,
+            self._shape or named.envelope,
+        )
+
+    @property
+    def _shape(self) -> Envelope | None:
+        if self.envelope_table is not None:
+            return Table(self.envelope_table)
+        return None if self.envelope is None else ENVELOPES[self.envelope]
+
+    @property
+    def emission_s(self) -> float:
+        """T: `reversal_s`, or its default."""
+        if self.reversal_s is not None:
+            return self.reversal_s
+        longest_s = self.setup.learnt_s
+        return longest_s if self.foci.n_foci == 1 else min(longest_s, 1 / self.foci.repetition_hz)
+
+    def at(self, level: float) -> Signal:
+        """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
+
+        Raises
+        ------
+        InvalidParameter
+            If the level is not finite or not above 0 m.
+        LimitExceeded
+            If it needs more than `voltage_max_v`.
+        """
+        return _family(self).at(level)
+
+    def voltage_v(self, level: float) -> float:
+        """Peak voltage of a level, before anything is played."""
+        return _family(self).voltage_v(level)
+
+    @property
+    def level_max(self) -> float:
+        """The largest level within `voltage_max_v`."""
+        return _family(self).level_max
+
+
+@checked
+def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
+    """The same foci from responses that were measured on a bench, in place of those of the model.
+
+    Parameters
+    ----------
+    train : FocusTrain
+        Its pattern, drive, band, reversal time and voltage hold; its setup does not.
+    heard : Responses
+        Displacement at the one point that is touched, at least `train.emission_s` long.
+
+    Raises
+    ------
+    InvalidParameter
+        If the responses are of several points, no displacements, too short, or sampled too slowly for the band.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> train = FocusTrain(setup, f_max_hz=20e3)
+    >>> found = measured(train, setup.responses_at(*setup.focus_m))
+    >>> found.voltage_v(0.0) == train.voltage_v(0.0)
+    True
+    """
+    n_points, _, n_samples = heard.samples.shape
+    n_learnt = samples_in("reversal_s", train.emission_s, heard.rate_hz)
+    if n_points != 1 or n_samples < n_learnt:
+        raise InvalidParameter(
+            f"responses: found {n_points} points of {n_samples} samples, expected 1 point of at least {n_learnt} (the "
+            f"{train.emission_s:g} s that are reversed); learn them longer, or shorten reversal_s"
+        )
+    n_filtered = max(n_learnt, samples_in("learnt_s", train.setup.learnt_s, heard.rate_hz))
+    return _reversed(train, replace(heard, samples=heard.samples[..., :n_filtered]), heard)
+
+
+@lru_cache(maxsize=32)
+def _family(train: FocusTrain) -> TimeReversalStimulus:
+    return _reversed(train, train.setup.learnt(), train.setup.responses_at(*train.setup.focus_m))
+
+
+def _reversed(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeReversalStimulus:
+    return TimeReversalStimulus(
+        band_limited(learnt, Band(train.f_min_hz, train.f_max_hz)),
+        train.foci,
+        DRIVES[train.drive],
+        train.emission_s,
+        train.voltage_max_v,
+        train.level_unit,
+        heard,
+        modulation=train.modulation,
+        tau_s=train.setup.tau_s,
+    )
+
+
+def _check_band(train: FocusTrain) -> None:
+    band = Band(train.f_min_hz, train.f_max_hz)
+    if band.f_max_hz > train.setup.modes_to_hz:
+        raise InvalidParameter(
+            f"FocusTrain.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
+            "lower it or raise setup.modes_to_hz"
+        )
+
+
+def _check_times(train: FocusTrain) -> None:
+    times = {"repetition_hz": train.repetition_hz, "train_s": train.train_s, "reversal_s": train.reversal_s}
+    positive("FocusTrain", **given(times))
+    n_reversal = samples_in("reversal_s", train.emission_s, train.setup.rate_hz)
+    whole("FocusTrain.reversal_s", lowest=1, n_samples=n_reversal)
+    if train.emission_s > train.setup.learnt_s:
+        raise InvalidParameter(
+            f"FocusTrain.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "
+            "shorten it or raise setup.learnt_s"
+        )
+    needed_s = float(train.foci.times_s[-1]) + train.emission_s
+    if needed_s > train.duration_s:
+        raise InvalidParameter(
+            f"FocusTrain.duration_s: found {train.duration_s}, shorter than the {needed_s:.6g} s of the drive; raise it"
+        )

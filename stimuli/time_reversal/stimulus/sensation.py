@@ -1,0 +1,227 @@
+"""What a finger at rest feels of drives of a screen: from the samples of all channels to a sensation level."""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import inf
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Vector
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import not_negative, positive
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.responses.load import Load, Receptances, contour
+from tactometry.stimuli.time_reversal.responses.responses import values_at
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+FloatArray = NDArray[np.float64]
+
+N_CACHED: Final = 32
+APART_S: Final = 1e-3
+"""Foci closer than this are one event to the skin; unverified default."""
+
+FAINT: Final = 0.5
+"""Peaks below this part of the largest one are reverberation, not foci; unverified default."""
+
+TOUCH_HZ: Final = 1000.0
+"""Where the sensitivity of touch is taken to end; it lies 77 dB below the best there."""
+
+GRID_S: Final = 1e-4
+
+
+@checked
+@dataclass(frozen=True)
+class TimeReversalSensation:
+    """Sensation level of the foci under a finger, by the one that is furthest above threshold, neighbours included.
+
+    The plate's displacement under the finger, exact with the finger's load, is in the ultrasonic range, where touch
+    feels nothing: each focus is felt as one event that throws the skin off. A train of events a_k at t_k is weighted
+    by the spectral sensitivity of touch: with g the response of a zero-phase filter of that gain, g(0) = 1, the felt
+    amplitude is the largest |sum_k a_k g(t - t_k)|, at least the largest a_k, and the level 20 log10 of it re
+    `reference_m`.
+
+    Parameters
+    ----------
+    setup : Setup
+        The screen and focus, the same as the stimulus has.
+    reference_m : float
+        Amplitude of a single focus at the detection threshold (the thesis: about 10 um); unverified default.
+    criterion : {"loaded", "unloaded"}
+        Whether the amplitude under the finger's load counts, or that of the free plate, as if no force took
+        anything.
+    resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
+        The finger at 2 N and its growth with force, as in `Finger`; unverified defaults, which lose 31 % at 2 N.
+    finger_x_m, finger_y_m : float, optional
+        Where the finger is; by default at the focus.
+
+    Examples
+    --------
+    >>> from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> signal = FocusTrain(setup, f_max_hz=20e3).at(20.0)
+    >>> felt = TimeReversalSensation(setup)
+    >>> round(felt.sensation_db(signal, Contact(force_n=1e-9)), 2)
+    -0.0
+    >>> felt.sensation_db(signal, Contact(force_n=2.0)) < -1
+    True
+    """
+
+    setup: Setup = field(default_factory=Setup)
+    reference_m: float = 10e-6
+    criterion: Literal["loaded", "unloaded"] = "loaded"
+    resistance_n_s_per_m: float = RESISTANCE_N_S_PER_M
+    mass_kg: float = 0.0
+    stiffness_n_per_m: float = 0.0
+    exponent: float = FORCE_EXPONENT
+    finger_x_m: float | None = None
+    finger_y_m: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("TimeReversalSensation", reference_m=self.reference_m)
+        not_negative(
+            "TimeReversalSensation",
+            resistance_n_s_per_m=self.resistance_n_s_per_m,
+            mass_kg=self.mass_kg,
+            stiffness_n_per_m=self.stiffness_n_per_m,
+        )
+        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
+
+    def sensation_db(self, signal: Signal, contact: Contact) -> float:
+        """Sensation level (dB) of a drive under a finger; ``-inf`` in silence and without contact.
+
+        Raises
+        ------
+        InvalidParameter
+            If the signal is not in volt, or its rate or channels are not those of the setup.
+        """
+        self._check(signal)
+        if contact.force_n == 0 or signal.peak == 0:
+            return -inf
+        times_s, peaks_m = events(self.displacement_m(signal, contact), signal.rate_hz)
+        return float(20 * np.log10(felt_amplitude_m(times_s, peaks_m) / self.reference_m))
+
+    def displacement_m(self, signal: Signal, contact: Contact) -> FloatArray:
+        """(n_samples,): what the plate does under the finger, as far as it counts."""
+        free = _free_displacement(Keyed(signal), self.setup, self._place)
+        if self.criterion == "unloaded":
+            return free
+        return loaded_displacement(free, self.setup, self._finger(contact.force_n))
+
+    def _finger(self, force_n: float) -> Load:
+        return Finger(
+            *self._place,
+            force_n,
+            self.resistance_n_s_per_m,
+            self.mass_kg,
+            self.stiffness_n_per_m,
+            self.exponent,
+        ).load()
+
+    @property
+    def _place(self) -> tuple[float, float]:
+        x_m, y_m = self.setup.focus_m
+        return (
+            x_m if self.finger_x_m is None else self.finger_x_m,
+            y_m if self.finger_y_m is None else self.finger_y_m,
+        )
+
+    def _check(self, signal: Signal) -> None:
+        n_channels = signal.samples.shape[0]
+        if signal.unit != "V" or n_channels != self.setup.n_transducers or signal.rate_hz != self.setup.rate_hz:
+            raise InvalidParameter(
+                f"sensation_db.signal: found {n_channels} channels in {signal.unit!r} at {signal.rate_hz:g} Hz, "
+                f"expected {self.setup.n_transducers} in volt ('V') at {self.setup.rate_hz:g} Hz, as in the setup"
+            )
+
+
+@checked
+def loaded_displacement(free_m: Vector, setup: Setup, load: Load) -> FloatArray:
+    """(n_samples,): the displacement at a contact from that of the free plate there: U' = U / (1 + Z H).
+
+    Exact for one linear contact; solved on the contour of `load.contour`, as in `load.loaded_responses`.
+    """
+    if load == Load(load.x_m, load.y_m):
+        return free_m
+    s, growth, n_fft = contour(len(free_m), setup.rate_hz)
+    receptance = _receptance(setup, (load.x_m, load.y_m), len(free_m))
+    spectrum = np.fft.rfft(free_m / growth, n_fft) / (1 + load.dynamic_stiffness(s) * receptance)
+    return np.asarray(np.fft.irfft(spectrum, n_fft)[: len(free_m)] * growth)
+
+
+@checked
+def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArray]:
+    """Times (s) and magnitudes (m) of the foci in a displacement: peaks of at least half the largest one, 1 ms apart.
+
+    >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
+    (array([0.004, 0.007]), array([3., 2.]))
+    """
+    from scipy.signal import find_peaks
+
+    positive("events", rate_hz=rate_hz)
+    magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
+    apart = max(round(APART_S * rate_hz), 1)
+    index: NDArray[np.int64] = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]
+    return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
+
+
+@checked
+def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
+    """Amplitude (m) of the single event that is felt as strongly as these; each is felt before the next one comes.
+
+    >>> felt_amplitude_m([0.01], [3e-6])
+    3e-06
+    """
+    times, peaks = np.asarray(times_s, float), np.asarray(peaks_m, float)
+    if len(times) != len(peaks):
+        raise InvalidParameter(f"peaks_m: found {len(peaks)}, expected {len(times)}, one per time")
+    instants = np.arange(times.min(), times.max() + GRID_S, GRID_S)
+    together = np.abs(_touch(np.subtract.outer(instants, times)) @ peaks).max()
+    return float(max(together, peaks.max()))
+
+
+def _touch(time_s: FloatArray) -> FloatArray:
+    """g(t): the response of a zero-phase filter with the sensitivity of touch as its gain, 1 at t = 0."""
+    frequency_hz, gain = _gain()
+    return np.asarray(np.cos(2 * np.pi * time_s[..., None] * frequency_hz) @ gain)
+
+
+@lru_cache(maxsize=1)
+def _gain() -> tuple[FloatArray, FloatArray]:
+    from tactometry.stimuli.perception.sensitivity import sensitivity_db
+
+    frequency_hz = np.asarray(np.arange(5.0, TOUCH_HZ, 10.0), float)
+    gain: FloatArray = 10 ** (-sensitivity_db(frequency_hz) / 20)
+    return frequency_hz, np.asarray(gain / gain.sum())
+
+
+class Keyed:
+    """A signal that equals another one of the same digest, so that a trace is computed once per waveform."""
+
+    def __init__(self, signal: Signal) -> None:
+        self.signal = signal
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Keyed) and self.signal.digest() == other.signal.digest()
+
+    def __hash__(self) -> int:
+        return hash(self.signal.digest())
+
+
+@lru_cache(maxsize=N_CACHED)
+def _free_displacement(keyed: Keyed, setup: Setup, at_m: tuple[float, float]) -> FloatArray:
+    return np.asarray(emitted(keyed.signal, setup.responses_at(*at_m))[0])
+
+
+@lru_cache(maxsize=N_CACHED)
+def _receptance(setup: Setup, at_m: tuple[float, float], n_samples: int) -> NDArray[np.complex128]:
+    s, _, _ = contour(n_samples, setup.rate_hz)
+    screen = setup.screen
+    at = values_at(screen, [at_m], setup.modes_to_hz)
+    receptances = Receptances.of(screen.oscillators(setup.modes_to_hz), screen.plate.mass_kg, s)
+    return np.asarray(receptances.between(at, at)[0, 0])

@@ -1,0 +1,123 @@
+"""A screen and a place to focus on, as a study file states them, for the stimulus and the model of what is felt."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Final
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import given, one_of, positive
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33, GLASSES
+from tactometry.stimuli.time_reversal.plate.plate import Plate
+from tactometry.stimuli.time_reversal.responses.responses import Point, Responses, impulse_responses, samples_in
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import TAU_S, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V, border
+
+LEARNT_S: Final = 7e-3
+"""Length of the responses, twice the default tau; unverified default."""
+
+
+@checked
+@dataclass(frozen=True)
+class Setup:
+    """Plate, transducers at its border, losses, sampling and the focus. Every default is unverified: the thesis's
+    prototype as far as it is known.
+
+    Parameters
+    ----------
+    glass : str
+        A name of `tactometry.stimuli.time_reversal.plate.glass.GLASSES`.
+    length_m, width_m, thickness_m : float
+        Above 0.
+    boundary : str
+        Four letters, as in `Plate`.
+    n_transducers : int
+        Square patches of `side_m`, their centres `inset_m` from the edges, with `moment_n_per_v`.
+    tau_s : float
+        Time constant of the amplitude of every mode, above 0.
+    focus_x_m, focus_y_m : float
+        A point of the plate.
+    rate_hz : float
+        Samples per second of drives and responses.
+    modes_to_hz : float
+        Highest frequency of a mode, at most half of `rate_hz`.
+    learnt_s : float
+        Length of the learnt responses: the longest reversal time.
+    shear_factor : float, optional
+        Mindlin's (5/6); by default a thin plate.
+
+    Examples
+    --------
+    >>> Setup(boundary="FFFF").plate.boundary
+    'FFFF'
+    """
+
+    glass: str = BOROFLOAT_33.name
+    length_m: float = 0.297
+    width_m: float = 0.210
+    thickness_m: float = 1.1e-3
+    boundary: str = "SSSS"
+    n_transducers: int = 32
+    side_m: float = 10e-3
+    inset_m: float = 12e-3
+    moment_n_per_v: float = MOMENT_N_PER_V
+    tau_s: float = TAU_S
+    focus_x_m: float = 0.121
+    focus_y_m: float = 0.093
+    rate_hz: float = 250e3
+    modes_to_hz: float = 66e3
+    learnt_s: float = LEARNT_S
+    shear_factor: float | None = None
+
+    def __post_init__(self) -> None:
+        one_of("Setup.glass", self.glass, tuple(GLASSES))
+        positive("Setup", modes_to_hz=self.modes_to_hz, rate_hz=self.rate_hz, learnt_s=self.learnt_s, tau_s=self.tau_s)
+        positive("Setup", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
+        positive("Setup", **given({"shear_factor": self.shear_factor}))
+        self.plate.check_holds("Setup.focus", self.focus_m)
+        _check_nyquist(self)
+        _ = self.screen
+
+    @property
+    def plate(self) -> Plate:
+        return GLASSES[self.glass].plate(self.length_m, self.width_m, self.thickness_m, self.boundary)
+
+    @property
+    def screen(self) -> Screen:
+        patches = border(self.plate, self.n_transducers, self.side_m, self.inset_m)
+        sources = tuple(replace(patch, moment_n_per_v=self.moment_n_per_v) for patch in patches)
+        return Screen(self.plate, sources, Attenuation(self.tau_s), self.shear_factor)
+
+    @property
+    def focus_m(self) -> Point:
+        return self.focus_x_m, self.focus_y_m
+
+    @property
+    def heard_s(self) -> float:
+        """How long a response is followed: until it has fallen by 60 dB, at least `learnt_s`."""
+        return max(self.learnt_s, self.screen.attenuation.t60_s)
+
+    def responses_at(self, x_m: float, y_m: float) -> Responses:
+        """Displacement responses of every channel at a point over `heard_s`, all modes up to `modes_to_hz`."""
+        return _responses(self, (x_m, y_m))
+
+    def learnt(self) -> Responses:
+        """The first `learnt_s` of the responses at the focus."""
+        heard = self.responses_at(*self.focus_m)
+        return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
+
+
+def _check_nyquist(setup: Setup) -> None:
+    if 2 * setup.modes_to_hz > setup.rate_hz:
+        raise InvalidParameter(
+            f"Setup.modes_to_hz: found {setup.modes_to_hz}, above the Nyquist frequency {setup.rate_hz / 2}; "
+            "lower it or raise rate_hz"
+        )
+
+
+@lru_cache(maxsize=16)
+def _responses(setup: Setup, at_m: Point) -> Responses:
+    return impulse_responses(
+        setup.screen, [at_m], rate_hz=setup.rate_hz, duration_s=setup.heard_s, f_max_hz=setup.modes_to_hz
+    )

@@ -1,0 +1,1 @@
+"""What an argument must be, and the sentence that refuses it."""

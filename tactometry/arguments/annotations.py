@@ -1,0 +1,222 @@
+"""An annotation as a rule: what a value must be to fit it, as a test and in words."""
+
+import functools
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isinf
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.require import LARGEST_COUNT, is_number
+
+Vector = Annotated[NDArray[np.float64], 1]
+Matrix = Annotated[NDArray[np.float64], 2]
+Unbounded = Annotated[float, inf]
+"""A number that may be infinite."""
+UnboundedArray = Annotated[ArrayLike, inf]
+UnboundedComplex = Annotated[NDArray[np.complex128], inf]
+
+Test = Callable[[Any], bool]
+SHORT = 2**14
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a value must be: a test of it, and in words.
+
+    Of what holds something, the rule of its parts; of numbers, the test of each in an array; of words, which there are;
+    of an array, its type.
+    """
+
+    fits: Test
+    words: str
+    part: "Rule | None" = None
+    good: Callable[[NDArray[Any]], NDArray[np.bool_]] | None = None
+    choices: tuple[str, ...] = ()
+    dtype: type[np.generic] | None = None
+
+
+@functools.cache
+def rule_of(hint: Any, high: float, unbounded: bool = False) -> Rule:
+    """The rule of an annotation, its numbers up to `high`, or infinite if `unbounded`.
+
+    >>> rule_of(Sequence[float], 1e9).words
+    'a list, each of it a finite number'
+    """
+    origin, inner = get_origin(hint), get_args(hint)
+    if hint in _PLAIN:
+        return _PLAIN[hint]
+    if hint in (float, complex, ArrayLike) or origin is np.ndarray:
+        return _of_numbers(hint, high, unbounded)
+    if origin is Annotated:
+        return _annotated(inner[0], inner[1], high)
+    if origin in (Union, UnionType):
+        return _either([rule_of(part, high, unbounded) for part in inner])
+    if origin is Literal:
+        return Rule(
+            lambda value: isinstance(value, str) and value in inner, f"one of {', '.join(inner)}", choices=inner
+        )
+    if origin is Mapping:
+        return _mapped(rule_of(inner[1], high, unbounded))
+    if origin in (tuple, Sequence, list):
+        parts = [rule_of(part, high, unbounded) for part in inner if part is not Ellipsis]
+        return _each(parts[0], high if inner[0] is float else None) if len(parts) == 1 else _row(parts)
+    if isinstance(hint, type):
+        return _of_class(hint)
+    return Rule(callable, "a function") if origin is Callable else _PLAIN[Any]
+
+
+def as_array(value: Any) -> NDArray[Any] | None:
+    """The array that a value makes, if it makes one."""
+    try:
+        return np.asarray(value)
+    except (ValueError, TypeError):
+        return None
+
+
+def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
+    """Each part of a mapping or a sequence, after its place."""
+    if isinstance(value, Mapping):
+        return value.items()
+    return enumerate(value) if _is_listed(value) else ()
+
+
+def _of_numbers(hint: Any, high: float, unbounded: bool) -> Rule:
+    good = _good_to(high, unbounded)
+    number, numbers = _number(high, unbounded), "numbers" if unbounded else "finite numbers"
+    if hint is float:
+        return Rule(number, f"a {numbers.removesuffix('s')}", good=good)
+    if hint is complex:
+        return Rule(lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good)
+    if hint == ArrayLike:
+        array = _array("iuf", high, good)
+        return Rule(lambda value: number(value) or array(value), numbers, good=good)
+    dtype = get_args(get_args(hint)[1])[0]
+    kinds, prefix = ("iufc", "complex ") if issubclass(dtype, np.complexfloating) else ("iuf", "")
+    array = _array(kinds, high, good)
+    return Rule(
+        lambda value: _is_listed(value) and array(value), f"an array of {prefix}{numbers}", good=good, dtype=dtype
+    )
+
+
+def _good_to(high: float, unbounded: bool) -> Callable[[Any], NDArray[np.bool_]]:
+    def good(found: Any) -> NDArray[np.bool_]:
+        size = np.abs(found)
+        return np.asarray((size <= high) | np.isinf(size) if unbounded else size <= high)
+
+    return good
+
+
+def _number(high: float, unbounded: bool) -> Test:
+    def fits(value: Any) -> bool:
+        if isinstance(value, float):
+            return -high <= value <= high or (unbounded and isinf(value))
+        return is_number(value) and -high <= value <= high
+
+    return fits
+
+
+def _array(kinds: str, high: float, good: Callable[[Any], NDArray[np.bool_]]) -> Test:
+    def fits(value: Any) -> bool:
+        found = as_array(value)
+        if found is None or found.dtype.kind not in kinds:
+            return False
+        return _all_within(found, high) or bool(good(found).all())
+
+    return fits
+
+
+def _all_within(found: NDArray[Any], high: float) -> bool:
+    """A long array without a copy; NaN is not."""
+    if found.size <= SHORT:
+        return bool(np.abs(found).max(initial=0.0) <= high)
+    if found.dtype.kind == "c":
+        return _all_within(found.real, high) and _all_within(found.imag, high)
+    return bool(found.min() >= -high and found.max() <= high)
+
+
+def _annotated(hint: Any, note: Any, high: float) -> Rule:
+    if note == inf:
+        return rule_of(hint, high, unbounded=True)
+    rule, least = rule_of(hint, high), 1 if note == 1 else 0
+    words = f"an array in {note} dimension{'s' * (note > 1)} of finite numbers{', at least one' * least}"
+    fits = rule.fits
+    return replace(rule, fits=lambda v: fits(v) and np.ndim(v) == note and np.size(v) >= least, words=words)
+
+
+def _either(rules: Sequence[Rule]) -> Rule:
+    """Of several rules; the parts and numbers are those of the first that has some."""
+    tests = [rule.fits for rule in rules]
+    return Rule(
+        lambda value: any(fits(value) for fits in tests),
+        " or ".join(rule.words for rule in rules),
+        part=next((rule.part for rule in rules if rule.part), None),
+        good=next((rule.good for rule in rules if rule.good), None),
+        choices=tuple(choice for rule in rules for choice in rule.choices),
+        dtype=next((rule.dtype for rule in rules if rule.dtype), None),
+    )
+
+
+def _row(rules: Sequence[Rule]) -> Rule:
+    def fits(value: Any) -> bool:
+        right_length = _is_listed(value) and len(value) == len(rules)
+        return right_length and all(rule.fits(part) for rule, part in zip(rules, value, strict=True))
+
+    return Rule(fits, f"({', '.join(rule.words for rule in rules)})")
+
+
+def _each(rule: Rule, high: float | None) -> Rule:
+    """A list; one of numbers is looked at as an array, for it may be long."""
+    words = f"a list, each of it {rule.words}"
+    if high is not None and rule.good is not None:
+        row = _array("iuf", high, rule.good)
+        good = rule.good
+        return Rule(lambda value: _is_listed(value) and row(value) and np.ndim(value) == 1, words, part=rule, good=good)
+    return Rule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
+
+
+def _mapped(rule: Rule) -> Rule:
+    def fits(value: Any) -> bool:
+        return isinstance(value, Mapping) and all(map(rule.fits, value.values()))
+
+    return Rule(fits, f"a mapping to {rule.words}", part=rule)
+
+
+def _of_class(kind: type) -> Rule:
+    """A class is looked at once: whether it has what a protocol asks for takes longer than many a call."""
+    known: set[type] = set()
+
+    def fits(value: Any) -> bool:
+        if type(value) not in known:
+            if not isinstance(value, kind):
+                return False
+            known.add(type(value))
+        return True
+
+    return Rule(fits, f"a {kind.__name__}")
+
+
+def _is_listed(value: Any) -> bool:
+    if isinstance(value, np.ndarray | np.generic):
+        return True
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def _is_complex(value: Any) -> bool:
+    return isinstance(value, complex | np.complexfloating)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and is_number(value) and abs(value) <= LARGEST_COUNT
+
+
+_PLAIN: Mapping[Any, Rule] = {
+    int: Rule(_is_whole, "a whole number"),
+    bool: Rule(lambda value: isinstance(value, bool | np.bool_), "True or False"),
+    str: Rule(lambda value: isinstance(value, str), "a text"),
+    NoneType: Rule(lambda value: value is None, "None"),
+    Any: Rule(lambda value: True, "anything"),
+}

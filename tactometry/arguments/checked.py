@@ -1,0 +1,106 @@
+"""Arguments checked by what their annotations and names say: the kind by the annotation, the domain by the unit.
+
+What else must hold (above 0, ascending, not longer than) each function and constructor says itself, with `require`.
+"""
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.annotations import Rule, as_array, parts_of, rule_of
+from tactometry.arguments.require import domain, shown
+from tactometry.errors import InvalidParameter, nearest
+
+T = TypeVar("T", bound=Callable[..., Any])
+
+
+def checked(thing: T) -> T:
+    """A function, or a class with its constructor and public methods, that looks at its arguments first.
+
+    A number is finite and within the domain of its name (`require.DOMAINS`), never a truth value; where the annotation
+    is `Unbounded`, infinity is a number too. A list where an array belongs is made one. An array may have any
+    dimensions, a `Vector` one and at least one number, a `Matrix` two.
+
+    Examples
+    --------
+    >>> @checked
+    ... def twice(length_m: float) -> float:
+    ...     return 2 * length_m
+    >>> twice("wide")
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: twice.length_m: found 'wide', expected a finite number
+    >>> twice(1e10)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: twice.length_m: found 10000000000.0, expected a number of at most 1e+09
+    """
+    if not isinstance(thing, type):
+        return cast(T, _guarded(thing, thing.__qualname__))
+    for name, member in list(vars(thing).items()):
+        if name == "__init__":
+            setattr(thing, name, _guarded(member, thing.__name__))
+        elif not name.startswith("_") and inspect.isfunction(member):
+            setattr(thing, name, _guarded(member, member.__qualname__))
+        elif not name.startswith("_") and isinstance(member, classmethod):
+            setattr(thing, name, classmethod(_guarded(member.__func__, member.__func__.__qualname__)))
+    return thing
+
+
+def _guarded(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
+    names = tuple(inspect.signature(function).parameters)
+
+    @functools.cache
+    def rules() -> tuple[tuple[Rule | None, ...], Mapping[str, Rule], bool]:
+        hints = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
+        known = {name: rule_of(hint, domain(name)[1]) for name, hint in hints.items() if not isinstance(hint, str)}
+        return tuple(map(known.get, names)), known, any(rule.dtype for rule in known.values())
+
+    @functools.wraps(function)
+    def guarded(*args: Any, **kwargs: Any) -> Any:
+        by_place, by_name, makes_arrays = rules()
+        for rule, value, name in zip(by_place, args, names, strict=False):
+            if rule is not None and not rule.fits(value):
+                raise _refusal(f"{owner}.{name}", value, rule)
+        for name, value in kwargs.items():
+            if name in by_name and not by_name[name].fits(value):
+                raise _refusal(f"{owner}.{name}", value, by_name[name])
+        if not (makes_arrays and any(isinstance(value, list | tuple) for value in (*args, *kwargs.values()))):
+            return function(*args, **kwargs)
+        named = {name: _arranged(by_name.get(name), value) for name, value in kwargs.items()}
+        return function(*map(_arranged, by_place, args), *args[len(names) :], **named)
+
+    return guarded
+
+
+def _arranged(rule: Rule | None, value: Any) -> Any:
+    """A list as the array that the annotation wants."""
+    if rule is not None and rule.dtype is not None and isinstance(value, list | tuple):
+        return np.asarray(value, rule.dtype)
+    return value
+
+
+def _refusal(where: str, value: Any, rule: Rule) -> InvalidParameter:
+    """One sentence; in a sequence, a mapping or an array it names the first that is wrong."""
+    if rule.part is not None:
+        for place, part in parts_of(value):
+            if not rule.part.fits(part):
+                return _refusal(f"{where}[{place!r}]", part, rule.part)
+    found = as_array(value)
+    if rule.good is not None and found is not None and found.dtype.kind in "iufc":
+        return _refused_numbers(where, found, rule, rule.good(found))
+    hint = nearest(value, rule.choices) if isinstance(value, str) else ""
+    return InvalidParameter(f"{where}: found {shown(value)}, expected {rule.words}{hint}")
+
+
+def _refused_numbers(where: str, found: NDArray[Any], rule: Rule, good: NDArray[np.bool_]) -> InvalidParameter:
+    if good.all():
+        what = f"shape {found.shape}" if found.ndim else shown(found.item())
+        return InvalidParameter(f"{where}: found {what}, expected {rule.words}")
+    place = tuple(int(i) for i in np.argwhere(~good)[0])
+    number, high = found[place], domain(where.partition("[")[0])[1]
+    kind = "a finite number" if "finite" in rule.words else "a number"
+    expected = f"a number of at most {high:g}" if np.isfinite(number) else kind
+    return InvalidParameter(f"{where}{list(place) if place else ''}: found {number}, expected {expected}")

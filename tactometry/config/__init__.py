@@ -1,0 +1,1 @@
+"""Files that people write: TOML, strictly read, quantities with units."""

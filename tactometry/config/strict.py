@@ -1,0 +1,139 @@
+"""Tables of a file as frozen dataclasses: nothing unknown, nothing missing, nothing of another type."""
+
+import dataclasses
+import re
+import types
+import typing
+from collections.abc import Collection, Mapping
+from datetime import date
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from tactometry.config.toml import located, read_table
+from tactometry.errors import InvalidParameter, nearest
+
+T = TypeVar("T")
+_AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
+
+
+def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (), **given: object) -> T:
+    """A `kind` from a table of a file, which must hold neither the `given` fields nor the `hidden` ones.
+
+    Raises
+    ------
+    InvalidParameter
+        If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; the
+        sentence opens with the key path.
+    """
+    if not isinstance(table, Mapping):
+        raise InvalidParameter(f"{path}: found {table!r}, expected a table")
+    hints = typing.get_type_hints(kind)
+    fields = settable(kind, hidden)
+    names = [name for name in fields if name not in given]
+    for key in table:
+        if key not in names:
+            raise InvalidParameter(
+                f"{_join(path, key)}: found an unknown key, expected one of {', '.join(names)}{nearest(key, names)}"
+            )
+    for name in names:
+        if name not in table and is_required(fields[name]):
+            raise InvalidParameter(f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}")
+    values = {name: convert(hints[name], table[name], _join(path, name)) for name in names if name in table}
+    try:
+        return kind(**values, **given)
+    except InvalidParameter as error:
+        raise InvalidParameter(_relocated(str(error), kind.__name__, path)) from None
+
+
+def read_toml(kind: type[T], path: Path, what: str) -> T:
+    """A `kind` from a TOML file; `what` says in an error what was expected.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, is no TOML, or `build` refuses it.
+    """
+    table = read_table(path, what)
+    with located(path):
+        return build(kind, table, "")
+
+
+def convert(kind: Any, value: object, path: str) -> Any:
+    """`value` as `kind`, a plain type, a dataclass or a container of such.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is of another type; the sentence opens with the key path.
+    """
+    if dataclasses.is_dataclass(kind) and isinstance(kind, type):
+        return build(kind, value, path)
+    if typing.get_origin(kind) is dict and isinstance(value, Mapping):
+        inner = typing.get_args(kind)[1]
+        return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        match = _AT.match(str(error))
+        inner = (match[2] or "") if match else ""
+        found = _at(value, inner)
+        raise InvalidParameter(
+            f"{path}{inner}: found {_shown(found)}, expected {words_of(kind) if not inner else _expected(str(error))}"
+        ) from None
+
+
+def settable(kind: type, hidden: Collection[str] = ()) -> dict[str, dataclasses.Field[Any]]:
+    """The fields of a class that a table of a file may set, by name."""
+    found = dataclasses.fields(kind)
+    return {field.name: field for field in found if field.init and field.name[0] != "_" and field.name not in hidden}
+
+
+def is_required(field: dataclasses.Field[Any]) -> bool:
+    """Whether a table must hold this field."""
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+def _join(path: str, key: str) -> str:
+    return f"{path}.{key}" if path else key
+
+
+def _at(value: object, inner: str) -> object:
+    for index in re.findall(r"\[(\d+)\]", inner):
+        value = value[int(index)]  # type: ignore[index]
+    return value
+
+
+def _expected(error: str) -> str:
+    match = re.match(r"Expected `([^`]*)`", error)
+    words = {"float": "a number", "int": "a whole number", "str": "a text", "bool": "true or false"}
+    return " or ".join(words.get(name, name) for name in match[1].split(" | ")) if match else error
+
+
+def _shown(value: object) -> str:
+    return "true" if value is True else "false" if value is False else repr(value)
+
+
+def words_of(kind: Any) -> str:
+    """A type in words.
+
+    >>> words_of(float), words_of(tuple[str, ...]), words_of(int | None)
+    ('a number', 'a list of texts', 'a whole number')
+    """
+    simple = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
+    if kind in simple:
+        return simple[kind]
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Literal:
+        return "one of " + ", ".join(map(str, inner))
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(words_of(part) for part in inner if part is not type(None))
+    if origin is tuple:
+        return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in words_of(inner[0]).split(' or '))}"
+    return "a table"
+
+
+def _relocated(message: str, name: str, path: str) -> str:
+    """A refusal of a class, said in terms of the file."""
+    return path + message.removeprefix(name) if message.startswith(name) else f"{path}: {message}"

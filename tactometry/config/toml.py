@@ -1,0 +1,89 @@
+"""Files in TOML as tables: every way in which one cannot be read is one sentence that names it."""
+
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+from tactometry.errors import InvalidFile, TactometryError
+from tactometry.files.durable import read_file
+
+LARGEST_FILE: Final = 1_000_000
+"""Bytes of a file that a person writes: 25 000 lines."""
+LONGEST_LIST, DEEPEST = 10_000, 30
+
+
+def read_table(path: Path, what: str) -> dict[str, Any]:
+    """The table of a file; `what` says in an error what was expected.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, or as `table_of`.
+    """
+    return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
+
+
+def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
+    """The table of the bytes of a file; `where` opens every sentence.
+
+    Raises
+    ------
+    InvalidFile
+        If the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST` allow.
+
+    Examples
+    --------
+    >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
+    {'accuracy': 0.01}
+    """
+    if len(content) > LARGEST_FILE:
+        raise InvalidFile(f"{where}: found {len(content)} bytes, expected {what} of at most {LARGEST_FILE}")
+    try:
+        table = tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as damage:
+        raise InvalidFile(
+            f"{where}, byte {damage.start}: found a byte that is not UTF-8, expected {what} in UTF-8"
+        ) from None
+    except (ValueError, RecursionError) as damage:
+        raise InvalidFile(f"{where}: found no valid TOML ({damage}), expected {what}") from None
+    _refuse_vast(table, where, what)
+    return table
+
+
+def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
+    """Refuse what nobody writes by hand, before anything walks through it."""
+    level: list[object] = [table]
+    for depth in range(DEEPEST + 1):
+        if not level:
+            return
+        longest = max((len(each) for each in level if isinstance(each, list)), default=0)
+        if longest > LONGEST_LIST:
+            raise InvalidFile(f"{where}: found a list of {longest} items, expected {what} with at most {LONGEST_LIST}")
+        inner = [each.values() if isinstance(each, dict) else each for each in level if isinstance(each, dict | list)]
+        level = [value for each in inner for value in each]
+        del depth
+    raise InvalidFile(f"{where}: found tables more than {DEEPEST} deep, expected {what}")
+
+
+@contextmanager
+def located(where: str | Path) -> Iterator[None]:
+    """What is wrong with the content of a file, with its place: `where` before the key path.
+
+    Raises
+    ------
+    InvalidFile
+        If the body raises an error that a person can mend.
+
+    Examples
+    --------
+    >>> with located("s.toml"):
+    ...     raise InvalidFile("accuracy: found 2, expected at most 1")
+    Traceback (most recent call last):
+    tactometry.errors.InvalidFile: s.toml, accuracy: found 2, expected at most 1
+    """
+    try:
+        yield
+    except TactometryError as wrong:
+        raise InvalidFile(f"{where}, {str(wrong).removeprefix(': ')}") from None

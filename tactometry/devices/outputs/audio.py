@@ -1,0 +1,357 @@
+"""A sound card as output and as sensor, through PortAudio (extra: audio)."""
+
+import atexit
+import time
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, ClassVar, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import not_negative, positive
+from tactometry.devices.clock_map import ClockMap
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
+from tactometry.devices.outputs.frame_feed import Course
+from tactometry.devices.outputs.gain import Gain, SignalChain, stated
+from tactometry.devices.outputs.gaps import LONGEST_WORD_S, DryRuns
+from tactometry.devices.outputs.volume import system_volume
+from tactometry.devices.sensors.reader import Block
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.signal import Signal
+
+FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
+FADE_S = 1e-3
+"""A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
+LONGEST_START_S = 2.0
+WORD_S = 1e-3
+DEFAULTS: Final = ("default", "sysdefault")
+"""Names of whatever device the system's settings choose."""
+SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
+SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
+"""PortAudio's devices and interfaces that mix in what other programs play."""
+
+
+@dataclass(frozen=True)
+class AudioSettings:
+    """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
+
+    `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
+    latency. Both are unverified defaults. `shared` allows a device that other programs play to as well.
+    """
+
+    connected: ClassVar[bool] = True
+    rate_hz: float
+    device: str
+    channels: tuple[int, ...] = (0,)
+    sample_format: Literal["int16", "int32", "float32"] = "int32"
+    block_s: float = 0.005
+    latency_s: float = 0.05
+    shared: bool = False
+
+    def __post_init__(self) -> None:
+        _named("AudioSettings", self.device)
+        positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
+        not_negative("AudioSettings", latency_s=self.latency_s)
+        if not self.channels or min(self.channels) < 0 or len(set(self.channels)) < len(self.channels):
+            raise InvalidParameter(
+                f"AudioSettings.channels: found {list(self.channels)}, expected at least one outlet, each from 0 and "
+                "named once"
+            )
+
+    def driver(self, gain: Gain | None) -> "AudioOutput":
+        return AudioOutput(self, stated(gain, "output.gain"))
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"audio {self.device}, {self.sample_format}", system_volume(self.device))
+
+
+class AudioOutput:
+    """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
+
+    connected = True
+    one_bit = False
+
+    def __init__(self, settings: AudioSettings, gain: Gain) -> None:
+        self.name = f"audio {settings.device}"
+        self.n_channels: int = len(settings.channels)
+        self.rate_hz: float = settings.rate_hz
+        self.limits = None
+        self.full_scale_v: float = gain.load_volts_per_unit
+        self._settings, self._gain = settings, gain
+        self._stream: Any = None
+        self._device: str | None = None
+        self._course: Course | None = None
+        self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
+        self._clocks = ClockMap()
+        self._numbered: tuple[Signal, NDArray[np.generic]] | None = None
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        latency_s = None if self._stream is None else self._stream.latency
+        return {
+            "device": self._device,
+            "output_latency_s": latency_s,
+            "n_underruns": self._dry.n_gaps,
+            "clock_offset_s": self._clocks.offset_s,
+        }
+
+    def open(self) -> None:
+        """Claim the card and play zeros.
+
+        Raises
+        ------
+        DeviceFailed
+            If there is no PortAudio or no such device, it does not take the channels or the rate, or other programs
+            share it and nobody said that they may.
+        """
+        sounddevice, settings = _library(), self._settings
+        if not settings.shared:
+            _check_own(sounddevice, settings.device)
+        self._n_frames, self._clocks = 0, ClockMap()
+        try:
+            self._stream = sounddevice.OutputStream(
+                device=settings.device,
+                channels=max(settings.channels) + 1,
+                samplerate=settings.rate_hz,
+                dtype=settings.sample_format,
+                blocksize=round(settings.block_s * settings.rate_hz),
+                latency=settings.latency_s,
+                dither_off=True,
+                clip_off=True,
+                callback=self._fill,
+            )
+            self._stream.start()
+            self._device = str(sounddevice.query_devices(self._stream.device)["name"])
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise DeviceFailed(_why(sounddevice, settings, error)) from None
+
+    def final(self, signal: Signal) -> Signal:
+        full_scale = FULL_SCALE[self._settings.sample_format]
+        return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
+
+    def _numbers(self, signal: Signal) -> NDArray[np.generic]:
+        """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
+        if self._numbered is None or self._numbered[0] is not signal:
+            self._numbered = signal, self._rounded(signal)
+        return self._numbered[1]
+
+    def _rounded(self, signal: Signal) -> NDArray[np.generic]:
+        """Rounded towards zero, so that no limit is passed by rounding."""
+        units = self._gain.to_units(signal)
+        kind = np.dtype(self._settings.sample_format)
+        if kind.kind == "i":
+            return np.trunc(units * FULL_SCALE[kind.name]).astype(kind)
+        numbers = units.astype(kind)
+        return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
+
+    def play(self, signal: Signal) -> float:
+        """Begin to emit: the time at which the card says that the first frame leaves it."""
+        if self._stream is None or not self._stream.active:
+            raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
+        course = Course(self._frames(self._numbers(signal)), self._n_fade)
+        self._let_end()
+        self._course = course
+        if signal.samples.size and not course.begun.wait(LONGEST_START_S):
+            course.stop()
+            raise self._silent()
+        return course.onset_s
+
+    def _let_end(self) -> None:
+        """What plays falls to zero before another signal begins."""
+        if self._course is not None and not self._course.finished:
+            self._course.stop()
+            if not self._course.ended.wait(LONGEST_START_S):
+                raise self._silent()
+
+    def _silent(self) -> DeviceFailed:
+        return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
+
+    @property
+    def _n_fade(self) -> int:
+        return max(1, round(FADE_S * self.rate_hz))
+
+    def _frames(self, numbers: NDArray[np.generic]) -> NDArray[np.generic]:
+        channels = self._settings.channels
+        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
+        frames[:, list(channels)] = numbers.T
+        return frames
+
+    def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
+        now_s, course = time.perf_counter(), self._course
+        lead_s, block_s = max(0.0, times.outputBufferDacTime - times.currentTime), n_frames / self.rate_hz
+        gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, told=bool(status.output_underflow))
+        if course is not None and gap_s is not None:
+            course.n_gaps += course.is_torn_by(gap_s, self.rate_hz)
+        self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
+        self._n_frames += n_frames
+        out[:] = 0
+        if course is None or course.finished:
+            return
+        if not course.begun.is_set():
+            course.onset_s = now_s + lead_s
+            course.begun.set()
+        piece = course.take(n_frames)
+        out[: len(piece)] = piece
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
+        """Gaps since the last signal began, up to its end; one that lasts now is one."""
+        course = self._course
+        if course is None:
+            return 0
+        lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
+        return course.n_gaps + lasts
+
+    def _asks_within(self, longest_s: float) -> bool:
+        """Whether the device asks for samples; not waited for if `longest_s` is 0."""
+        n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
+        while longest_s and self._n_frames == n_frames:
+            if time.perf_counter() > end_s:
+                return False
+            time.sleep(WORD_S)
+        return True
+
+    def stop(self) -> None:
+        if self._course is not None:
+            self._course.stop()
+
+    def close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            _end(stream, self.name)
+
+
+@dataclass(frozen=True)
+class AudioInputSettings:
+    """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
+
+    live: ClassVar[bool] = True
+    rate_hz: float
+    device: str
+    n_channels: int = 1
+    block_s: float = 0.02
+    latency_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        _named("AudioInputSettings", self.device)
+        positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
+        not_negative("AudioInputSettings", latency_s=self.latency_s)
+
+    def source(self) -> "AudioInput":
+        return AudioInput(self)
+
+
+class AudioInput:
+    """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
+
+    def __init__(self, settings: AudioInputSettings) -> None:
+        self.name = f"audio {settings.device}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._stream: Any = None
+        self._n_overruns = self._n_frames = 0
+        self._clocks = ClockMap()
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"n_overruns": self._n_overruns, "clock_offset_s": self._clocks.offset_s}
+
+    def open(self) -> None:
+        sounddevice, settings = _library(), self._settings
+        try:
+            self._stream = sounddevice.InputStream(
+                device=settings.device,
+                channels=settings.n_channels,
+                samplerate=settings.rate_hz,
+                dtype="int32",
+                latency=settings.latency_s,
+                dither_off=True,
+            )
+            self._stream.start()
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz "
+                f"({' '.join(str(error).split())}), expected an input that can"
+            ) from None
+        self._clocks, self._n_frames = ClockMap(), 0
+
+    def receive(self) -> Block | None:
+        try:
+            frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
+        except _library().PortAudioError as error:
+            raise DeviceFailed(f"{self.name}: the card went away ({' '.join(str(error).split())})") from None
+        self._n_overruns += bool(overrun)
+        count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
+        self._n_frames += len(frames)
+        self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
+        self._clocks.check(self.name)
+        shift_s = self._clocks.ours_s(0.0)
+        return Block(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
+
+    def close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            _end(stream, self.name)
+
+
+def _end(stream: Any, name: str) -> None:
+    """Let go of a stream, and of one that hangs with its sound server: that would keep the process from its end."""
+
+    def end() -> None:
+        stream.abort()
+        stream.close()
+
+    try:
+        within(CLOSE_WITHIN_S, name, end)
+    except DeviceFailed:
+        atexit.unregister(_library()._exit_handler)
+        raise
+
+
+def _named(owner: str, device: str) -> None:
+    """Refuse what is another device after a change of the system's settings."""
+    if not device.strip() or device.strip().casefold() in DEFAULTS:
+        raise InvalidParameter(
+            f"{owner}.device: found {device!r}, expected the name of a card (python -m sounddevice lists them): a "
+            "default may be another one tomorrow"
+        )
+
+
+def _check_own(sounddevice: Any, device: str) -> None:
+    """Refuse a device that other programs play to as well; one that is not there is refused as it is opened."""
+    try:
+        found = sounddevice.query_devices(device, "output")
+        interface = str(sounddevice.query_hostapis(found["hostapi"])["name"])
+    except (sounddevice.PortAudioError, ValueError):
+        return
+    if found["name"] in SHARED or interface.startswith(SHARED_INTERFACES):
+        raise DeviceFailed(
+            f"output audio: found {found['name']!r} ({interface}), where other programs may play too and change the "
+            "volume, expected a card of its own, or shared = true in [output]; nothing was played"
+        )
+
+
+def _library() -> ModuleType:
+    try:
+        import sounddevice
+    except (ImportError, OSError) as error:
+        raise DeviceFailed(
+            f"audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
+            "install libportaudio2; nothing was played"
+        ) from None
+    module: ModuleType = sounddevice
+    return module
+
+
+def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
+    wanted = f"{max(settings.channels) + 1} channels at {settings.rate_hz:g} Hz as {settings.sample_format}"
+    try:
+        known = ", ".join(
+            repr(device["name"]) for device in sounddevice.query_devices() if device["max_output_channels"]
+        )
+    except sounddevice.PortAudioError:
+        known = ""
+    found = f"the devices are {known}" if known else "there is no output device"
+    return (
+        f"output audio: cannot open {settings.device} with {wanted} "
+        f"({' '.join(str(error).split())}); {found}; nothing was played"
+    )

@@ -1,0 +1,127 @@
+"""An output to files: exactly what would be played, one file per signal."""
+
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, ClassVar, Literal
+
+import numpy as np
+
+from tactometry.devices.outputs.gain import Gain, SignalChain
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.files.durable import read_file
+from tactometry.files.samples import Npz, wav_of
+from tactometry.signal import Signal
+
+
+@dataclass(frozen=True)
+class FileSettings:
+    """`folder` gets files 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``, ``digest``), or 0001.wav.
+
+    A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
+    """
+
+    connected: ClassVar[bool] = False
+    folder: str
+    format: Literal["npz", "wav"] = "npz"
+    n_channels: int | None = None
+    rate_hz: float | None = None
+
+    def driver(self, gain: Gain | None) -> "FileOutput":
+        del gain
+        return FileOutput(self)
+
+    def chain(self) -> SignalChain:
+        return SignalChain(f"file {self.folder}")
+
+
+class FileOutput:
+    """Writes each signal to a file of its own and never over another."""
+
+    connected = False
+    one_bit = False
+    full_scale_v = math.inf
+
+    def __init__(self, settings: FileSettings) -> None:
+        self.name = f"file {settings.folder}"
+        self.n_channels, self.rate_hz, self.limits = settings.n_channels, settings.rate_hz, None
+        self._folder, self._format = Path(settings.folder), settings.format
+        self._n_written = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"n_files": self._n_written}
+
+    def open(self) -> None:
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DeviceFailed(
+                f"{self._folder}: cannot write ({error.strerror}), expected a folder that may be written; nothing was "
+                "played"
+            ) from None
+        self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
+
+    def final(self, signal: Signal) -> Signal:
+        if self._format == "wav" and signal.rate_hz != round(signal.rate_hz):
+            raise DeviceFailed(
+                f"{self.name}: found a rate of {signal.rate_hz} Hz, expected a whole number for WAV; write npz instead"
+            )
+        return signal
+
+    def play(self, signal: Signal) -> float:
+        onset_s = time.perf_counter()
+        path = self._folder / f"{self._n_written + 1:04d}.{self._format}"
+        try:
+            with path.open("xb") as file:
+                _WRITERS[self._format](file, self.final(signal))
+        except OSError as error:
+            raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a new file") from None
+        self._n_written += 1
+        return onset_s
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def read_signal(path: Path) -> Signal:
+    """What a file output wrote.
+
+    Raises
+    ------
+    InvalidFile
+        If there is no such file.
+    InvalidParameter
+        If it is no NPZ or WAV of samples.
+    """
+    content = read_file(path, "a signal as NPZ or WAV")
+    try:
+        if path.suffix == ".npz":
+            file = Npz(content)
+            return Signal(file["samples"], file.number("rate_hz"), file.words("unit"))
+        rate_hz, frames = wav_of(content)
+        return Signal(frames.T, rate_hz, "V")
+    except (ValueError, TypeError) as error:
+        raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected NPZ or WAV") from None
+
+
+def _write_npz(file: IO[bytes], signal: Signal) -> None:
+    np.savez(
+        file,
+        samples=signal.samples,
+        rate_hz=signal.rate_hz,
+        unit=signal.unit,
+        digest=signal.digest(),
+    )
+
+
+def _write_wav(file: IO[bytes], signal: Signal) -> None:
+    from scipy.io import wavfile
+
+    wavfile.write(file, round(signal.rate_hz), np.ascontiguousarray(signal.samples.T))
+
+
+_WRITERS = {"npz": _write_npz, "wav": _write_wav}

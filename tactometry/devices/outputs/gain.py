@@ -1,0 +1,162 @@
+"""What the numbers of an output become at its load, and what that holds for."""
+
+from dataclasses import dataclass, replace
+from datetime import date
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import positive
+from tactometry.devices.measured import Measured, check_age
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.signal import Signal
+
+FloatArray = NDArray[np.float64]
+
+MAX_AGE_DAYS: Final = 365
+"""Of a gain for which nobody stated another age (unverified default)."""
+VOLUME_TOLERANCE: Final = 0.005
+"""Sound servers state a volume in whole per cent."""
+MEASURE: Final = "measure it with: tactometry calibrate gain; nothing was played"
+
+
+@dataclass(frozen=True)
+class SignalChain:
+    """What a gain holds for: the output with its format, and a sound server's volume (1 is 100 %).
+
+    `system_volume` is None where there is none, or where it cannot be read.
+    """
+
+    output: str
+    system_volume: float | None = None
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Volts at the load for each unit of a sample: those at the device's connector, times what the amplifier does.
+
+    Parameters
+    ----------
+    volts_per_unit : float
+        Peak voltage at the connector for a sample of 1.0, V, above 0.
+    amplifier_gain : float
+        Voltage at the load over voltage at the connector, above 0.
+    measured_on, measured_by : date, str, optional
+        When, and by whom.
+    max_age_days : int
+        How old the measurement may be.
+    measured_with : str, optional
+        The output and format that it was measured with, in the words of `SignalChain.output`.
+    system_volume : float, optional
+        The sound server's volume at which it was measured, 1 is 100 %.
+
+    Examples
+    --------
+    >>> gain = Gain(volts_per_unit=2.0, amplifier_gain=50.0)
+    >>> gain.to_units(Signal(np.array([[-50.0, 25.0]]), 1e3, "V"))
+    array([[-0.5 ,  0.25]])
+    """
+
+    volts_per_unit: float
+    amplifier_gain: float
+    measured_on: date | None = None
+    measured_by: str | None = None
+    max_age_days: int = MAX_AGE_DAYS
+    measured_with: str | None = None
+    system_volume: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
+        check_age("Gain", self.max_age_days)
+
+    @property
+    def measured(self) -> Measured:
+        return Measured(self.measured_on, self.measured_by, self.max_age_days)
+
+    @property
+    def load_volts_per_unit(self) -> float:
+        return self.volts_per_unit * self.amplifier_gain
+
+    def check(self, what: str, chain: SignalChain, today: date) -> None:
+        """Refuse a gain that nobody measured, that is too old, or that was measured with something else.
+
+        Raises
+        ------
+        DeviceFailed
+            In one sentence that opens with `what`.
+
+        Examples
+        --------
+        >>> gain = Gain(2.0, 50.0, date(2026, 1, 2), "ZG", measured_with="audio Interface, int32")
+        >>> gain.check("output.gain", SignalChain("audio Interface, int32"), date(2026, 3, 1))
+        >>> gain.check("output.gain", SignalChain("audio Interface, int16"), date(2026, 3, 1))
+        Traceback (most recent call last):
+        tactometry.errors.DeviceFailed: output.gain.measured_with: found 'audio Interface, int32', expected \
+'audio Interface, int16', which is to play; measure it with: tactometry calibrate gain; nothing was played
+        """
+        for name, expected in (("measured_on", "the day"), ("measured_by", "who did"), ("measured_with", "the output")):
+            if getattr(self, name) in (None, ""):
+                raise DeviceFailed(f"{what}.{name}: found none, expected {expected} of its measurement; {MEASURE}")
+        if self.measured_with != chain.output:
+            raise DeviceFailed(
+                f"{what}.measured_with: found {self.measured_with!r}, expected {chain.output!r}, which is to play; "
+                f"{MEASURE}"
+            )
+        self._check_volume(what, chain.system_volume)
+        self.measured.check(what, today)
+
+    def _check_volume(self, what: str, system_volume: float | None) -> None:
+        known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
+        if len(known) == 1 or max(known, default=0.0) - min(known, default=0.0) > VOLUME_TOLERANCE:
+            raise DeviceFailed(
+                f"{what}.system_volume: found a gain of {_volume(self.system_volume)}, expected one of "
+                f"{_volume(system_volume)}, as it is now; set it back, or {MEASURE}"
+            )
+
+    def to_units(self, signal: Signal) -> FloatArray:
+        """The samples as numbers for the device, (n_channels, n_samples).
+
+        Raises
+        ------
+        DeviceFailed
+            If one is beyond -1..1, where the device would clip.
+        """
+        units = signal.samples / self.load_volts_per_unit
+        if np.max(np.abs(units), initial=0.0) > 1 + 1e-12:
+            raise DeviceFailed(
+                f"output: found a peak of {signal.peak:.6g} V, expected at most {self.load_volts_per_unit:.6g} V, what "
+                "the device and its amplifier reach; lower the level; nothing was played"
+            )
+        return np.asarray(np.clip(units, -1.0, 1.0))
+
+    def to_volts(self, units: FloatArray, rate_hz: float) -> Signal:
+        """What such numbers become at the load."""
+        return Signal(units * self.load_volts_per_unit, rate_hz, "V")
+
+
+def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
+    """A gain as it stands in a file, as if it were measured now, with what plays."""
+    return replace(
+        gain, measured_on=today, measured_by=by, measured_with=chain.output, system_volume=chain.system_volume
+    )
+
+
+def stated(gain: Gain | None, what: str) -> Gain:
+    """The gain of an output that leads to an amplifier, which nobody may leave out.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is none; the sentence opens with `what`.
+    """
+    if gain is None:
+        raise InvalidParameter(
+            f"{what}: found none, expected volts_per_unit and amplifier_gain with date and author: without them the "
+            f"voltage at the load is unknown; {MEASURE}"
+        )
+    return gain
+
+
+def _volume(part: float | None) -> str:
+    return "a volume that is not known" if part is None else f"a volume of {100 * part:.0f} %"

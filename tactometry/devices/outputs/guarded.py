@@ -1,0 +1,195 @@
+"""The guard before every driver: nothing reaches a load that its limits do not allow."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from tactometry.devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
+from tactometry.devices.outputs.output import NullOutput, Output, check_playable
+from tactometry.errors import LimitExceeded
+from tactometry.safety.limits import Exposure, Limits
+from tactometry.safety.load import Load
+from tactometry.signal import Signal
+
+
+class Driver(Output, Protocol):
+    """An output that can tell what it would emit; `connected` if that leaves the computer."""
+
+    @property
+    def connected(self) -> bool: ...
+
+    @property
+    def one_bit(self) -> bool:
+        """Whether it emits nothing but plus or minus one voltage, without ramps."""
+
+    @property
+    def full_scale_v(self) -> float:
+        """The largest voltage that it can put on the load."""
+
+    def final(self, signal: Signal) -> Signal:
+        """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
+
+        Raises `DeviceFailed` where the driver cannot emit the signal.
+        """
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        """What the journal says of the device after it was opened, and of what went wrong since."""
+
+
+@dataclass(frozen=True)
+class Emission:
+    """A signal that began to play at `onset_s` (s on `time.perf_counter`), with its net charge through the leak."""
+
+    onset_s: float
+    duration_s: float
+    charge_c: float
+
+
+class Guarded:
+    """An output that checks the final samples of its driver, and how often and how long it played.
+
+    Parameters
+    ----------
+    driver : Driver
+    limits : Limits or None
+        None: nothing is played.
+    load : Load or None
+        What is connected; None only for a driver that is not connected to anything.
+    clock : callable
+        Seconds; by default `time.perf_counter`.
+    """
+
+    def __init__(
+        self,
+        driver: Driver,
+        limits: Limits | None,
+        load: Load | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
+        self._exposure = Exposure(self.clock())
+        self._before: Exposure | None = None
+        self._tell: Callable[[Emission], None] = lambda emission: None
+        self._counting = threading.Lock()
+        self._checked: tuple[Signal, Signal] | None = None
+
+    @property
+    def limits(self) -> Limits | None:
+        return self._limits
+
+    @property
+    def load(self) -> Load | None:
+        return self._load
+
+    @property
+    def name(self) -> str:
+        return self.driver.name
+
+    @property
+    def n_channels(self) -> int | None:
+        return self.driver.n_channels
+
+    @property
+    def rate_hz(self) -> float | None:
+        return self.driver.rate_hz
+
+    @property
+    def full_scale_v(self) -> float:
+        return self.driver.full_scale_v
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return self.driver.facts()
+
+    @property
+    def emits(self) -> bool:
+        """Whether anything comes of what is played: nothing does of a null output."""
+        return not isinstance(self.driver, NullOutput)
+
+    def count_on(self, before: Exposure) -> None:
+        """Count on from what was emitted before: `before` is on the clock of this guard."""
+        self._before = before
+
+    def tell(self, told: Callable[["Emission"], None]) -> None:
+        """Call `told` with whatever is emitted from now on, as it begins, in the thread that plays."""
+        self._tell = told
+
+    def open(self) -> None:
+        """Claim the device, if its limits are stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit that the load needs is missing; the device stays closed.
+        """
+        self._stated()
+        self.driver.open()
+        self._exposure = Exposure(self.clock()) if self._before is None else self._before
+        self._counting = threading.Lock()
+
+    def play(self, signal: Signal) -> float:
+        """Check all limits on the final samples, then begin to emit.
+
+        Raises
+        ------
+        LimitExceeded, DeviceFailed
+            If the signal must not or cannot be played; nothing was.
+        """
+        limits, final = self.check(signal)
+        charge_c = 0.0 if self.load is None else self.load.charge_net_c(final)
+        limits.check_exposure(self._exposure, self.clock(), final.duration_s, charge_c)
+        onset_s = self.driver.play(signal)
+        with self._counting:
+            self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
+        if self.emits:
+            self._tell(Emission(onset_s, final.duration_s, charge_c))
+        return onset_s
+
+    def check(self, signal: Signal) -> tuple[Limits, Signal]:
+        """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
+
+        Raises
+        ------
+        LimitExceeded, DeviceFailed
+            If the signal must not or cannot be played.
+        """
+        limits = self._stated()
+        if self._checked is None or self._checked[0] is not signal:
+            self._checked = signal, self._final(signal, limits)
+        return limits, self._checked[1]
+
+    def _final(self, signal: Signal, limits: Limits) -> Signal:
+        check_playable(signal, self)
+        final = self.driver.final(signal)
+        limits.check(final)
+        if self.load is not None:
+            limits.check_load(final, self.load)
+        return final
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
+        """Gaps of the last signal; None where the driver cannot tell."""
+        return self.driver.n_gaps(longest_wait_s) if isinstance(self.driver, TellsGaps) else None
+
+    def stop(self) -> None:
+        self.driver.stop()
+        with self._counting:
+            self._exposure = self._exposure.stopped(self.clock())
+
+    def close(self) -> None:
+        self.driver.close()
+
+    def _stated(self) -> Limits:
+        if self.limits is None:
+            raise LimitExceeded(
+                f"output {self.name!r}: found no limits, expected those of what is connected; state them in the bench "
+                "or study file; nothing was played"
+            )
+        if self.load is not None:
+            self.limits.check_stated(self.load)
+        elif self.driver.connected:
+            raise LimitExceeded(
+                f"output {self.name!r}: found no load, expected what is connected to it, by kind and capacitance_f; "
+                "state it in the bench file; nothing was played"
+            )
+        return self.limits

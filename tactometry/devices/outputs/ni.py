@@ -1,0 +1,211 @@
+"""Analogue outputs of National Instruments devices, through NI-DAQmx (extra: ni).
+
+Written to the documented interface of `nidaqmx` and checked against its signatures. It was **not run on a device**.
+
+Each signal is a finite generation from a buffer that ends at zero: nothing has to tell the device to be silent. A stop
+aborts the generation and writes zeros. If the process is killed in the middle of a signal, the driver aborts the task
+and the last value may stay at the output: devices that know an idle state are told to idle at 0 V (`idle_at_zero`),
+others need a watchdog of their own, or an amplifier that is switched off by hand.
+"""
+
+import time
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import positive
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
+from tactometry.devices.outputs.gain import Gain, SignalChain, stated
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.signal import Signal
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NiSettings:
+    """`channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the device's, V, of either sign."""
+
+    connected: ClassVar[bool] = True
+    channels: tuple[str, ...]
+    rate_hz: float
+    range_v: float = 10.0
+    idle_at_zero: bool = False
+    onboard_memory: bool = False
+
+    def __post_init__(self) -> None:
+        positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
+        if not self.channels or len(set(self.channels)) < len(self.channels):
+            raise InvalidParameter(
+                f"NiSettings.channels: found {list(self.channels)}, expected at least one, each named once"
+            )
+
+    def driver(self, gain: Gain | None) -> "NiOutput":
+        return NiOutput(self, stated(gain, "output.gain"))
+
+    def chain(self) -> SignalChain:
+        first, *others = self.channels
+        more = f" and {len(others)} more" if others else ""
+        return SignalChain(f"ni {first}{more}, {self.range_v:g} V")
+
+
+@dataclass(frozen=True, eq=False)
+class NiTask:
+    """What a task is told for one signal.
+
+    Parameters
+    ----------
+    channels : str
+        Physical channels, joined by commas.
+    voltage_low_v, voltage_high_v : float
+        The device's range.
+    rate_hz : float
+    volts : (n_channels, n_samples) array
+        At the connector, V; the last sample of each channel is 0.
+    """
+
+    channels: str
+    voltage_low_v: float
+    voltage_high_v: float
+    rate_hz: float
+    volts: FloatArray
+
+    @property
+    def n_samples(self) -> int:
+        return int(self.volts.shape[1])
+
+
+def task_of(settings: NiSettings, gain: Gain, signal: Signal) -> NiTask:
+    """The task that plays a signal once and ends at zero.
+
+    Raises
+    ------
+    DeviceFailed
+        If the device cannot reach the voltage.
+
+    Examples
+    --------
+    >>> task = task_of(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), Signal(np.array([[100.0, -200.0]]), 1e3, "V"))
+    >>> task.volts.tolist(), task.n_samples, task.channels
+    ([[5.0, -10.0, 0.0]], 3, 'Dev1/ao0')
+    """
+    volts = gain.to_units(signal) * gain.volts_per_unit
+    if np.max(np.abs(volts), initial=0.0) > settings.range_v:
+        raise DeviceFailed(
+            f"output ni: found {np.max(np.abs(volts)):.6g} V at the connector, expected at most the range of "
+            f"{settings.range_v:g} V; nothing was played"
+        )
+    ended = np.pad(volts, ((0, 0), (0, 1)))
+    return NiTask(",".join(settings.channels), -settings.range_v, settings.range_v, settings.rate_hz, ended)
+
+
+class NiOutput:
+    """One finite, self-ending task per signal."""
+
+    connected = True
+    one_bit = False
+
+    def __init__(self, settings: NiSettings, gain: Gain) -> None:
+        self.name = f"ni {','.join(settings.channels)}"
+        self.n_channels: int = len(settings.channels)
+        self.rate_hz: float = settings.rate_hz
+        self.limits = None
+        self.full_scale_v: float = gain.load_volts_per_unit
+        self._settings, self._gain = settings, gain
+        self._task: Any = None
+        self._is_open = False
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
+
+    def open(self) -> None:
+        self._zero()
+        self._is_open = True
+
+    def final(self, signal: Signal) -> Signal:
+        task = task_of(self._settings, self._gain, signal)
+        return Signal(task.volts * self._gain.amplifier_gain, signal.rate_hz, "V")
+
+    def play(self, signal: Signal) -> float:
+        if not self._is_open:
+            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
+        self._end_task()
+        task = task_of(self._settings, self._gain, signal)
+        try:
+            self._task = started(task, self._settings)
+        except Exception as error:
+            raise _failed(self.name, error) from None
+        return time.perf_counter()
+
+    def stop(self) -> None:
+        within(CLOSE_WITHIN_S, self.name, self._silence)
+
+    def _silence(self) -> None:
+        if self._end_task():
+            self._zero()
+
+    def close(self) -> None:
+        self._is_open = False
+        self.stop()
+
+    def _end_task(self) -> bool:
+        task, self._task = self._task, None
+        if task is not None:
+            task.close()
+        return task is not None
+
+    def _zero(self) -> None:
+        """Zero on every channel at once, without a clock."""
+        try:
+            with _library().Task() as task:
+                _add_channels(task, ",".join(self._settings.channels), self._settings)
+                zeros: Any = [0.0] * self.n_channels if self.n_channels > 1 else 0.0
+                task.write(zeros, auto_start=True)
+        except DeviceFailed:
+            raise
+        except Exception as error:
+            raise _failed(self.name, error) from None
+
+
+def started(task: NiTask, settings: NiSettings) -> Any:
+    """A task of the driver that has begun to play."""
+    from nidaqmx.constants import AcquisitionType
+
+    running = _library().Task()
+    try:
+        _add_channels(running, task.channels, settings)
+        running.timing.cfg_samp_clk_timing(
+            rate=task.rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=task.n_samples
+        )
+        running.write(task.volts if len(task.volts) > 1 else task.volts[0], auto_start=False)
+        running.start()
+    except BaseException:
+        running.close()
+        raise
+    return running
+
+
+def _add_channels(task: Any, channels: str, settings: NiSettings) -> None:
+    from nidaqmx.constants import AOIdleOutputBehavior
+
+    added = task.ao_channels.add_ao_voltage_chan(channels, min_val=-settings.range_v, max_val=settings.range_v)
+    if settings.idle_at_zero:
+        added.ao_idle_output_behavior = AOIdleOutputBehavior.ZERO_VOLTS
+    if settings.onboard_memory:
+        added.ao_use_only_on_brd_mem = True
+
+
+def _library() -> Any:
+    try:
+        import nidaqmx
+    except ImportError:
+        raise DeviceFailed(
+            "output ni: found no nidaqmx; pip install 'tactometry[ni]', and NI-DAQmx from its maker; nothing was played"
+        ) from None
+    return nidaqmx
+
+
+def _failed(name: str, error: Exception) -> DeviceFailed:
+    return DeviceFailed(f"output {name!r}: NI-DAQmx refused ({' '.join(str(error).split())}); nothing was played")

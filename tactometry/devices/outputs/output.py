@@ -1,0 +1,172 @@
+"""What makes samples into voltage: the seam of every output driver."""
+
+import math
+import time
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from tactometry.arguments.require import not_negative
+from tactometry.devices.outputs.gain import Gain, SignalChain
+from tactometry.errors import DeviceFailed, LimitExceeded
+from tactometry.safety.limits import Limits
+from tactometry.signal import Signal
+
+AT_REST_PART = 0.01
+"""A signal that begins and ends below this part of its peak needs no ramp."""
+
+
+class Output(Protocol):
+    """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
+
+    `n_channels` and `rate_hz` are None for a driver that takes any. `limits` are those of what is connected;
+    None means that nobody stated them, and then nothing is played.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def n_channels(self) -> int | None: ...
+
+    @property
+    def rate_hz(self) -> float | None: ...
+
+    @property
+    def limits(self) -> Limits | None: ...
+
+    def open(self) -> None:
+        """Claim the device, at zero. Raises `DeviceFailed`."""
+
+    def play(self, signal: Signal) -> float:
+        """Begin to emit and return at once: the time of the first sample on `time.perf_counter`, s.
+
+        The signal is finite: after its last sample the output is at zero without being told.
+        """
+
+    def stop(self) -> None:
+        """Zero now; not an error when nothing plays or the device is closed."""
+
+    def close(self) -> None:
+        """Zero, and let go of the device; may be called more than once."""
+
+
+@dataclass(frozen=True)
+class NullOutput:
+    """An output to which nothing is connected: any channels, any rate, the limits all the same."""
+
+    limits: Limits | None = None
+    name: str = "null"
+    n_channels: int | None = None
+    rate_hz: float | None = None
+    connected: bool = False
+    one_bit: bool = False
+    full_scale_v: float = math.inf
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
+
+    def open(self) -> None:
+        pass
+
+    def final(self, signal: Signal) -> Signal:
+        return signal
+
+    def play(self, signal: Signal) -> float:
+        del signal
+        return time.perf_counter()
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+@dataclass(frozen=True)
+class NullSettings:
+    """Nothing to set."""
+
+    connected: ClassVar[bool] = False
+
+    def driver(self, gain: Gain | None) -> NullOutput:
+        del gain
+        return NullOutput()
+
+    def chain(self) -> SignalChain:
+        return SignalChain("null")
+
+
+def check_playable(signal: Signal, output: Output) -> None:
+    """Refuse what `output` cannot emit, or must not.
+
+    Raises
+    ------
+    LimitExceeded
+        If the output has no limits, or the signal passes one.
+    DeviceFailed
+        If the channels or the rate are not the output's.
+    """
+    if output.limits is None:
+        raise LimitExceeded(
+            f"output {output.name!r}: found no limits, expected those of what is connected; state them in "
+            "the bench or study file; nothing was played"
+        )
+    output.limits.check(signal)
+    check_format(signal, output)
+
+
+REMEDIES = {
+    "n_channels": "name one outlet of the output for each channel of the stimulus",
+    "rate_hz": "state that rate_hz in the study's [stimulus] (or its setup), or another one in [output]",
+}
+
+
+def check_format(signal: Signal, output: Output) -> None:
+    """Refuse a signal that is not of the channels or the rate that `output` has.
+
+    Raises
+    ------
+    DeviceFailed
+        If it is not.
+    """
+    found = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
+    for name, value in found.items():
+        expected = getattr(output, name)
+        if expected is not None and value != expected:
+            raise DeviceFailed(
+                f"output {output.name!r}: found a signal with {name} {value:g}, expected {expected:g}; "
+                f"{REMEDIES[name]}; nothing was played"
+            )
+
+
+def with_ramps(signal: Signal, ramp_s: float) -> Signal:
+    """`signal` with raised-cosine ramps of `ramp_s`, unless each channel begins and ends at rest.
+
+    At rest is below 1 % of the signal's peak. A signal shorter than two ramps has ramps of half its length.
+
+    Raises
+    ------
+    InvalidParameter
+        If `ramp_s` is not a finite number of at least 0.
+
+    Examples
+    --------
+    >>> step = Signal(np.ones((1, 100)), rate_hz=1000.0, unit="V")
+    >>> with_ramps(step, 0.01).samples[0, [0, 4, 50, 99]].round(3).tolist()
+    [0.0, 0.345, 1.0, 0.0]
+    >>> rising = with_ramps(step, 0.01)
+    >>> with_ramps(rising, 0.01) is rising
+    True
+    """
+    not_negative("with_ramps", ramp_s=ramp_s)
+    n_samples = signal.samples.shape[1]
+    n_ramp = min(round(ramp_s * signal.rate_hz), n_samples // 2)
+    ends = np.abs(signal.samples[:, [0, -1]]) if n_samples else np.zeros(1)
+    if np.max(ends) <= AT_REST_PART * signal.peak or n_ramp == 0:
+        return signal
+    rise = 0.5 - 0.5 * np.cos(np.pi * np.arange(n_ramp) / n_ramp)
+    envelope = np.ones(n_samples)
+    envelope[:n_ramp], envelope[-n_ramp:] = rise, rise[::-1]
+    return Signal(signal.samples * envelope, signal.rate_hz, signal.unit)

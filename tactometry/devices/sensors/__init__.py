@@ -1,0 +1,1 @@
+"""From a device to stamped samples: the seams, the reader thread, calibration, the sources."""

@@ -1,0 +1,109 @@
+"""Samples that carry a counter and their device's time: counted, unwrapped, and put on our clock."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tactometry.devices.clock_map import ClockMap
+from tactometry.devices.sensors.reader import Block
+
+SETTLING_S = 0.5
+"""Samples of the first while only tell how the clocks are related, and are dropped."""
+STANDS_S = 5e-3
+"""A difference that falls by more within that while still falls (unverified default)."""
+SLEW = 1e-3
+"""Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
+STEP_S = 0.02
+"""Stamps that are further off than this are put right at once. A gate begins anew at such a step: it is a gap as long
+as its longest, or a stamp that goes back."""
+REPEATED_AMONG = 1000
+"""A counter that goes back by less is a sample that came before; by more, a device that started again (unverified
+default)."""
+
+
+class CountedSamples:
+    """Keeps the last counter and time, how many samples were lost between, and how the clocks are related."""
+
+    def __init__(self, tick_s: float, settling_s: float = SETTLING_S, name: str = "sensor") -> None:
+        self._tick_s, self._settling_s, self._name = tick_s, settling_s, name
+        self._counter: int | None = None
+        self._may_begin_anew = False
+        self.n_lost = self.n_duplicates = 0
+        self._begin(0)
+
+    def may_begin_anew(self) -> None:
+        """The device was asked to send, or opened: its next counter may be any."""
+        self._may_begin_anew = True
+
+    def _begin(self, ticks: int) -> None:
+        self._clocks, self._ticks = ClockMap(), ticks
+        self._best: tuple[float, float] | None = None
+        self._is_settled = False
+        self._last: tuple[float, float] | None = None
+
+    @property
+    def offset_s(self) -> float | None:
+        return self._clocks.offset_s
+
+    def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> Block:
+        """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
+
+        A stamp is at most `STEP_S` later than the arrival. It goes back only where those before were further off than
+        that, or the device started again. What came before, or after a later one, is counted and dropped.
+
+        Raises
+        ------
+        DeviceFailed
+            If the device's clock does not run as ours.
+        """
+        new = [(self._device_s(ticks), values) for counter, ticks, values in samples if self._is_new(counter, ticks)]
+        for device_s, _ in new:
+            self._clocks = self._clocks.after(device_s, arrival_s)
+        self._clocks.check(self._name)
+        settled = [(device_s, values) for device_s, values in new if self._settled(device_s, new[-1][0])]
+        times_s = [self._stamp_s(device_s) for device_s, _ in settled]
+        return Block(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
+
+    def _settled(self, device_s: float, newest_s: float) -> bool:
+        """Whether the difference of the clocks has stood for a while: what had waited to be read is through."""
+        if self._is_settled:
+            return True
+        offset_s = self._clocks.offset_s or 0.0
+        if self._best is None:
+            self._best = offset_s, device_s
+        elif offset_s < self._best[0] - STANDS_S:
+            self._best = offset_s, newest_s
+        self._is_settled = device_s - self._best[1] >= self._settling_s
+        return self._is_settled
+
+    def _stamp_s(self, device_s: float) -> float:
+        stamp_s = self._clocks.ours_s(device_s)
+        if self._last is not None:
+            elapsed_s = device_s - self._last[0]
+            expected_s = self._last[1] + elapsed_s
+            if abs(stamp_s - expected_s) <= STEP_S:
+                stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
+            elif stamp_s < expected_s and stamp_s - self._last[1] <= STEP_S:
+                stamp_s = min(stamp_s, self._last[1] - self._tick_s)
+        self._last = (device_s, stamp_s)
+        return stamp_s
+
+    def _is_new(self, counter: int, ticks: int) -> bool:
+        """Whether a sample is later than those before; a counter that jumps far back is a device that started again."""
+        anew, self._may_begin_anew = self._may_begin_anew, False
+        if self._counter is not None:
+            n_behind, n_missing = (self._counter - counter) % 2**32, (counter - self._counter - 1) % 2**32
+            if n_behind < REPEATED_AMONG and not anew:
+                self.n_duplicates += 1
+                return False
+            if n_missing > 2**31:
+                self._begin(ticks)
+            else:
+                self.n_lost += n_missing
+        self._counter = counter
+        return True
+
+    def _device_s(self, ticks: int) -> float:
+        """Unwrapped time."""
+        self._ticks += (ticks - self._ticks) % 2**32
+        return self._ticks * self._tick_s

@@ -1,0 +1,153 @@
+"""A stream of Lab Streaming Layer (extra: lsl)."""
+
+import contextlib
+import functools
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactometry.arguments.require import positive
+from tactometry.devices.sensors.reader import SAY_S, Block, now_s
+from tactometry.errors import DeviceFailed
+
+LONGEST_SEARCH_S = 5.0
+OTHERS_WITHIN_S = 0.5
+"""Another outlet of the same name answers within this time (unverified default)."""
+MOST_OUTLETS = 100
+MOST_SAMPLES = 4096
+WARNINGS_ONLY = "[log]\nlevel = -1\n"
+"""liblsl else tells the terminal which settings it took; it is asked before its first use."""
+SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
+
+
+@dataclass(frozen=True)
+class LslSettings:
+    """The outlet by its name; `rate_hz` is what its head must state.
+
+    `source_id` tells it from others of the same name; without it there may be no other.
+    """
+
+    live: ClassVar[bool] = True
+    stream: str
+    rate_hz: float
+    n_channels: int = 1
+    source_id: str | None = None
+
+    def __post_init__(self) -> None:
+        positive("LslSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
+
+    def source(self) -> "LslSource":
+        return LslSource(self)
+
+
+class LslSource:
+    """An inlet whose stamps are the outlet's, corrected by LSL's clock exchange and moved to our clock.
+
+    An outlet that dies raises `DeviceFailed`; afterwards only one with its source id is opened, if it had one.
+    """
+
+    def __init__(self, settings: LslSettings) -> None:
+        self.name = f"lsl {settings.stream}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings, self._source_id = settings, settings.source_id
+        self._inlet: Any = None
+        self._correction_s: float | None = None
+        self._offset_s = 0.0
+        self._searched = False
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        self._correct()
+        offset_s = None if self._correction_s is None else self._correction_s + self._offset_s
+        return {"source_id": self._source_id, "clock_offset_s": offset_s}
+
+    def _correct(self) -> None:
+        """LSL exchanges clocks in the background every few seconds; the last correction is at hand at once."""
+        inlet, pylsl = self._inlet, _library()
+        if inlet is not None:
+            with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError, pylsl.util.InternalError):
+                self._correction_s = inlet.time_correction(timeout=SAY_S)
+
+    def open(self) -> None:
+        pylsl = _library()
+        info = self._found(pylsl)
+        self._check(info)
+        inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
+        try:
+            inlet.open_stream(timeout=LONGEST_SEARCH_S)
+            self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
+            inlet.flush()
+        except (pylsl.util.LostError, pylsl.util.TimeoutError) as error:
+            raise DeviceFailed(f"{self.name}: the outlet does not answer ({error}), expected one that runs") from None
+        self._offset_s = _offset_s(pylsl)
+        self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
+
+    def _found(self, pylsl: Any) -> Any:
+        """The one outlet of the name and the source id."""
+        search_s = 1.0 if self._searched else LONGEST_SEARCH_S
+        self._searched = True
+        if not pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s):
+            raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected its outlet to run")
+        found = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
+        wanted = [info for info in found if self._source_id in (None, info.source_id())]
+        if len(wanted) != 1:
+            ids = ", ".join(sorted(repr(info.source_id()) for info in found))
+            one = "one" if self._source_id is None else f"one with {self._source_id!r}"
+            raise DeviceFailed(
+                f"{self.name}: found outlets of this name with the source ids {ids}, expected {one}; state source_id "
+                "in the bench file, and stop what is not meant"
+            )
+        return wanted[0]
+
+    def _check(self, info: Any) -> None:
+        found = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
+        for name, value in found.items():
+            expected = getattr(self._settings, name)
+            if value != expected:
+                raise DeviceFailed(
+                    f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
+                )
+
+    def receive(self) -> Block | None:
+        pylsl = _library()
+        try:
+            samples, stamps_s = self._inlet.pull_chunk(timeout=SAY_S, max_samples=MOST_SAMPLES, min_samples=1)
+        except pylsl.util.LostError:
+            raise DeviceFailed(f"{self.name}: the outlet is gone") from None
+        if not stamps_s:
+            return None
+        return Block(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
+
+    def close(self) -> None:
+        inlet, self._inlet = self._inlet, None
+        if inlet is not None:
+            inlet.close_stream()
+
+
+def _offset_s(pylsl: Any) -> float:
+    """Our clock minus LSL's, both steady, by the quickest of some readings."""
+    readings = []
+    for _ in range(20):
+        before_s, theirs_s, after_s = now_s(), pylsl.local_clock(), now_s()
+        readings.append((after_s - before_s, (before_s + after_s) / 2 - theirs_s))
+    return float(min(readings)[1])
+
+
+@functools.cache
+def _library() -> Any:
+    try:
+        import pylsl
+    except (ImportError, RuntimeError) as error:
+        raise DeviceFailed(f"lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'") from None
+    if not _has_settings_of_its_own():
+        with contextlib.suppress(NotImplementedError):
+            pylsl.set_config_content(WARNINGS_ONLY)
+    return pylsl
+
+
+def _has_settings_of_its_own() -> bool:
+    """Whether liblsl finds a file of the user's, which what is set here would replace."""
+    return "LSLAPICFG" in os.environ or any(Path(place).expanduser().is_file() for place in SETTINGS_FILES)

@@ -1,0 +1,227 @@
+"""One thread per sensor: it takes samples as they come, so that drawing never starves it."""
+
+import contextlib
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.devices.deadline import CLOSE_WITHIN_S, within
+from tactometry.devices.sensors.arrival import Arrivals
+from tactometry.errors import DeviceFailed
+
+FloatArray = NDArray[np.float64]
+
+RETRY_S = 0.2
+"""A device that went away is looked for this often."""
+SAY_S = 0.01
+"""That nothing came is said this often."""
+KEPT_S = 60.0
+"""A listener that does not read loses what is older."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) as the device counts."""
+
+    times_s: FloatArray
+    values: FloatArray
+
+
+Hear = Callable[[FloatArray, FloatArray], None]
+"""What is told samples: their times (n_samples,) in s on `time.perf_counter`, and their values."""
+
+
+class Told(Protocol):
+    """What tells samples as they come."""
+
+    def listen(self, hear: Hear) -> Callable[[], None]:
+        """Call `hear` with all samples from now on, in the thread that collects them, until the result is called.
+
+        A device that says nothing is told about every `SAY_S`, with empty arrays.
+        """
+
+
+class Source(Protocol):
+    """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def rate_hz(self) -> float:
+        """The nominal rate."""
+
+    @property
+    def n_channels(self) -> int: ...
+
+    def open(self) -> None:
+        """Raises `DeviceFailed` if the device is not there."""
+
+    def receive(self) -> Block | None:
+        """The next samples; waits for about `SAY_S`, then None. Raises `DeviceFailed` if the device went away."""
+
+    def close(self) -> None:
+        """May be called more than once."""
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        """Counts of what was damaged or lost, and the drift of the clock."""
+
+
+class Listener:
+    """What one part of the program has not read yet."""
+
+    def __init__(self) -> None:
+        self._blocks: deque[Block] = deque()
+
+    def put(self, block: Block) -> None:
+        if block.times_s.size == 0:
+            return
+        self._blocks.append(block)
+        while self._blocks[0].times_s[-1] < block.times_s[-1] - KEPT_S:
+            self._blocks.popleft()
+
+    def read(self, n_channels: int) -> Block:
+        """All samples since the last call, in order; never waits."""
+        blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
+        if not blocks:
+            return Block(np.empty(0), np.empty((0, n_channels)))
+        return Block(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
+
+
+class Reader:
+    """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away.
+
+    Whatever a source raises, it went away. What comes with stamps that arrival does not bear out is not told: that is
+    an outage, too. Stamps are moved back by `delay_s`, by which the source is known to be late.
+    """
+
+    def __init__(self, source: Source, delay_s: float = 0.0) -> None:
+        self.source, self._delay_s = source, delay_s
+        self._hearers: tuple[Callable[[Block], None], ...] = ()
+        self._n_open = 0
+        self._ending = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._n_samples = 0
+        self._n_outages = self._n_steps_back = 0
+        self._arrivals = Arrivals()
+        self._failure: str | None = None
+
+    @property
+    def failure(self) -> str | None:
+        """Why it tells nothing, since it last did."""
+        return self._failure
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self._failure}
+        n_steps_back = self._n_steps_back + self._arrivals.n_steps_back
+        return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
+
+    def listen(self) -> Listener:
+        """Another listener; it hears what comes from now on."""
+        listener = Listener()
+        self.tell(listener.put)
+        return listener
+
+    def tell(self, hear: Callable[[Block], None]) -> Callable[[], None]:
+        """Call `hear` in the reader's thread with each block from now on, an empty one where nothing came.
+
+        It ends when the function that is returned is called.
+        """
+        self._hearers = (*self._hearers, hear)
+        return lambda: self._forget(hear)
+
+    def _forget(self, hear: Callable[[Block], None]) -> None:
+        self._hearers = tuple(each for each in self._hearers if each is not hear)
+
+    def open(self) -> None:
+        """Begin to read; the second of two that share a reader changes nothing.
+
+        Raises
+        ------
+        DeviceFailed
+            If the device is not there.
+        """
+        if self._n_open == 0:
+            self._open_source()
+            self._ending.clear()
+            self._thread = threading.Thread(target=self._run, name=f"reader of {self.source.name}", daemon=True)
+            self._thread.start()
+        self._n_open += 1
+
+    def close(self) -> None:
+        """End the thread when the last of those who opened has closed."""
+        self._n_open = max(0, self._n_open - 1)
+        if self._n_open == 0 and self._thread is not None:
+            self._ending.set()
+            self._thread.join(CLOSE_WITHIN_S)
+            self._thread = None
+            within(CLOSE_WITHIN_S, self.source.name, self.source.close, cure="unplug it")
+
+    def _run(self) -> None:
+        while not self._ending.is_set():
+            try:
+                self._take(self.source.receive())
+            except Exception as error:  # whatever it was, the device is looked for again
+                self._failure = str(self._failed(error))
+                self._n_outages += 1
+                with contextlib.suppress(Exception):
+                    self.source.close()
+                self._find_again()
+
+    def _open_source(self) -> None:
+        self._n_steps_back += self._arrivals.n_steps_back
+        self._arrivals = Arrivals()
+        try:
+            self.source.open()
+        except Exception as error:
+            raise self._failed(error) from None
+
+    def _failed(self, error: Exception) -> DeviceFailed:
+        if isinstance(error, DeviceFailed):
+            return error
+        words = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return DeviceFailed(f"{self.source.name}: found a failure ({words}), expected samples")
+
+    def _take(self, block: Block | None) -> None:
+        if block is None or block.times_s.size == 0:
+            self._say(None)
+            return
+        self._arrivals = self._arrivals.after(block.times_s, now_s())
+        if self._arrivals.fault is not None:
+            self._n_outages += self._failure is None
+            self._failure = f"{self.source.name}: {self._arrivals.fault}"
+            self._say(None)
+            return
+        self._n_samples += block.times_s.size
+        self._failure = None
+        self._say(Block(block.times_s - self._delay_s, block.values) if self._delay_s else block)
+
+    def _say(self, block: Block | None) -> None:
+        said = Block(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block
+        for hear in self._hearers:
+            hear(said)
+
+    def _find_again(self) -> None:
+        next_s = now_s() + RETRY_S
+        while not self._ending.wait(SAY_S):
+            self._say(None)
+            if now_s() < next_s:
+                continue
+            next_s = now_s() + RETRY_S
+            try:
+                self._open_source()
+            except DeviceFailed as error:
+                self._failure = str(error)
+            else:
+                return
+
+
+def now_s() -> float:
+    """Our clock."""
+    return time.perf_counter()

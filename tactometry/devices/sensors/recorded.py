@@ -1,0 +1,75 @@
+"""A recorded file as a sensor: its samples come again, as they came."""
+
+import io
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import positive
+from tactometry.devices.sensors.reader import Block, now_s
+from tactometry.errors import DeviceFailed, TactometryError
+from tactometry.files.durable import read_file
+from tactometry.files.samples import table_of_numbers
+
+STEP_S = 0.005
+
+
+@dataclass(frozen=True)
+class RecordedSettings:
+    """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts."""
+
+    live: ClassVar[bool] = False
+    path: str
+    rate_hz: float
+    n_channels: int = 1
+
+    def __post_init__(self) -> None:
+        positive("RecordedSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
+
+    def source(self) -> "RecordedSource":
+        return RecordedSource(self)
+
+
+class RecordedSource:
+    """Hands out each sample at its time after opening; after the last one the sensor is silent."""
+
+    def __init__(self, settings: RecordedSettings) -> None:
+        self.name = f"recorded {settings.path}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._n_read = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
+
+    def open(self) -> None:
+        table = _table(Path(self._settings.path), self.n_channels)
+        self._times_s, self._values = table[:, 0] - table[0, 0] + now_s(), table[:, 1:]
+        self._n_read = 0
+
+    def receive(self) -> Block | None:
+        time.sleep(STEP_S)
+        first, self._n_read = self._n_read, int(np.searchsorted(self._times_s, now_s(), side="right"))
+        return Block(self._times_s[first : self._n_read], self._values[first : self._n_read])
+
+    def close(self) -> None:
+        pass
+
+
+def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
+    try:
+        lines = io.StringIO(read_file(path, "a CSV file").decode("utf-8-sig"))
+        header = lines.readline().strip().split(",")
+        table = table_of_numbers(lines, n_columns=len(header))
+    except (TactometryError, ValueError) as error:
+        raise DeviceFailed(f"{path}: cannot be read as a recording ({error}), expected a CSV file") from None
+    if header[0] != "time_s" or len(header) != n_channels + 1:
+        raise DeviceFailed(f"{path}: found the columns {', '.join(header)}, expected time_s and {n_channels} channels")
+    if not np.isfinite(table[:, 0]).all() or np.any(np.diff(table[:, 0]) <= 0):
+        raise DeviceFailed(f"{path}: found times that do not rise, expected rising ones")
+    return np.asarray(table)

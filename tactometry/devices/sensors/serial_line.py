@@ -1,0 +1,106 @@
+"""A sensor on a serial line, in the frames of `devices.framing` (extra: serial)."""
+
+import os
+import select
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from tactometry.arguments.require import positive
+from tactometry.devices.sensors.counted_samples import CountedSamples
+from tactometry.devices.sensors.framing import Framing
+from tactometry.devices.sensors.reader import SAY_S, Block, now_s
+from tactometry.errors import DeviceFailed
+
+LARGEST_READ = 65_536
+
+
+@dataclass(frozen=True)
+class SerialSettings:
+    """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states."""
+
+    live: ClassVar[bool] = True
+    port: str
+    rate_hz: float
+    n_channels: int = 1
+    baud: int = 921_600
+
+    def __post_init__(self) -> None:
+        positive("SerialSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, baud=self.baud)
+
+    def source(self) -> "SerialSource":
+        return SerialSource(self)
+
+
+class SerialSource:
+    """Frames from a line; a line that is unplugged raises `DeviceFailed`, and may be opened again."""
+
+    def __init__(self, settings: SerialSettings) -> None:
+        self.name = f"serial {settings.port}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._line: Any = None
+        self._framing, self._samples = Framing(self.n_channels), CountedSamples(1e-6, name=self.name)
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {
+            "n_bytes_skipped": self._framing.n_skipped,
+            "n_lost": self._samples.n_lost,
+            "n_duplicates": self._samples.n_duplicates,
+            "clock_offset_s": self._samples.offset_s,
+        }
+
+    def open(self) -> None:
+        serial = _library()
+        try:
+            line = serial.Serial()
+            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, SAY_S
+            line.exclusive = True
+            line.open()
+            line.reset_input_buffer()
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
+            ) from None
+        self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
+        self._samples.may_begin_anew()
+
+    def receive(self) -> Block | None:
+        serial = _library()
+        try:
+            data = _available(self._line, self._framing.n_missing)
+        except (serial.SerialException, OSError, TypeError) as error:
+            raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
+        arrival_s = now_s()
+        self._framing, frames = self._framing.after(data)
+        return self._samples.block(frames, arrival_s) if frames else None
+
+    def close(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            line.close()
+
+
+def _available(line: Any, n_missing: int) -> bytes:
+    """What has come, after `SAY_S` at most, in as few calls as possible: each may wait for a thread that computes."""
+    if os.name != "posix":
+        return bytes(line.read(max(n_missing, line.in_waiting)))
+    ready, _, _ = select.select([line.fd], [], [], SAY_S)
+    data = os.read(line.fd, LARGEST_READ) if ready else b""
+    if ready and not data:
+        raise OSError("the device hung up")
+    return data
+
+
+def _reason(error: Exception) -> str:
+    """What pyserial says of the system's own words, once."""
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else " ".join(str(error).split())
+
+
+def _library() -> Any:
+    try:
+        import serial
+    except ImportError:
+        raise DeviceFailed("serial line: found no pyserial; pip install 'tactometry[serial]'") from None
+    return serial

@@ -1,0 +1,143 @@
+"""A touch screen or mouse of Linux as a position sensor, read from its event device.
+
+The kernel writes records of 24 bytes (``struct input_event`` of a 64-bit system: seconds, microseconds, type, code,
+value); a report of type 0 and code 0 ends a sample. Absolute axes are a touch screen's first contact, relative ones a
+mouse's steps, summed. Tried on records through a pipe, not on a touch screen.
+"""
+
+import os
+import select
+import struct
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar, Final
+
+import numpy as np
+
+from tactometry.arguments.require import positive
+from tactometry.devices.sensors.reader import Block, now_s
+from tactometry.errors import DeviceFailed
+
+EVENT: Final = struct.Struct("=qqHHi")
+SYNC, RELATIVE, ABSOLUTE = 0, 2, 3
+AXES: Final = {(ABSOLUTE, 0): 0, (ABSOLUTE, 1): 1, (ABSOLUTE, 53): 0, (ABSOLUTE, 54): 1, (ABSOLUTE, 58): 2}
+STEPS: Final = {(RELATIVE, 0): 0, (RELATIVE, 1): 1}
+TRACKING: Final = (ABSOLUTE, 57)
+SET_CLOCK, MONOTONIC = 0x400445A0, 1
+HELD_S = 0.01
+"""A finger that rests sends nothing; its place is said again this often."""
+
+
+@dataclass(frozen=True)
+class TouchSettings:
+    """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units."""
+
+    live: ClassVar[bool] = True
+    path: str
+    rate_hz: float = 100.0
+
+    def __post_init__(self) -> None:
+        positive("TouchSettings", rate_hz=self.rate_hz)
+
+    def source(self) -> "TouchSource":
+        return TouchSource(self)
+
+
+@dataclass(frozen=True)
+class Finger:
+    """Where a finger is by the events up to now; `touching` from landing to lift, and always for a moved mouse."""
+
+    values: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    touching: bool = False
+
+    def after(self, kind: int, code: int, value: int) -> "Finger":
+        """
+        >>> Finger().after(ABSOLUTE, 53, 120).after(RELATIVE, 1, -3).values
+        (120.0, -3.0, 0.0)
+        >>> Finger().after(*TRACKING, 7).touching, Finger().after(*TRACKING, -1).touching
+        (True, False)
+        """
+        if (kind, code) == TRACKING:
+            return replace(self, touching=value >= 0)
+        if (kind, code) in AXES:
+            return self._with(AXES[kind, code], float(value))
+        if (kind, code) in STEPS:
+            axis = STEPS[kind, code]
+            return replace(self._with(axis, self.values[axis] + value), touching=True)
+        return self
+
+    def _with(self, axis: int, value: float) -> "Finger":
+        x, y, pressure = (value if n == axis else old for n, old in enumerate(self.values))
+        return replace(self, values=(x, y, pressure))
+
+
+class TouchSource:
+    """Samples at each report, and every `HELD_S` while a finger rests; none while it is lifted."""
+
+    n_channels = 3
+
+    def __init__(self, settings: TouchSettings) -> None:
+        self.name = f"touch {settings.path}"
+        self.rate_hz: float = settings.rate_hz
+        self._path = Path(settings.path)
+        self._file: int | None = None
+        self._stamped = False
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"stamped_by": "kernel" if self._stamped else "arrival"}
+
+    def open(self) -> None:
+        try:
+            self._file = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot open it ({error.strerror}), expected an event device that may be read"
+            ) from None
+        self._stamped = _set_clock(self._file)
+        self._finger = self._reported = Finger()
+        self._rest = b""
+
+    def receive(self) -> Block | None:
+        if self._file is None:
+            raise DeviceFailed(f"{self.name}: it is closed")
+        try:
+            ready, _, _ = select.select([self._file], [], [], HELD_S)
+            data = os.read(self._file, 64 * EVENT.size) if ready else b""
+        except OSError as error:
+            raise DeviceFailed(f"{self.name}: the device went away ({error.strerror})") from None
+        if ready and not data:
+            raise DeviceFailed(f"{self.name}: the device went away")
+        return self._block(data) if ready else self._resting()
+
+    def _resting(self) -> Block | None:
+        return Block(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
+
+    def _block(self, data: bytes) -> Block | None:
+        stream, arrival_s = self._rest + data, now_s()
+        whole = len(stream) // EVENT.size * EVENT.size
+        self._rest = stream[whole:]
+        samples = []
+        for seconds, microseconds, kind, code, value in EVENT.iter_unpack(stream[:whole]):
+            self._finger = self._finger.after(kind, code, value)
+            self._reported = self._finger if kind == SYNC else self._reported
+            if kind == SYNC and self._finger.touching:
+                samples.append((seconds + 1e-6 * microseconds if self._stamped else arrival_s, self._finger.values))
+        if not samples:
+            return None
+        return Block(np.array([time_s for time_s, _ in samples]), np.array([values for _, values in samples]))
+
+    def close(self) -> None:
+        file, self._file = self._file, None
+        if file is not None:
+            os.close(file)
+
+
+def _set_clock(file: int) -> bool:
+    """Whether the kernel now stamps events on the clock of `time.perf_counter`."""
+    try:
+        import fcntl
+
+        fcntl.ioctl(file, SET_CLOCK, struct.pack("i", MONOTONIC))
+    except (ImportError, OSError):
+        return False
+    return True

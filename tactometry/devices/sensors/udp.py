@@ -1,0 +1,129 @@
+"""A network force sensor that streams records by UDP, in the form of ATI's raw data transfer.
+
+A request is 8 bytes, big-endian: ``12 34``, a command (u16: 2 begins, 0 ends), a number of samples (u32: 0 is no end).
+A record is 36 bytes: sequence of the stream (u32), sequence of the sensor's samples (u32), status (u32, 0 is sound),
+then six values (i32): forces along x, y, z and torques about them, in counts. A datagram holds one record or more.
+The form is that of the maker's published manual; it was run against an emulator, not against a sensor.
+"""
+
+import contextlib
+import socket
+import struct
+from dataclasses import dataclass
+from typing import ClassVar, Final, NamedTuple
+
+from tactometry.arguments.require import positive
+from tactometry.devices.sensors.counted_samples import CountedSamples
+from tactometry.devices.sensors.reader import SAY_S, Block, now_s
+from tactometry.errors import DeviceFailed, InvalidParameter
+
+BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
+END: Final = struct.pack(">HHI", 0x1234, 0, 0)
+RECORD: Final = struct.Struct(">III6i")
+RECEIVED_BYTES = 2**22
+"""What the system is asked to keep for us, as far as it allows."""
+SILENT_S = 0.5
+"""After this silence the request is sent again: the sensor may have been off."""
+
+
+@dataclass(frozen=True)
+class UdpSettings:
+    """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th."""
+
+    live: ClassVar[bool] = True
+    address: str
+    rate_hz: float
+    sensor_rate_hz: float = 7000.0
+    port: int = 49_152
+
+    def __post_init__(self) -> None:
+        positive("UdpSettings", rate_hz=self.rate_hz, sensor_rate_hz=self.sensor_rate_hz)
+        if not 0 < self.port < 2**16:
+            raise InvalidParameter(f"UdpSettings.port: found {self.port}, expected from 1 to {2**16 - 1}")
+
+    def source(self) -> "UdpSource":
+        return UdpSource(self)
+
+
+class Record(NamedTuple):
+    """One record; `values` are the six counts."""
+
+    sequence: int
+    sensor_sequence: int
+    status: int
+    values: tuple[int, ...]
+
+
+def records(datagram: bytes) -> list[Record]:
+    """The records of a datagram; none if its length is not theirs.
+
+    >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
+    [Record(sequence=1, sensor_sequence=7, status=0, values=(1, -2, 3, 4, 5, 6))]
+    >>> records(b"something else")
+    []
+    """
+    if len(datagram) % RECORD.size:
+        return []
+    return [Record(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
+
+
+class UdpSource:
+    """Asks the sensor to send, and takes what comes from its address; a status that is not sound is a lost sample."""
+
+    n_channels = 6
+
+    def __init__(self, settings: UdpSettings) -> None:
+        self.name = f"udp {settings.address}:{settings.port}"
+        self.rate_hz: float = settings.rate_hz
+        self._settings = settings
+        self._socket: socket.socket | None = None
+        self._samples = CountedSamples(1 / settings.sensor_rate_hz, name=self.name)
+        self._n_refused = 0
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {
+            "n_lost": self._samples.n_lost,
+            "n_duplicates": self._samples.n_duplicates,
+            "n_refused": self._n_refused,
+            "clock_offset_s": self._samples.offset_s,
+        }
+
+    def open(self) -> None:
+        try:
+            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
+            self._socket.settimeout(SAY_S)
+            self._socket.connect((self._settings.address, self._settings.port))
+            self._heard_s = now_s() - SILENT_S
+        except OSError as error:
+            self.close()
+            raise DeviceFailed(
+                f"{self.name}: cannot reach the sensor ({error.strerror or error}), expected its address"
+            ) from None
+
+    def receive(self) -> Block | None:
+        if self._socket is None:
+            raise DeviceFailed(f"{self.name}: it is closed")
+        try:
+            if now_s() - self._heard_s >= SILENT_S:
+                self._socket.send(BEGIN)
+                self._samples.may_begin_anew()
+                self._heard_s = now_s()
+            datagram = self._socket.recv(65_536)
+        except (TimeoutError, ConnectionRefusedError):
+            return None
+        except OSError as error:
+            raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
+        return self._block(records(datagram), now_s())
+
+    def _block(self, found: list[Record], arrival_s: float) -> Block | None:
+        self._heard_s = arrival_s
+        sound = [(each.sequence, each.sensor_sequence, each.values) for each in found if each.status == 0]
+        self._n_refused += len(found) - len(sound) if found else 1
+        return self._samples.block(sound, arrival_s) if sound else None
+
+    def close(self) -> None:
+        line, self._socket = self._socket, None
+        if line is not None:
+            with line, contextlib.suppress(OSError):
+                line.send(END)

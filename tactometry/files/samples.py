@@ -1,0 +1,191 @@
+"""Files of samples, WAV and NPZ, read for no more than they hold: whole or not at all, and within bounds.
+
+Whatever is wrong with their bytes is a `ValueError` whose words say what was found and what was expected.
+"""
+
+import io
+import struct
+import warnings
+import zipfile
+import zlib
+from typing import Any, Final, NamedTuple, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.files.durable import LARGEST_BYTES
+
+LARGEST_WORDS: Final = 2**20
+"""Of a text beside the samples, bytes."""
+_CHUNK: Final = struct.Struct("<4sI")
+_FORMAT: Final = struct.Struct("<HHIIHH")
+_ENDLESS: Final = 2**32 - 1
+_read_array: Final[Any] = np.lib.format.read_array
+
+
+class Wav(NamedTuple):
+    """Frames (n_frames, n_channels) as the file holds them, and their rate."""
+
+    rate_hz: float
+    frames: NDArray[Any]
+
+
+def wav_of(content: bytes) -> Wav:
+    """The samples of a WAV file.
+
+    Raises
+    ------
+    ValueError
+        If it is none, is torn, or holds no sample.
+    """
+    from scipy.io import wavfile
+
+    _check_wav(content)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of chunks that are not samples
+            rate, frames = wavfile.read(io.BytesIO(content))
+    except (struct.error, EOFError, OverflowError, ZeroDivisionError, UnboundLocalError, MemoryError) as error:
+        raise ValueError(f"found a damaged WAV file ({type(error).__name__}: {error}), expected a sound one") from None
+    return Wav(float(rate), np.reshape(frames, (len(frames), -1)))
+
+
+def _check_wav(content: bytes) -> None:
+    """Refuse what is no WAV file, and one whose samples are not all there."""
+    if len(content) < 12 or content[:4] not in (b"RIFF", b"RF64") or content[8:12] != b"WAVE":
+        raise ValueError("found no WAV file, expected one that begins with RIFF and WAVE")
+    frame_bytes, long_bytes, at = 0, 0, 12
+    while at + _CHUNK.size <= len(content):
+        name, size = _CHUNK.unpack_from(content, at)
+        at += _CHUNK.size
+        if name == b"ds64" and at + 16 <= len(content):
+            long_bytes = int.from_bytes(content[at + 8 : at + 16], "little")
+        if name == b"fmt ":
+            frame_bytes = _frame_bytes(content[at : at + size])
+        if name == b"data":
+            _check_data(len(content) - at, long_bytes or size if size == _ENDLESS else size, frame_bytes)
+            return
+        at += size + size % 2
+    raise ValueError("found no samples, expected a chunk 'data': the file is torn")
+
+
+def _frame_bytes(form: bytes) -> int:
+    if len(form) < _FORMAT.size:
+        raise ValueError("found no whole chunk 'fmt ', expected one: the file is torn")
+    _, n_channels, rate_hz, _, frame_bytes, n_bits = _FORMAT.unpack_from(form)
+    if not n_channels or not rate_hz or not n_bits or frame_bytes != n_channels * -(-n_bits // 8):
+        raise ValueError(
+            f"found {n_channels} channels of {n_bits} bits at {rate_hz} Hz in frames of {frame_bytes} bytes, expected "
+            "numbers that fit"
+        )
+    return int(frame_bytes)
+
+
+def _check_data(n_there: int, n_said: int, frame_bytes: int) -> None:
+    if not frame_bytes:
+        raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
+    if n_said == 0:
+        raise ValueError("found no samples, expected at least one")
+    if n_said > n_there:
+        raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
+    if n_said % frame_bytes:
+        raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
+
+
+def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:
+    """The rows (n_rows, n_columns) of numbers between commas.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or they have not so many columns.
+
+    Examples
+    --------
+    >>> table_of_numbers(io.StringIO("1,2\\n3,4"), n_columns=2).tolist()
+    [[1.0, 2.0], [3.0, 4.0]]
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of no rows, which is said below
+        table = np.asarray(np.loadtxt(lines, delimiter=",", ndmin=2), dtype=np.float64)
+    if table.size == 0:
+        raise ValueError("found no row of numbers, expected at least one")
+    if n_columns is not None and table.shape[1] != n_columns:
+        raise ValueError(f"found {table.shape[1]} columns of numbers under {n_columns} names, expected as many")
+    return table
+
+
+class Npz:
+    """The arrays of an NPZ file by their names, each read when it is asked for.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or damaged.
+
+    Examples
+    --------
+    >>> file = io.BytesIO()
+    >>> np.savez(file, samples=np.arange(3.0))
+    >>> Npz(file.getvalue())["samples"].tolist(), "rate_hz" in Npz(file.getvalue())
+    ([0.0, 1.0, 2.0], False)
+    """
+
+    def __init__(self, content: bytes) -> None:
+        try:
+            self._archive = zipfile.ZipFile(io.BytesIO(content))
+            self._names = set(self._archive.namelist())
+        except _DAMAGES as error:
+            raise ValueError(f"found no complete NPZ archive ({error}), expected one of numpy.savez") from None
+
+    def __contains__(self, name: str) -> bool:
+        return f"{name}.npy" in self._names
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self._array(name, LARGEST_BYTES)
+
+    def words(self, name: str) -> str:
+        """A text.
+
+        Raises
+        ------
+        ValueError
+            As for an array, and if it is not one text.
+        """
+        found = self._array(name, LARGEST_WORDS)
+        if found.ndim or found.dtype.kind != "U":
+            raise ValueError(f"{name}: found an array of shape {found.shape}, expected one text")
+        return str(found)
+
+    def number(self, name: str) -> float:
+        """A number.
+
+        Raises
+        ------
+        ValueError
+            As for an array, and if it is not one number.
+        """
+        found = self._array(name, LARGEST_WORDS)
+        if found.ndim or found.dtype.kind not in "iuf":
+            raise ValueError(f"{name}: found an array of shape {found.shape}, expected one number")
+        return float(found)
+
+    def _array(self, name: str, largest: int) -> NDArray[Any]:
+        if name not in self:
+            raise ValueError(f"{name}: found no such array, expected it")
+        size = self._archive.getinfo(f"{name}.npy").file_size
+        if size > largest:
+            raise ValueError(f"{name}: found {size} bytes, expected at most {largest}")
+        try:
+            with self._archive.open(f"{name}.npy") as member:
+                array = _read_array(io.BytesIO(member.read(size)), allow_pickle=False)
+        except _DAMAGES as error:
+            raise ValueError(f"{name}: found a damaged array ({error}), expected a sound one") from None
+        return np.asarray(array)
+
+
+_DAMAGES: Final = (
+    *(OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, NotImplementedError, OverflowError),
+    *(SyntaxError, MemoryError, RecursionError, struct.error, zipfile.BadZipFile, zlib.error),
+)
+"""What numpy and zipfile raise of damaged bytes."""

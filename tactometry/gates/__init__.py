@@ -1,0 +1,1 @@
+"""Decisions on sample stamps: is the force held, is the finger in motion."""

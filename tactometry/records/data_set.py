@@ -1,0 +1,167 @@
+"""A data set on disk, after Psych-DS: one journal and one trials file per session.
+
+The journal is the truth; the trials file, its description and the data set's description are derived from it and the
+study, and can be rebuilt.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.files.durable import listed, make_folder, read_file, write_first
+from tactometry.records.description import NAME, Design
+from tactometry.trials.columns import FIRST, Column
+from tactometry.trials.trial import Trial, Value
+
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+LARGEST_NUMBER = 999_999_999
+"""Of a session, and of a participant for counterbalancing."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """One session of one participant.
+
+    Raises
+    ------
+    InvalidParameter
+        If the code is not 1 to 32 letters and digits, or the session number is below 1.
+
+    >>> Session("P01", 1, "electrovibration-threshold").stem
+    'participant-P01_session-1_study-electrovibrationthreshold'
+    """
+
+    participant: str
+    session: int
+    study: str
+
+    def __post_init__(self) -> None:
+        if not PARTICIPANT.fullmatch(self.participant):
+            raise InvalidParameter(
+                f"participant: found {self.participant!r}, expected a code of 1 to 32 letters and digits (A-Z, a-z, "
+                "0-9), such as P01: no names, no paths"
+            )
+        if self.session < 1:
+            raise InvalidParameter(f"session: found {self.session}, expected a number from 1")
+        if self.session > LARGEST_NUMBER:
+            raise InvalidParameter(f"session: found {self.session}, expected a number up to {LARGEST_NUMBER}")
+
+    @property
+    def stem(self) -> str:
+        return f"participant-{self.participant}_session-{self.session}_study-{self.study.replace('-', '')}"
+
+    def journal(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}.jsonl"
+
+    def events(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}_events.tsv"
+
+    def trials(self, root: Path) -> Path:
+        return root / "data" / f"{self.stem}_data.csv"
+
+    def sidecar(self, root: Path) -> Path:
+        return root / "data" / f"{self.stem}_data.json"
+
+
+def cell(value: Value) -> str:
+    """A value as a cell: empty for None, 1/0 for a truth value, the shortest form that reads back for a number.
+
+    >>> cell(True), cell(12.0), cell(0.1), cell(None)
+    ('1', '12', '0.1', '')
+    """
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return str(int(value))
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+_MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("factors", "extra"))
+
+
+def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
+    """The cells of a trial."""
+    known: dict[str, Value] = {
+        **vars(session),
+        "rig": rig,
+        **{name: getattr(trial, name) for name in _MEASURED},
+        **trial.factors,
+        **trial.extra,
+    }
+    return [cell(known.get(column.name)) for column in columns]
+
+
+def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
+
+
+def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:
+    """The trials file of a session."""
+    header = [column.name for column in columns]
+    return csv_bytes([header, *(row(trial, session, rig, columns) for trial in trials)])
+
+
+def prepare(root: Path, design: Design) -> None:
+    """Make the folders and the files that all sessions share.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder holds another study, or other numbers of this one, or something else.
+    """
+    for folder in (root, root / "data", root / "journals"):
+        make_folder(folder)
+    path = root / "study.toml"
+    if (root / NAME).exists() and not path.exists():
+        raise InvalidFile(
+            f"{root / NAME}: found the description of a data set without its study.toml, expected both or none; give "
+            "another --out folder"
+        )
+    write_first(path, design.study_toml)
+    if read_file(path, "the study that ran") != design.study_toml:
+        raise InvalidFile(
+            f"{path}: found another study or other numbers than those that are to run, expected the same bytes; give "
+            "another --out folder, or run the study.toml of this one"
+        )
+
+
+def keys_of(stem: str) -> dict[str, str]:
+    """What the name of a file of a data set says, by key.
+
+    >>> keys_of("participant-P01_session-1_study-tutorial_data")
+    {'participant': 'P01', 'session': '1', 'study': 'tutorial'}
+    """
+    pairs = (part.partition("-") for part in stem.split("_"))
+    return {key: value for key, dash, value in pairs if dash}
+
+
+def participants(root: Path) -> list[str]:
+    """The codes of all who have a journal in a data set, sorted."""
+    return sorted({code for path in sessions(root) if (code := keys_of(path.stem).get("participant"))})
+
+
+def sessions(root: Path) -> list[Path]:
+    """The journals of a data set, sorted.
+
+    Raises
+    ------
+    InvalidFile
+        If their folder may not be read.
+    """
+    found = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
+    return [path for path in found if not path.name.endswith("_interruptions.jsonl")]
+
+
+def factor_names(columns: Sequence[str]) -> list[str]:
+    """The factors of a table: the columns between `trial` and `procedure`."""
+    return list(columns[len(FIRST) : list(columns).index("procedure")])

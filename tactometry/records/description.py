@@ -1,0 +1,144 @@
+"""How a data set describes itself, after Psych-DS: its study, its columns, and whether its data are simulated."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from tactometry.errors import InvalidFile
+from tactometry.files.durable import read_file, write_atomically
+from tactometry.trials.columns import Column
+
+NAME: Final = "dataset_description.json"
+SIMULATED: Final = "simulated"
+"""The rig whose participants are no people."""
+KEYWORD: Final = "simulated data"
+SENTENCE: Final = "Simulated participants: no person took part."
+
+
+@dataclass(frozen=True)
+class Design:
+    """What the files of a data set say of its study: `study_toml` are the bytes that ran."""
+
+    study: str
+    title: str
+    description: str
+    columns: tuple[Column, ...]
+    study_toml: bytes
+
+
+def description(design: Design) -> dict[str, object]:
+    """What Psych-DS asks for."""
+    return {
+        "@context": "https://schema.org/",
+        "@type": "Dataset",
+        "name": design.title,
+        "description": design.description,
+        "schemaVersion": "Psych-DS 1.5.0",
+        "variableMeasured": [],
+    }
+
+
+def describe(root: Path, design: Design, *, is_simulated: bool) -> None:
+    """Write the description of a data set; one that is there gets what it lacks, and keeps what a person added.
+
+    Raises
+    ------
+    InvalidFile
+        If there is something else in its place.
+    """
+    path = root / NAME
+    there = read_description(path) if path.exists() else None
+    told = with_columns(description(design) if there is None else there, design.columns)
+    wanted = marked(told) if is_simulated else told
+    if wanted != there:
+        write_atomically(path, pretty(wanted))
+
+
+def read_description(path: Path) -> dict[str, object]:
+    """The description of a data set.
+
+    Raises
+    ------
+    InvalidFile
+        If it is none.
+    """
+    try:
+        found = json.loads(read_file(path, "the description of a data set"))
+    except (ValueError, RecursionError) as error:
+        raise InvalidFile(
+            f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
+        ) from None
+    if not isinstance(found, dict) or not isinstance(found.get("variableMeasured"), list):
+        raise InvalidFile(
+            f"{path}: found no list 'variableMeasured', expected the description of Psych-DS; remove it, and it is "
+            "made anew"
+        )
+    return found
+
+
+def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:
+    """A description with the columns that it lacks."""
+    variables = described["variableMeasured"]
+    known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
+    new = [
+        {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
+        for c in columns
+        if c.name not in known
+    ]
+    return {**described, "variableMeasured": [*variables, *new]}
+
+
+def marked(described: Mapping[str, object]) -> dict[str, object]:
+    """The description of a data set of simulated participants, which says so.
+
+    >>> marked({"description": "A study."})["description"]
+    'A study. Simulated participants: no person took part.'
+    """
+    if is_marked(described):
+        return dict(described)
+    keywords = described.get("keywords")
+    text = f"{described.get('description', '')} {SENTENCE}".strip()
+    return {**described, "description": text, "keywords": [*(keywords if isinstance(keywords, list) else []), KEYWORD]}
+
+
+def is_marked(described: Mapping[str, object]) -> bool:
+    """Whether a description says that its data are simulated.
+
+    >>> is_marked(marked({})), is_marked({"keywords": "simulated data"})
+    (True, False)
+    """
+    keywords = described.get("keywords")
+    return isinstance(keywords, list) and KEYWORD in keywords
+
+
+def describe_columns(path: Path, columns: Sequence[Column]) -> None:
+    """Write the description of every column of a table; one of the same columns stays as another version wrote it.
+
+    Raises
+    ------
+    InvalidFile
+        If it can't be read or written.
+    """
+    if not path.exists() or _described(read_file(path, "the description of a table")) != [c.name for c in columns]:
+        write_atomically(path, _sidecar_json(columns))
+
+
+def _described(content: bytes) -> list[str]:
+    try:
+        found = json.loads(content)
+    except (ValueError, RecursionError):
+        return []
+    return list(found) if isinstance(found, dict) else []
+
+
+def _sidecar_json(columns: Sequence[Column]) -> bytes:
+    return pretty({column.name: {"Description": column.description, "Units": column.unit} for column in columns})
+
+
+def pretty(value: object) -> bytes:
+    """JSON for people."""
+    return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"

@@ -1,0 +1,53 @@
+"""What reached a participant before a sitting, by the journals of the data set."""
+
+import time
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from tactometry.files.durable import read_file
+from tactometry.safety.limits import Exposure
+from tactometry.session.event import Event, decode_event
+
+_STIMULUS: Final = b'{"event":"stimulus"'
+
+
+def stimuli(journal: Path) -> Iterator[Event]:
+    """The stimuli of a journal, by a quick look: a damaged line is none."""
+    for line in read_file(journal, "a journal").split(b"\n"):
+        if line.startswith(_STIMULUS):
+            try:
+                yield decode_event(msgspec.json.decode(line))
+            except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+                continue
+
+
+def exposure_before(own: Path, others: list[Path], elapsed_s: float, window_s: float) -> Exposure:
+    """What counts when a session goes on, or another of the same participant begins, on `time.perf_counter`.
+
+    Stimuli of the last `window_s` of all journals; the time (`elapsed_s`) and the charge of the session's `own`. A
+    stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock, which was set
+    back, has just begun.
+    """
+    now_s, now_utc_s = time.perf_counter(), time.time()
+    of_session = list(stimuli(own))
+    begun = [
+        (min(utc_s - now_utc_s, 0.0), event.duration_s)
+        for events in (of_session, *map(stimuli, others))
+        for event in events
+        if (utc_s := _utc_s(event)) is not None and event.duration_s is not None
+    ]
+    recent = sorted((now_s + ago_s, lasts_s) for ago_s, lasts_s in begun if ago_s > -window_s - lasts_s)
+    intervals_s = tuple((begin_s, begin_s + lasts_s) for begin_s, lasts_s in recent)
+    charges_c = [charge for event in of_session if isinstance(charge := event.facts.get("charge_c"), float)]
+    return Exposure(now_s - elapsed_s, intervals_s, sum(charges_c))
+
+
+def _utc_s(event: Event) -> float | None:
+    try:
+        return None if event.timestamp_utc is None else datetime.fromisoformat(event.timestamp_utc).timestamp()
+    except (ValueError, OverflowError):
+        return None

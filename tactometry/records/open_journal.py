@@ -1,0 +1,203 @@
+"""A journal that is open for writing: appended to, and repaired where an interruption left it."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import msgspec
+import portalocker
+
+from tactometry.errors import InvalidFile, SessionInUse
+from tactometry.files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from tactometry.records.head import Head
+from tactometry.records.journal import (
+    Recording,
+    checksum,
+    decoded,
+    encode,
+    encode_entry,
+    encode_event,
+    encode_sitting,
+)
+from tactometry.session.event import Event
+from tactometry.session.replay import Replay
+from tactometry.session.request import Record, Request
+
+
+class Journal:
+    """A journal that is open for writing, and locked: a second process is refused.
+
+    With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds. What was cut
+    (the torn line, and the requests of the trial that was under way) is returned by `cut`, and kept in the file
+    `interruptions` beside it. Events stay.
+    """
+
+    def __init__(self, path: Path, *, resume: bool) -> None:
+        self.path = path
+        self._file, self._unsynced = _open_locked(path), False
+        try:
+            _refuse_recorded(path, resume=resume)
+            self.recording, self.cut = self._repair()
+        except BaseException:
+            os.close(self._file)
+            raise
+        self.head = self.recording.head
+
+    @property
+    def interruptions(self) -> Path:
+        """Where what interruptions cut off is kept."""
+        return self.path.with_name(f"{self.path.stem}_interruptions.jsonl")
+
+    def _repair(self) -> tuple[Recording, bytes]:
+        content = read_file(self.path, "a journal")
+        recording = decoded(content, self.path)
+        kept = recording if recording.complete else _until_last_trial(recording)
+        n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[: _n_lines(kept)])
+        self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
+        cut = content[n_bytes:]
+        if cut:
+            self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
+            behind = _unasked(recording)[len(kept.events) + len(kept.resumed) :]
+            self._exchange(content[:n_bytes], behind)
+            kept = _with_behind(kept, behind)
+        os.lseek(self._file, 0, os.SEEK_END)
+        return kept, cut
+
+    def keep(self, **lost: object) -> None:
+        """Keep beside the journal what would else be lost, as a line of `interruptions`."""
+        file = open_private(self.interruptions, os.O_WRONLY)
+        try:
+            os.lseek(file, 0, os.SEEK_END)
+            write_whole(file, msgspec.json.encode(lost) + b"\n", self.interruptions, durable=True)
+        finally:
+            os.close(file)
+
+    def _exchange(self, kept: bytes, behind: Sequence[Event | Head]) -> None:
+        """Put what is kept, and lines of what stood behind it, in the place of the journal; it stays locked."""
+        lines = []
+        for value in behind:
+            if isinstance(value, Event):
+                lines.append(encode_event(value, self._before))
+            else:
+                lines.append(encode_sitting(value, self._before))
+            self._before = checksum(lines[-1])
+        with draft(self.path, kept + b"".join(lines)) as (file, beside):
+            _lock(file, self.path)
+            put_in_place(beside, self.path)
+        os.close(self._file)
+        self._file = file
+
+    @property
+    def replay(self) -> Replay:
+        return self.recording.replay(str(self.path))
+
+    def begin(self, head: Head) -> None:
+        """Write the head of a sitting; one that says nothing new (a simulated one knows no time) is not written."""
+        last = self.recording.sittings[-1:]
+        if not last:
+            self._write(encode(asdict(head), self._before), durable=True)
+            sync_folder(self.path.parent)
+            self.head = head
+        elif head != replace(last[0], begun_s=head.begun_s):
+            self._write(encode_sitting(head, self._before), durable=True)
+
+    def append(self, request: Request, answer: object) -> None:
+        self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
+
+    def note(self, event: Event) -> None:
+        self._write(encode_event(event, self._before), durable=False)
+
+    def finish(self) -> None:
+        """Write the last line, once."""
+        if not self.recording.complete:
+            self._write(encode({"end": "complete"}, self._before), durable=True)
+
+    def close(self) -> None:
+        if self._file >= 0:
+            if self._unsynced:
+                os.fsync(self._file)
+            os.close(self._file)
+            self._file = -1
+
+    def _write(self, line: bytes, *, durable: bool) -> None:
+        write_whole(self._file, line, self.path, durable=durable)
+        self._before, self._unsynced = checksum(line), not durable
+
+
+def _until_last_trial(recording: Recording) -> Recording:
+    """Up to the last trial, with the events that follow it before anything else is asked."""
+    n_kept = max((n for n, (request, _) in enumerate(recording.entries, 1) if isinstance(request, Record)), default=0)
+    end = recording.lines[n_kept] if n_kept < len(recording.lines) else math.inf
+    n_events = sum(line < end for line in recording.event_lines)
+    n_resumed = sum(line < end for line in recording.resumed_lines)
+    return Recording(
+        recording.head,
+        recording.entries[:n_kept],
+        complete=False,
+        lines=recording.lines[:n_kept],
+        events=recording.events[:n_events],
+        event_lines=recording.event_lines[:n_events],
+        resumed=recording.resumed[:n_resumed],
+        resumed_lines=recording.resumed_lines[:n_resumed],
+    )
+
+
+def _unasked(recording: Recording) -> list[Event | Head]:
+    """Every line that answers no request: events and heads of later sittings, in their order."""
+    by_line: dict[int, Event | Head] = dict(zip(recording.event_lines, recording.events, strict=True))
+    by_line |= dict(zip(recording.resumed_lines, recording.resumed, strict=True))
+    return [by_line[line] for line in sorted(by_line)]
+
+
+def _with_behind(kept: Recording, behind: Sequence[Event | Head]) -> Recording:
+    """A recording with more lines that answer no request."""
+    numbered = list(enumerate(behind, _n_lines(kept) + 1))
+    events = {n: value for n, value in numbered if isinstance(value, Event)}
+    heads = {n: value for n, value in numbered if isinstance(value, Head)}
+    return replace(
+        kept,
+        events=(*kept.events, *events.values()),
+        event_lines=(*kept.event_lines, *events),
+        resumed=(*kept.resumed, *heads.values()),
+        resumed_lines=(*kept.resumed_lines, *heads),
+    )
+
+
+def _n_lines(recording: Recording) -> int:
+    return len(recording.sittings) + len(recording.entries) + len(recording.events) + recording.complete
+
+
+def _open_locked(path: Path) -> int:
+    """The journal, locked: not one that a repair elsewhere has replaced since it was opened."""
+    while True:
+        file = open_private(path, os.O_RDWR)
+        try:
+            _lock(file, path)
+            if os.path.samestat(os.fstat(file), path.stat()):
+                return file
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            os.close(file)
+            raise
+        os.close(file)
+
+
+def _refuse_recorded(path: Path, *, resume: bool) -> None:
+    if not resume and path.stat().st_size > 0:
+        raise InvalidFile(
+            f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
+            "another --session number"
+        )
+
+
+def _lock(file: int, path: Path) -> None:
+    try:
+        portalocker.lock(file, portalocker.LOCK_EX | portalocker.LOCK_NB)
+    except portalocker.LockException:
+        raise SessionInUse(
+            f"{path}: another process is writing this session, expected to be the only one; wait until it ends, or "
+            "give another --session number"
+        ) from None

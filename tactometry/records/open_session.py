@@ -1,0 +1,252 @@
+"""A session that is being recorded: its journal, and the files that are derived from it, as they grow."""
+
+import os
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from tactometry.errors import InvalidFile, InvalidParameter, counted
+from tactometry.files.durable import drafts, read_file, replaced, write_whole
+from tactometry.provenance import sha256
+from tactometry.records.agreement import is_beginning
+from tactometry.records.data_set import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
+from tactometry.records.description import (
+    NAME,
+    SIMULATED,
+    Design,
+    describe,
+    describe_columns,
+    is_marked,
+    read_description,
+)
+from tactometry.records.formats import FORMAT, as_kept, columns_in
+from tactometry.records.head import Head
+from tactometry.records.history import exposure_before
+from tactometry.records.journal import abortion
+from tactometry.records.open_journal import Journal
+from tactometry.records.sittings import heads
+from tactometry.safety.limits import Exposure
+from tactometry.session.event import COLUMNS, Event, events_tsv
+from tactometry.session.replay import Replay
+from tactometry.session.request import Done, Record, Request
+from tactometry.trials.trial import tally
+
+
+def refuse_mixing(root: Path, rig: str) -> None:
+    """Refuse simulated participants beside people, and people beside simulated participants.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder holds the other kind.
+    """
+    path = root / NAME
+    if path.exists() and is_marked(read_description(path)):
+        held = {SIMULATED}
+    else:
+        held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
+    for other in sorted(held):
+        if (other == SIMULATED) != (rig == SIMULATED):
+            whom = "simulated participants" if other == SIMULATED else "people"
+            raise InvalidFile(
+                f"{root}: found sessions of {whom}, expected none beside those of the rig {rig!r}, as real and "
+                "simulated data never share a folder; give another --out"
+            )
+
+
+class OpenSession:
+    """What `tactometry.session.run.run` writes to.
+
+    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns.
+    With `resume` an interrupted session goes on; what is lost by that is kept beside the journal, and said in
+    `repaired`.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder holds another study, or the journal another session.
+    InvalidParameter
+        If a participant's code differs in capitals alone from one that is there.
+    """
+
+    def __init__(self, root: Path, design: Design, session: Session, rig: str, *, resume: bool) -> None:
+        own = session.journal(root)
+        goes_on = resume and own.is_file() and own.stat().st_size > 0
+        if not goes_on:  # one that goes on is held against its own head
+            refuse_mixing(root, rig)
+        prepare(root, design)
+        self._root, self._session = root, session
+        self._file = self._events_file = -1
+        self._repaired: list[str] = []
+        self._writing = threading.Lock()
+        self.recorded_s: float | None = None
+        """When the last trial was on the disk, on `time.perf_counter`."""
+        _refuse_alike(root, session)
+        self.journal = Journal(own, resume=resume)
+        try:
+            _refuse_other(self.journal, session, design)
+            self._rig = rig if self.head is None else self.head.rig
+            self.format = FORMAT if self.head is None else self.head.format
+            self._columns = columns_in(design.columns, self.format)
+            self._events_columns = columns_in(COLUMNS, self.format)
+            told = replace(design, columns=self._columns)
+            describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
+            self.tally = tally(self.journal.recording.trials)
+            self._say_cut()
+            self._rebuild()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def head(self) -> Head | None:
+        return self.journal.head
+
+    @property
+    def sittings(self) -> tuple[Head, ...]:
+        """The heads of the sittings before."""
+        return self.journal.recording.sittings
+
+    @property
+    def replay(self) -> Replay:
+        return self.journal.replay
+
+    @property
+    def trials(self) -> Path:
+        """The trials file."""
+        return self._trials
+
+    @property
+    def n_trials(self) -> int:
+        """Trials that are recorded."""
+        return self.tally.n_trials
+
+    @property
+    def complete(self) -> bool:
+        return self.journal.recording.complete
+
+    def begin(self, head: Head) -> None:
+        self.journal.begin(head)
+
+    def exposure(self, window_s: float) -> Exposure:
+        """What reached this participant before, in this session and in others of the data set."""
+        own, code = self.journal.path, self._session.participant
+        others = [
+            path for path in sessions(self._root) if path != own and keys_of(path.stem).get("participant") == code
+        ]
+        return exposure_before(own, others, self.replay.elapsed_s, window_s)
+
+    def note(self, event: Event) -> None:
+        """Keep what happened unasked, in the journal and in the events file; from any thread."""
+        with self._writing:
+            self.journal.note(event)
+            self._tell(event)
+
+    def _tell(self, event: Event) -> None:
+        if self._events_file < 0:
+            self._events_file = self._new_events(())
+        line = events_tsv([event], self._events_columns).partition(b"\n")[2]
+        write_whole(self._events_file, line, self._session.events(self._root), durable=False)
+
+    def append(self, request: Request, answer: object) -> None:
+        request = as_kept(request, self.format)
+        with self._writing:
+            self._append(request, answer)
+
+    def _append(self, request: Request, answer: object) -> None:
+        self.journal.append(request, answer)
+        if isinstance(request, Record):
+            self.recorded_s = time.perf_counter()
+            line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
+            write_whole(self._file, line, self._trials, durable=False)
+            self.tally = self.tally.after(request.trial)
+            if request.aborted is not None and isinstance(answer, Done):
+                self._tell(abortion(request, answer))
+
+    def finish(self) -> None:
+        self.journal.finish()
+
+    def close(self) -> None:
+        self.journal.close()
+        for file in (self._file, self._events_file):
+            if file >= 0:
+                os.fsync(file)
+                os.close(file)
+        self._file = self._events_file = -1
+
+    @property
+    def repaired(self) -> str | None:
+        """What was cut off, or stood in a derived file alone, and is kept, in words; None where nothing was."""
+        return "; ".join(self._repaired) or None
+
+    def _rebuild(self) -> None:
+        self._trials, recording = self._session.trials(self._root), self.journal.recording
+        content = trials_csv(recording.trials, self._session, self._rig, self._columns)
+        for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
+            self._keep_surplus(path, content)
+        self._keep_surplus(self._session.events(self._root), events_tsv(recording.told, self._events_columns))
+        describe_columns(self._session.sidecar(self._root), self._columns)
+        self._file = replaced(self._trials, content)
+        if recording.told:
+            self._events_file = self._new_events(recording.told)
+        for folder in (self._trials.parent, self.journal.path.parent):
+            for draft in drafts(folder, f"{self._session.stem}*"):
+                draft.unlink()
+
+    def _say_cut(self) -> None:
+        if self.journal.cut:
+            self._repaired.append(
+                f"the last sitting ended after {counted(self.n_trials, 'trial')}; "
+                f"{counted(len(self.journal.cut), 'byte')} of what was under way are kept in "
+                f"{self.journal.interruptions.name}, and it is asked again"
+            )
+
+    def _keep_surplus(self, path: Path, content: bytes) -> None:
+        """Keep the rows of a derived file that its new content lacks: the journal may be an older copy."""
+        found = read_file(path, "a file of a data set") if path.exists() else b""
+        if is_beginning(found, content):
+            return
+        known = set(content.split(b"\n"))
+        header, *rows = found.split(b"\n")
+        lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
+        if lost:
+            self.journal.keep(
+                after_trials=self.n_trials, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
+            )
+            self._repaired.append(
+                f"{path.name} held {counted(len(lost), 'row')} that the journal with its "
+                f"{counted(self.n_trials, 'trial')} does not: {'it is' if len(lost) == 1 else 'they are'} kept in "
+                f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
+            )
+
+    def _new_events(self, events: Sequence[Event]) -> int:
+        path = self._session.events(self._root)
+        describe_columns(path.with_suffix(".json"), self._events_columns)
+        return replaced(path, events_tsv(events, self._events_columns))
+
+
+def _refuse_alike(root: Path, session: Session) -> None:
+    for code in participants(root):
+        if code != session.participant and code.casefold() == session.participant.casefold():
+            raise InvalidParameter(
+                f"participant: found {session.participant!r} beside {code!r}, expected codes that differ in more than "
+                f"capitals, as not every disk tells those apart; give {code!r}, or another code"
+            )
+
+
+def _refuse_other(journal: Journal, session: Session, design: Design) -> None:
+    head = journal.head
+    if head is None:
+        return
+    if Session(head.participant, head.session, head.study) != session:
+        raise InvalidFile(
+            f"{journal.path}, line 1: found session {head.session} of {head.participant} ({head.study}), expected "
+            "that of the file's name; restore the right file, or remove the copy"
+        )
+    if head.study_sha256 != sha256(design.study_toml):
+        raise InvalidFile(
+            f"{journal.path}, line 1: found the digest of another study.toml, expected that of this data set; restore "
+            "the right file"
+        )

@@ -1,0 +1,1 @@
+"""The experimenter's side: orders, pauses, the log of trials."""

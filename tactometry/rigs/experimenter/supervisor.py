@@ -1,0 +1,123 @@
+"""Who looks after a session: stops it, pauses it, and writes down what the experimenter wants."""
+
+import time
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime, timedelta
+
+from tactometry.devices.outputs.guarded import Emission
+from tactometry.errors import Stopped
+from tactometry.rigs.experimenter.terminal import HELP, Desk, Order
+from tactometry.rigs.pages.page import Event as Input
+from tactometry.rigs.pages.page import Page, Screen
+from tactometry.rigs.pages.presenter import ending
+from tactometry.session.event import Event, EventLog, Fact, Kind
+
+EXPERIMENTER = "the experimenter"
+SAFE = "what was recorded is safe: go on with --resume"
+
+
+def utc_of(clock_s: float) -> datetime:
+    """A moment on `time.perf_counter`, by the offset of now."""
+    return datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
+
+
+class Attendant:
+    """Attends to the participant's Escape key and the experimenter's orders, in each frame.
+
+    Parameters
+    ----------
+    screen : Screen
+    desk : Desk
+    log : EventLog or None
+        Where events are kept.
+    mute : callable
+        ``mute(on=True)`` puts the output to zero and keeps it there.
+    page : Page
+        What the participant sees in a pause.
+    """
+
+    def __init__(self, screen: Screen, desk: Desk, log: EventLog | None, mute: Callable[..., None], page: Page) -> None:
+        self._screen, self._mute, self._page = screen, mute, page
+        self.desk, self.log = desk, log
+        self.zero_s = time.perf_counter()
+        self.under_way = False
+        """Whether a trial is."""
+        self.repeat = False
+        """Whether the trial that is under way is to be repeated."""
+        self._wanted = False
+        self._n_pauses = 0
+
+    def note(self, kind: Kind, **facts: Fact) -> None:
+        """Keep an event, with the time of now."""
+        self._keep(kind, time.perf_counter(), facts)
+
+    def _keep(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
+        if self.log is not None:
+            utc = utc_of(clock_s).isoformat(timespec="milliseconds")
+            self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc, facts, duration_s))
+
+    def emitted(self, emission: Emission) -> None:
+        """Keep a stimulus as it begins: what is kept counts when the session goes on."""
+        self._keep("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
+
+    def attend(self, events: tuple[Input, ...]) -> bool:
+        """Look at what was pressed and typed: True if the session was paused meanwhile.
+
+        Raises
+        ------
+        Stopped
+            If Escape was pressed, the window closed, or the experimenter wants to stop.
+        """
+        n_pauses = self._n_pauses
+        self._look(events)
+        if self._wanted:
+            self.pause(EXPERIMENTER, lambda: True)
+        return self._n_pauses != n_pauses
+
+    def pause(self, by: str, over: Callable[[], bool]) -> None:
+        """The output is at zero and a page says so, until it is over and the experimenter wants no pause."""
+        self._mute(on=True)
+        self._n_pauses += 1
+        self.note("pause", text=by)
+        self.desk.tell(f"paused: {by}" + (" (g goes on)" if self._wanted else ""))
+        self._screen.present(self._page)
+        while self._wanted or not over():
+            self._screen.refresh(self._page)
+            self._look(self._screen.events())
+        self.note("resume", text=by)
+        self.desk.tell("it goes on")
+        self._mute(on=False)
+
+    def _look(self, events: tuple[Input, ...]) -> None:
+        why = ending(events)
+        if why is not None:
+            self._stop(why)
+        for order in self.desk.orders():
+            self._obey(order)
+
+    def _stop(self, why: str) -> None:
+        self._mute(on=True)
+        self.note("stop", text=why)
+        raise Stopped(f"{why}; {SAFE}")
+
+    def _obey(self, order: Order) -> None:
+        match order.wish:
+            case "stop":
+                self._stop("the experimenter stopped the session")
+            case "pause" | "go":
+                self._wanted = order.wish == "pause"
+            case "note":
+                self.note("remark", text=order.text)
+                self.desk.tell("noted")
+            case "repeat":
+                self._repeat()
+            case "help":
+                self.desk.tell(HELP)
+
+    def _repeat(self) -> None:
+        if not self.under_way:
+            self.desk.tell("no trial is under way that could be repeated")
+            return
+        self.repeat = True
+        self.note("repeat", text=EXPERIMENTER)
+        self.desk.tell("this trial will be asked again")

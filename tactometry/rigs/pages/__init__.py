@@ -1,0 +1,1 @@
+"""The participant's pages as values, and what presents them."""

@@ -1,0 +1,61 @@
+"""A page on which a number is typed, by keys or by touch."""
+
+import math
+
+from tactometry.rigs.pages import layout
+from tactometry.rigs.pages.page import EDGE, INK, QUIET, Answer, Box, Button, Item, Page, Text
+
+ROWS = ("789", "456", "123", ".0<")
+POINT, ERASE = ".", "<"
+N_LONGEST = 9
+KEYS = {
+    POINT: ("period", "comma", "num_decimal", "num_separator"),
+    ERASE: ("backspace", "delete"),
+    **{str(k): (str(k), f"num_{k}") for k in range(10)},
+}
+
+
+def value_of(typed: str, low: float, high: float | None) -> float | None:
+    """The number that was typed; None if it is none, or beside the bounds.
+
+    >>> value_of("12.5", 0.0, None), value_of(".", 0.0, None), value_of("11", 0.0, 10.0)
+    (12.5, None, None)
+    """
+    if not typed.strip(POINT):
+        return None
+    value = float(typed)
+    return value if low <= value <= (math.inf if high is None else high) else None
+
+
+def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[str, bool]:
+    """What stands there after a key, and whether it is settled.
+
+    >>> after("1", "2", 0.0, None), after("12", ERASE, 0.0, None), after("", layout.CONFIRM, 0.0, None)
+    (('12', False), ('1', False), ('', False))
+    """
+    if answer == layout.CONFIRM:
+        return typed, value_of(typed, low, high) is not None
+    if answer == ERASE:
+        return typed[:-1], False
+    fits = len(typed) < N_LONGEST and not (answer == POINT and POINT in typed)
+    return (typed + str(answer) if fits else typed), False
+
+
+def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool) -> Page:
+    """The question, what was typed, and keys to touch."""
+    items: list[Item] = [
+        Text(words, 0, 0.37, layout.HEADING, wrap_width=min(layout.WIDEST, layout.MARGIN * aspect)),
+        Box(0, 0.24, 0.5, 0.11, line=INK),
+        Text(typed or " ", 0, 0.24, 0.07),
+    ]
+    buttons: list[Button] = []
+    for row, symbols in enumerate(ROWS):
+        for column, symbol in enumerate(symbols):
+            x, y = 0.16 * (column - 1), 0.12 - 0.11 * row
+            items += [Box(x, y, 0.14, 0.09, line=EDGE), Text(symbol, x, y, layout.BODY)]
+            buttons.append(Button(symbol, KEYS[symbol], x, y, 0.14, 0.09))
+    line = INK if ready else EDGE
+    items += [Box(0.42, -0.21, 0.2, 0.09, line=line), Text("OK", 0.42, -0.21, layout.BODY, line)]
+    items.append(Text(hint, 0, -0.42, layout.HINT, QUIET, layout.MARGIN * aspect))
+    confirm = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0.42, -0.21, 0.2, 0.09)
+    return Page(tuple(items), (*buttons, confirm))

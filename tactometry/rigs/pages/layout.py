@@ -1,0 +1,271 @@
+"""The participant's pages, laid out from words: pure functions to `Page`."""
+
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tactometry.rigs.pages.page import (
+    ACCENT,
+    EDGE,
+    GOOD,
+    INK,
+    PAPER,
+    QUIET,
+    Answer,
+    Box,
+    Button,
+    Disc,
+    Item,
+    Page,
+    Text,
+)
+from tactometry.scale import value_at
+
+BODY = 0.042
+HEADING = 0.056
+HINT = 0.032
+N_POSITIONS_CONTINUOUS = 101
+MARGIN = 0.9
+WIDEST = 1.5
+
+CONTINUE_KEYS = ("space", "return", "num_enter")
+LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
+
+
+def message_page(words: str, hint: str, aspect: float, progress: float | None = None) -> Page:
+    """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar."""
+    width = min(WIDEST, MARGIN * aspect)
+    heading, _, body = words.strip().partition("\n\n")
+    items = (
+        Text(heading, 0, 0.33 if body else 0.05, HEADING, wrap_width=width),
+        *([Text(body.strip(), 0, 0, BODY, wrap_width=width)] if body else []),
+        *([] if progress is None else _progress_bar(progress)),
+        Text(hint, 0, -0.42, HINT, QUIET, width),
+    )
+    return Page(items, (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
+
+
+def _progress_bar(progress: float) -> list[Item]:
+    length, done = 0.8, 0.8 * min(max(progress, 0.0), 1.0)
+    return [
+        Box((done - length) / 2, -0.26, done, 0.02, fill=ACCENT),
+        Box(0, -0.26, length, 0.02, line=EDGE),
+    ]
+
+
+def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
+    """A bar of `length` beside a text, which is left as a message is."""
+    left = message_page("", hint, aspect)
+    heading, _, body = words.partition("\n\n")
+    items = (
+        Text(heading, 0, 0.36, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        Box(-0.5, 0, 0.02, length, fill=INK),
+        Text(body, -0.4, 0, BODY, wrap_width=0.95, align="left"),
+        left.items[-1],
+    )
+    return Page(items, left.buttons)
+
+
+def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
+    """A question with a box for each option, which shows its label and its key."""
+    width, gap = min(0.42, MARGIN * aspect / len(options) - 0.04), 0.04
+    left = -(len(options) - 1) / 2 * (width + gap)
+    centres = [left + k * (width + gap) for k in range(len(options))]
+    keys = option_keys(options, labels)
+    items: list[Item] = [Text(words, 0, 0.24, HEADING, wrap_width=min(WIDEST, MARGIN * aspect))]
+    for x, label, key in zip(centres, labels, keys, strict=True):
+        items += _option_box(x, width, label, key[0].upper())
+    items.append(Text(hint, 0, -0.42, HINT, QUIET, MARGIN * aspect))
+    buttons = [
+        Button(option, key, x, -0.06, width, 0.24) for option, key, x in zip(options, keys, centres, strict=True)
+    ]
+    return Page(tuple(items), tuple(buttons))
+
+
+def _option_box(x: float, width: float, label: str, key: str) -> list[Item]:
+    shown = [Box(x, -0.06, width, 0.24, line=INK)]
+    if label.upper() == key:
+        return [*shown, Text(label, x, -0.06, 0.1, wrap_width=width)]
+    words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
+    return [*shown, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
+
+
+def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
+    """The keys of each option, the shown one first: the label's first letter if it is its own, the digit.
+
+    >>> option_keys((0, 1), ("no", "yes"))
+    [('n', '0', 'num_0'), ('y', '1', 'num_1')]
+    >>> option_keys((1, 2), ("first", "final"))
+    [('1', 'num_1'), ('2', 'num_2')]
+    """
+    letters = [_first_letter(label) for label in labels]
+    distinct = len(set(letters)) == len(letters) and "" not in letters
+    digits = [(str(option), f"num_{option}") if 0 <= option <= 9 else () for option in options]
+    return [(letter, *digit) if distinct else digit for letter, digit in zip(letters, digits, strict=True)]
+
+
+def _first_letter(label: str) -> str:
+    plain = unicodedata.normalize("NFKD", label).casefold()[:1]
+    return plain if "a" <= plain <= "z" else ""
+
+
+def marker_page(interval: int | None, *, playing: bool, words: str = "") -> Page:
+    """A ring with the number of the interval, filled while a stimulus may be felt."""
+    fill, ink = (ACCENT, PAPER) if playing else (None, INK)
+    number = [Text(str(interval), 0, 0, 0.16, ink)] if interval is not None else []
+    heading = [Text(words, 0, 0.36, HEADING, wrap_width=1.3)] if words else []
+    return Page((*heading, Disc(0, 0, 0.15, fill=fill, line=ACCENT), *number))
+
+
+def waiting_page() -> Page:
+    """A small cross that says nothing."""
+    return Page((Box(0, 0, 0.04, 0.006, fill=QUIET), Box(0, 0, 0.006, 0.04, fill=QUIET)))
+
+
+def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
+    """`page` with a bar that rises with the force; in the band it changes colour and gets a dot beside it."""
+    held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
+    return Page((*page.items, *_bar(force_n, target_n, tolerance, held=held)), page.buttons)
+
+
+def _bar(force_n: float | None, target_n: float, tolerance: float, *, held: bool) -> list[Item]:
+    x, bottom, full = 0.4, -0.3, 0.56
+    scale = full / (2 * target_n)
+    height = min(max(force_n or 0.0, 0.0) * scale, full)
+    middle, half = bottom + target_n * scale, tolerance * target_n * scale
+    bar: list[Item] = [
+        Box(x, bottom + full / 2, 0.1, full, line=EDGE),
+        Box(x, bottom + height / 2, 0.1, height, fill=GOOD if held else INK),
+        *(Box(x, middle + side * half, 0.18, 0.006, fill=ACCENT) for side in (-1, 1)),
+    ]
+    return [*bar, Disc(x + 0.16, middle, 0.03, fill=GOOD)] if held else bar
+
+
+def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
+    """`page` with a track of `length` (screen heights) on which a dot moves, to be followed by a ring: the finger.
+
+    `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end.
+    """
+    track: list[Item] = [
+        Box(0, -0.36, length, 0.006, fill=EDGE),
+        Disc(cue * length / 2, -0.36, 0.022, fill=ACCENT),
+    ]
+    if finger is not None:
+        track.append(Disc(min(max(finger, -1.1), 1.1) * length / 2, -0.36, 0.036, line=GOOD))
+    return Page((*page.items, *track), page.buttons)
+
+
+def sweep(phase: float) -> float:
+    """The place (-1..1) of a cue that goes to and fro at constant speed; one way takes a phase of 1.
+
+    >>> [sweep(phase) for phase in (0.0, 0.5, 1.0, 1.5, 2.0)]
+    [-1.0, 0.0, 1.0, 0.0, -1.0]
+    """
+    return 1.0 - 2.0 * abs(phase % 2.0 - 1.0)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A question with a scale between two words: `n_positions` rings, or places on a line."""
+
+    words: str
+    low: str
+    high: str
+    hint: str
+    n_positions: int
+    rings: bool
+
+    def after(self, mark: int | None, answer: Answer) -> tuple[int | None, bool]:
+        """The mark (0..n_positions-1) that follows an answer, and whether it is settled.
+
+        >>> scale = Scale("", "ugly", "attractive", "", n_positions=7, rings=True)
+        >>> scale.after(None, LEFT), scale.after(6, RIGHT), scale.after(2, CONFIRM)
+        ((3, False), (6, False), (2, True))
+        """
+        if isinstance(answer, int):
+            return answer, False
+        if answer == CONFIRM:
+            return mark, True
+        if mark is None:
+            return self.n_positions // 2, False
+        return min(max(mark + (answer == RIGHT) - (answer == LEFT), 0), self.n_positions - 1), False
+
+    def value(self, mark: int, low: float, high: float) -> float:
+        """The value of a mark on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
+
+        >>> Scale("", "", "", "", n_positions=7, rings=True).value(2, 1, 7)
+        3.0
+        """
+        return value_at(mark, self.n_positions, low, high)
+
+
+def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
+    """The scale with its mark, if there is one yet."""
+    length = min(1.1, 0.75 * aspect)
+    pitch = length / scale.n_positions
+    places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
+    drawn = _rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
+    items = (
+        Text(scale.words, 0, 0.26, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
+        Text(scale.high, length / 2 - 0.01, 0.13, BODY, wrap_width=length / 2, align="right"),
+        *drawn,
+        *_confirm_box(mark is not None, scale.hint, aspect),
+    )
+    buttons = [Button(k, _digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
+    return Page(items, (*buttons, *_scale_keys(ready=mark is not None)))
+
+
+def _digit_keys(k: int) -> tuple[str, ...]:
+    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()
+
+
+def _rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
+    radius = min(0.04, 0.4 * pitch)
+    rings: list[Item] = [Box(0, 0, places[-1] - places[0], 0.004, fill=EDGE)]
+    for k, x in enumerate(places):
+        rings.append(Disc(x, 0, radius, fill=PAPER, line=INK))
+        if k == mark:
+            rings.append(Disc(x, 0, 0.7 * radius, fill=GOOD))
+        if k < 9:
+            rings.append(Text(str(k + 1), x, -0.085, HINT, QUIET))
+    return rings
+
+
+def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item]:
+    ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
+    marked = [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)] if mark is not None else []
+    return [Box(0, 0, length, 0.006, fill=INK), *ends, *marked]
+
+
+def _confirm_box(ready: bool, hint: str, aspect: float) -> list[Item]:
+    line, ink = (INK, INK) if ready else (EDGE, EDGE)
+    return [
+        Box(0, -0.27, 0.26, 0.1, line=line),
+        Text("OK", 0, -0.27, BODY, ink),
+        Text(hint, 0, -0.42, HINT, QUIET, MARGIN * aspect),
+    ]
+
+
+def _scale_keys(*, ready: bool) -> tuple[Button, ...]:
+    arrows = (Button(LEFT, ("left",)), Button(RIGHT, ("right",)))
+    return (*arrows, Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)) if ready else arrows
+
+
+def adjust_page(words: str, hint: str, aspect: float) -> Page:
+    """Two arrows and a confirmation; the level itself is not shown."""
+    up, down = (Box(x, 0.02, 0.2, 0.16, line=INK) for x in (0.14, -0.14))
+    items = (
+        Text(words, 0, 0.26, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        up,
+        down,
+        Text("+", up.x, up.y, 0.1),
+        Text("−", down.x, down.y, 0.1),
+        *_confirm_box(True, hint, aspect),
+    )
+    buttons = (
+        Button(UP, ("up", "right"), up.x, up.y, up.width, up.height),
+        Button(DOWN, ("down", "left"), down.x, down.y, down.width, down.height),
+        Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1),
+    )
+    return Page(items, buttons)

@@ -1,0 +1,107 @@
+"""The course of pages: frames that pass, and answers that change what is shown."""
+
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from tactometry.errors import Stopped
+from tactometry.rigs.pages.page import Answer, Closed, Event, KeyDown, Page, Screen
+
+S = TypeVar("S")
+Dress = Callable[[Page, float], Page]
+"""What is added to a page at a moment (s on `time.perf_counter`)."""
+Attend = Callable[[tuple[Event, ...]], bool]
+"""Looks at what was pressed in a frame, and at what else is wanted: True if the session was paused meanwhile."""
+
+
+def as_it_is(page: Page, now_s: float) -> Page:
+    del now_s
+    return page
+
+
+def ending(events: tuple[Event, ...]) -> str | None:
+    """What of it ends a session, in words: the Escape key, or the window that was closed.
+
+    >>> ending((KeyDown("y", 1.0), Closed(2.0))), ending((KeyDown("escape", 1.0),)), ending(())
+    ('the window was closed', 'Escape was pressed', None)
+    """
+    for event in events:
+        if isinstance(event, Closed):
+            return "the window was closed"
+        if isinstance(event, KeyDown) and event.name == "escape":
+            return "Escape was pressed"
+    return None
+
+
+def stop_at_ending(events: tuple[Event, ...]) -> bool:
+    """Raises `Stopped` where the Escape key was pressed or the window closed."""
+    why = ending(events)
+    if why is not None:
+        raise Stopped(f"{why}; what was recorded is safe: go on with --resume")
+    return False
+
+
+class Stage:
+    """Shows pages on a screen; in each frame `attend` may stop or pause the session.
+
+    `paused_until_s` is the end of the last pause on `time.perf_counter`.
+    """
+
+    def __init__(self, screen: Screen, attend: Attend = stop_at_ending) -> None:
+        self.screen = screen
+        self.paused_until_s = -float("inf")
+        self._attend = attend
+
+    def present(self, page: Page) -> float:
+        """Show a page for the first time: the time of its first frame."""
+        return self.screen.present(page)
+
+    def frame(self, page: Page) -> None:
+        """Show one more frame; whatever is pressed but Escape is let go."""
+        self.screen.refresh(page)
+        self._events()
+
+    def hold(
+        self, end_s: float, page: Page, dress: Dress = as_it_is, each_frame: Callable[[], None] = lambda: None
+    ) -> None:
+        """Show frames until `end_s`; a pause puts it off."""
+        while (now_s := time.perf_counter()) < end_s:
+            each_frame()
+            self.frame(dress(page, now_s))
+            if self.paused_until_s > now_s:
+                end_s += self.paused_until_s - now_s
+
+    def converse(
+        self,
+        state: S,
+        view: Callable[[S], Page],
+        after: Callable[[S, Answer], tuple[S, bool]],
+        each_frame: Callable[[S], None] = lambda state: None,
+    ) -> tuple[S, float, float]:
+        """Show the view of a state that answers change until one settles it: the state, onset and end.
+
+        What was pressed before the onset is no answer; after a pause the page comes again, with another onset.
+        """
+        onset_s = self.screen.present(view(state))
+        while True:
+            each_frame(state)
+            for event in self._events():
+                answer = view(state).answer(event) if event.at_s >= onset_s else None
+                if answer is not None:
+                    state, settled = after(state, answer)
+                    if settled:
+                        return state, onset_s, event.at_s
+            if self.paused_until_s > onset_s:
+                onset_s = self.screen.present(view(state))
+            self.screen.refresh(view(state))
+
+    def _events(self) -> tuple[Event, ...]:
+        events = self.screen.events()
+        if not self._attend(events):
+            return events
+        self.paused()
+        return ()
+
+    def paused(self) -> None:
+        """A pause ends now."""
+        self.paused_until_s = time.perf_counter()

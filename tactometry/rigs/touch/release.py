@@ -1,0 +1,48 @@
+"""Whether the finger let go between two touches: a sensor that is stuck in its band never does."""
+
+import math
+import threading
+
+import numpy as np
+
+from tactometry.devices.sensors.reader import FloatArray
+from tactometry.gates.force import ForceGate
+
+
+class Release:
+    """Hears the force all the time; where none is `needed`, it is always given.
+
+    Examples
+    --------
+    >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
+    >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
+    >>> release.given(gate), release.begin(), release.given(gate)
+    (True, None, False)
+    >>> release.hear(np.array([0.2]), np.array([1.1]))
+    >>> release.given(gate)
+    False
+    """
+
+    def __init__(self, *, needed: bool = True) -> None:
+        self._needed = needed
+        self._lock = threading.Lock()
+        self._low_n, self._high_n = math.inf, -math.inf
+
+    def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
+        del times_s
+        known_n = forces_n[np.isfinite(forces_n)]
+        if known_n.size:
+            with self._lock:
+                self._low_n = min(self._low_n, float(known_n.min()))
+                self._high_n = max(self._high_n, float(known_n.max()))
+
+    def begin(self) -> None:
+        """A touch is over: what the force did before does not count."""
+        with self._lock:
+            self._low_n, self._high_n = math.inf, -math.inf
+
+    def given(self, gate: ForceGate) -> bool:
+        """Whether the force was out of the band of a gate since then."""
+        with self._lock:
+            heard = self._low_n <= self._high_n
+            return not self._needed or (heard and not (gate.holds(self._low_n) and gate.holds(self._high_n)))

@@ -1,0 +1,265 @@
+"""One touch of the finger while a stimulus plays, with and without a force sensor."""
+
+import math
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+
+from tactometry.devices.sensors.force_sensor import ForceSensor
+from tactometry.devices.sensors.position_sensor import PositionSensor
+from tactometry.gates.force import ForceGate
+from tactometry.gates.speed import SpeedGate
+from tactometry.rigs.emitter import Emitter
+from tactometry.rigs.judgement import broken
+from tactometry.rigs.pages import layout
+from tactometry.rigs.pages.page import Page
+from tactometry.rigs.pages.presenter import Dress, Stage
+from tactometry.rigs.touch.applied_force import Grip
+from tactometry.rigs.touch.finger_motion import MOVING_S, Glide
+from tactometry.rigs.touch.release import Release
+from tactometry.rigs.touch.trace import Trace, speed_m_per_s
+from tactometry.rigs.touch.trigger import Trigger, hearing, quick_turns
+from tactometry.rigs.touch.watchdog import Pause, silence
+from tactometry.safety.limits import FORCE_PEAK_N
+from tactometry.session.request import Press, Slide, Touched
+from tactometry.signal import Signal
+from tactometry.trials.trial import Reason
+
+TOLD_EVERY_S = 1.0
+
+
+def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
+    """Adds a cue that goes out and back along the path of a slide, at its speed, and the measured finger."""
+    begin_s = time.perf_counter()
+    length = request.length_m / display_height_m
+
+    def dressed(page: Page, now_s: float) -> Page:
+        phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
+        return layout.track_page(page, layout.sweep(phase), length, _finger(places, request.length_m))
+
+    return dressed
+
+
+def _finger(places: Trace, length_m: float) -> float | None:
+    """The place of the finger on its path (-1..1), whose beginning is position 0 on the sensor's first axis."""
+    place_m = None if places.last is None else float(places.last[0])
+    return None if place_m is None or not math.isfinite(place_m) else 2 * place_m / length_m - 1
+
+
+class Held:
+    """What the sensors of one held touch say: force, and speed where it is gated."""
+
+    def __init__(
+        self,
+        request: Press | Slide,
+        *,
+        moving: bool,
+        force_peak_n: float = FORCE_PEAK_N,
+        release: Release | None = None,
+    ) -> None:
+        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
+        self.release = Release(needed=False) if release is None else release
+        self.glide: Glide | None = None
+        self.let_through_s = 0.0
+        """The stamp of the sample that opened the last gate when the stimulus began."""
+        self.loss: Reason | None = None
+        if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
+            self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
+
+    @property
+    def open(self) -> bool:
+        return self.grip.open and (self.glide is None or self.glide.open) and self.released
+
+    @property
+    def released(self) -> bool:
+        """Whether the finger let go since the last touch."""
+        return self.release.given(self.grip.gate)
+
+    @property
+    def opened_s(self) -> float:
+        """The stamp of the sample that opened the last gate."""
+        stamps_s = (self.grip.opened_s, None if self.glide is None else self.glide.opened_s)
+        return max(stamp_s for stamp_s in stamps_s if stamp_s is not None)
+
+    def fire(self, fire: Callable[[], float | None]) -> float | None:
+        """Begin to play what these sensors let through: they hear on, but what opened the gate stands."""
+        self.let_through_s = self.opened_s
+        return fire()
+
+    def breaks(self) -> bool:
+        """Whether a sensor is silent, or the finger has left or stopped: `loss` then says which."""
+        self.loss = self.grip.loss or (None if self.glide is None else self.glide.loss)
+        return self.loss is not None
+
+    def delay_s(self, decided_s: float) -> float:
+        """From the sample that opened the gate to the decision; a stamp may be ahead of its arrival by an error of the
+        clocks, and the delay is then 0."""
+        return max(0.0, decided_s - self.let_through_s)
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 6)
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What came of a touch (its onset on `time.perf_counter`), and how late the gate's decision was, s."""
+
+    touched: Touched
+    gate_delay_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A request to press or slide, with what carries it out.
+
+    `pause` is called with a reason and what tells that it is over; `say` tells the experimenter. What cuts a stimulus
+    short is a pause that the experimenter wants, or what the sensors say.
+    """
+
+    request: Press | Slide
+    stage: Stage
+    emitter: Emitter
+    words: str
+    dress: Dress
+    sensor: ForceSensor | None
+    position: PositionSensor | None
+    pause: Pause
+    say: Callable[[str], None]
+    places: Trace = field(default_factory=Trace)
+    release: Release = field(default_factory=lambda: Release(needed=False))
+    release_words: str = ""
+    force_peak_n: float = FORCE_PEAK_N
+
+    def felt(self, signal: Signal | None) -> Felt:
+        """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
+        with hearing(self.position, self.places.hear):
+            felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
+        touched = felt.touched
+        speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
+        return replace(felt, touched=replace(touched, speed_mean_m_per_s=_rounded(speed)))
+
+    def _unmeasured(self, signal: Signal | None) -> Felt:
+        """Trust the finger: show when to be ready for `hold_s`, then play."""
+        ready, playing = (
+            layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
+        )
+        begin_s = self._present(ready)
+        self.stage.hold(begin_s + self.request.hold_s, ready, self.dress)
+        begin_s = self._present(playing)
+        onset_s = self.emitter.emit(signal)
+        self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
+        paused = self.stage.paused_until_s >= begin_s
+        n_gaps = self.emitter.n_gaps(signal)
+        reason: Reason | None = "experimenter" if paused else "output_gap" if n_gaps else None
+        return Felt(self._touched(signal, onset_s, reason, n_gaps))
+
+    def _touched(
+        self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
+    ) -> Touched:
+        return Touched(
+            onset_s,
+            self.emitter.delivered(self.request.level),
+            self.emitter.digest(signal),
+            valid=reason is None,
+            invalid_reason=reason,
+            n_gaps=n_gaps,
+            **{name: _rounded(value) for name, value in kept.items()},
+        )
+
+    def _held(self, signal: Signal | None, sensor: ForceSensor) -> Felt:
+        """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
+
+        The threads of the sensors decide; here it is shown what they hear.
+        """
+        moving = self.position is not None
+        held = Held(self.request, moving=moving, force_peak_n=self.force_peak_n, release=self.release)
+        trigger = Trigger(
+            lambda: held.open,
+            held.breaks,
+            lambda: held.fire(lambda: self.emitter.emit_if_allowed(signal)),
+            self.emitter.stop,
+        )
+        with ExitStack() as last_first:
+            last_first.enter_context(quick_turns())
+            last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
+            if held.glide is not None:
+                last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))
+            last_first.callback(trigger.disarm)
+            begun = self._begun(held, trigger, sensor)
+            if begun is None:
+                self.say("not played")
+                return Felt(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
+            cut_by = self._cut_by(held, trigger, *begun)
+        self.emitter.stop()
+        self.release.begin()
+        decided_s, onset_s = begun
+        touched = self._judged(signal, held, onset_s, cut_by)
+        mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
+        self.say(f"played, {mean}")
+        return Felt(touched, held.delay_s(decided_s))
+
+    def _begun(self, held: Held, trigger: Trigger, sensor: ForceSensor) -> tuple[float, float] | None:
+        """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
+
+        A silent sensor pauses the session; no time counts in a pause.
+        """
+        begin_s = said_s = self._present(self._bar(held, playing=False))
+        while trigger.begun is None:
+            said_s = self._said(held, said_s)
+            if held.grip.silent:
+                self.pause(silence(sensor), lambda: not held.grip.silent)
+            if time.perf_counter() > max(begin_s, self.stage.paused_until_s) + self.request.timeout_s:
+                trigger.disarm()
+                break
+            self._frame(held, playing=False)
+        return trigger.begun
+
+    def _said(self, held: Held, said_s: float) -> float:
+        """Tell the experimenter the force, once in a while: when it was told last."""
+        now_s, force_n = time.perf_counter(), held.grip.force_n
+        if now_s < said_s + TOLD_EVERY_S or force_n is None:
+            return said_s
+        self.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
+        return now_s
+
+    def _cut_by(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
+        """Show the force while the stimulus plays: what cut it short, None if it played to its end."""
+        self._present(self._bar(held, playing=True))
+        while time.perf_counter() < onset_s + self.request.duration_s:
+            trigger.consider()
+            if trigger.broken or self.stage.paused_until_s > decided_s:
+                break
+            self._frame(held, playing=True)
+        if trigger.broken:
+            return held.loss
+        return "experimenter" if self.stage.paused_until_s > decided_s else None
+
+    def _frame(self, held: Held, *, playing: bool) -> None:
+        self.stage.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
+
+    def _present(self, page: Page) -> float:
+        return self.stage.present(self.dress(page, time.perf_counter()))
+
+    def _bar(self, held: Held, *, playing: bool) -> Page:
+        request, words = self.request, self.words if playing or held.released else self.release_words
+        marker = layout.marker_page(request.interval, playing=playing, words=words)
+        return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
+
+    def _judged(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:
+        during_s = onset_s, onset_s + self.request.duration_s
+        force = held.grip.compliance(*during_s)
+        speed = None if held.glide is None else held.glide.motion(*during_s)
+        n_gaps = self.emitter.n_gaps(signal)
+        reason = cut_by or ("output_gap" if n_gaps else None)
+        if reason is None:
+            lost = force is None or (held.glide is not None and speed is None)
+            reason = "sensor_lost" if lost or force is None else broken(self.request, force, speed)
+        kept = {
+            "force_mean_n": None if force is None else force.mean_n,
+            "force_sd_n": None if force is None else force.sd_n,
+            "force_in_band": None if force is None else force.in_band,
+            "speed_in_band": None if speed is None else speed.in_band,
+        }
+        return self._touched(signal, onset_s, reason, n_gaps, **kept)

@@ -1,0 +1,116 @@
+"""A decision that is taken where the samples arrive: in the threads of the sensors, whatever the screen does."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from tactometry.devices.deadline import BEGIN_WITHIN_S
+from tactometry.devices.sensors.reader import FloatArray, Hear, Told
+
+TURN_S = 0.002
+"""While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""
+
+
+class Trigger:
+    """Fires once when `opens` says so, and stops what it fired when `breaks` says so.
+
+    `consider` is called from any thread, after each block of samples; it never waits for another that considers.
+
+    Parameters
+    ----------
+    opens, breaks : callable
+        What the samples up to now say.
+    fire : callable
+        Begins to play: the onset on `time.perf_counter`, s; None if it may not just now.
+    stop : callable
+        Zero now.
+    """
+
+    def __init__(
+        self,
+        opens: Callable[[], bool],
+        breaks: Callable[[], bool],
+        fire: Callable[[], float | None],
+        stop: Callable[[], None],
+    ) -> None:
+        self._opens, self._breaks, self._fire, self._stop = opens, breaks, fire, stop
+        self._lock = threading.Lock()
+        self._step: Callable[[], None] | None = self._begin
+        self._failure: BaseException | None = None
+        self._begun: tuple[float, float] | None = None
+        self._broken = False
+
+    @property
+    def begun(self) -> tuple[float, float] | None:
+        """When it was decided, and the onset; None before. Raises what went wrong when it fired or stopped."""
+        self._raise_failure()
+        return self._begun
+
+    @property
+    def broken(self) -> bool:
+        """Whether it stopped what it fired. Raises as `begun`."""
+        self._raise_failure()
+        return self._broken
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def consider(self) -> None:
+        if self._lock.acquire(blocking=False):
+            try:
+                if self._step is not None:
+                    self._step()
+            except BaseException as error:  # to be raised where the session is led
+                self._step, self._failure = None, error
+            finally:
+                self._lock.release()
+
+    def _begin(self) -> None:
+        if self._opens():
+            decided_s, onset_s = time.perf_counter(), self._fire()
+            if onset_s is not None:
+                self._begun, self._step = (decided_s, onset_s), self._watch
+
+    def _watch(self) -> None:
+        if self._breaks():
+            self._step, self._broken = None, True
+            self._stop()
+
+    def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
+        """Neither fire nor stop any more; waits for one that is under way, but for no output that hangs."""
+        taken = self._lock.acquire(timeout=longest_s)
+        self._step = None
+        if taken:
+            self._lock.release()
+
+
+@contextmanager
+def quick_turns() -> Iterator[None]:
+    """Threads take turns every `TURN_S`, so that drawing keeps the sensors' threads from no decision."""
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(min(TURN_S, usual_s))
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(usual_s)
+
+
+@contextmanager
+def hearing(sensor: Told | None, hear: Hear, then: Callable[[], None] = lambda: None) -> Iterator[None]:
+    """Samples go to `hear` in the sensor's thread, each time followed by `then`, until the block ends."""
+    if sensor is None:
+        yield
+        return
+
+    def heard(times_s: FloatArray, values: FloatArray) -> None:
+        hear(times_s, values)
+        then()
+
+    end = sensor.listen(heard)
+    try:
+        yield
+    finally:
+        end()

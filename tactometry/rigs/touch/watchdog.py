@@ -1,0 +1,63 @@
+"""What plays without a gate of force, under the eyes of the force sensor all the same."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from tactometry.devices.sensors.force_sensor import ForceSensor
+from tactometry.devices.sensors.reader import FloatArray
+from tactometry.rigs.touch.applied_force import SILENT_S
+from tactometry.rigs.touch.trace import Trace
+from tactometry.rigs.touch.trigger import hearing
+from tactometry.safety.limits import FORCE_PEAK_N
+
+SILENT = "the force sensor is silent"
+Pause = Callable[[str, Callable[[], bool]], None]
+"""Pauses the session for a reason, until it is over."""
+
+
+def silence(sensor: ForceSensor | None) -> str:
+    """Why a session pauses whose force sensor says nothing, with what is known of it."""
+    failure = None if sensor is None else sensor.failure
+    return SILENT if failure is None else f"{SILENT} ({failure})"
+
+
+@contextmanager
+def vigil(
+    sensor: ForceSensor | None, stop: Callable[[], None], pause: Pause, force_peak_n: float = FORCE_PEAK_N
+) -> Iterator[Callable[[], None]]:
+    """Until the block ends, `stop` is called in the sensor's thread when nothing may play.
+
+    That is when it has said nothing for `SILENT_S`, or the force is above `force_peak_n`. The value is for each frame:
+    it pauses the session where that happened, until the sensor speaks again of a force below.
+    """
+    trace, lost, force_n = Trace(), False, 0.0
+
+    def hear(times_s: FloatArray, forces_n: FloatArray) -> None:
+        nonlocal force_n
+        known = np.isfinite(forces_n)
+        trace.hear(times_s[known], forces_n[known])
+        force_n = float(forces_n[known][-1]) if known.any() else force_n
+
+    def wrong() -> str | None:
+        if trace.quiet(SILENT_S):
+            return silence(sensor)
+        return f"the force is above {force_peak_n:g} N" if force_n > force_peak_n else None
+
+    def consider() -> None:
+        nonlocal lost
+        if wrong() is not None:
+            lost = True
+            stop()
+
+    def look() -> None:
+        nonlocal lost
+        if sensor is not None:
+            consider()
+        if lost:
+            pause(wrong() or SILENT, lambda: wrong() is None)
+            lost = False
+
+    with hearing(sensor, hear, consider):
+        yield look

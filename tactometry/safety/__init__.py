@@ -1,0 +1,1 @@
+"""What may reach a finger: limits, and what an output drives."""

@@ -1,0 +1,276 @@
+"""What may reach a finger, checked on the final samples by every rig and every output."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tactometry.arguments.require import positive
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.safety.load import Load
+from tactometry.signal import Signal
+
+ROUNDING = 1e-12
+"""Relative: an excess in the last digits is none."""
+
+LONGEST_SIGNAL_S = 60.0
+"""Of a signal where nobody stated another limit and nothing is connected (unverified default)."""
+
+FORCE_PEAK_N = 10.0
+"""Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
+below what small force sensors and thin glass bear (unverified default)."""
+
+OPTIONAL = (
+    "duration_s",
+    "current_peak_a",
+    "charge_peak_c",
+    "displacement_peak_m",
+    "duty",
+    "session_s",
+    "charge_session_c",
+)
+NEEDED = {
+    "electrode": ("duration_s", "duty", "session_s"),
+    "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
+}
+"""Limits without which a connected load gets nothing; current or charge is needed by both."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The largest values that an output may emit. None means that nobody stated it.
+
+    Parameters
+    ----------
+    voltage_peak_v : float
+        Peak voltage on any channel, above 0.
+    duration_s : float, optional
+        Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
+    current_peak_a, charge_peak_c : float, optional
+        Into the load of any channel, above 0.
+    displacement_peak_m : float, optional
+        Of the surface, above 0.
+    duty : float, optional
+        Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
+    session_s : float, optional
+        How long a session may last in which an output emits, above 0: over all its sittings, without the time between.
+    charge_session_c : float, optional
+        Largest sum, over a session, of the net charges that its signals pass through the leak of a load, whatever their
+        signs, above 0.
+    force_peak_n : float
+        Above this force of the finger nothing plays, above 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated.
+    """
+
+    voltage_peak_v: float
+    duration_s: float | None = None
+    current_peak_a: float | None = None
+    charge_peak_c: float | None = None
+    displacement_peak_m: float | None = None
+    duty: float | None = None
+    duty_window_s: float = 60.0
+    session_s: float | None = None
+    force_peak_n: float = FORCE_PEAK_N
+    charge_session_c: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
+        if self.duty is not None and self.duty > 1:
+            raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
+
+    @property
+    def longest_s(self) -> float:
+        """How long one signal may be, s."""
+        return LONGEST_SIGNAL_S if self.duration_s is None else self.duration_s
+
+    def check(self, signal: Signal) -> None:
+        """Refuse a signal that passes a limit which holds for any load.
+
+        Raises
+        ------
+        LimitExceeded
+            If the unit is not volt, or the peak or the duration is above its limit. Rounding in the last digits
+            (1e-12 relative) is not an excess.
+        """
+        if signal.unit != "V":
+            raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
+        _hold("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
+        _hold("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
+
+    def check_load(self, signal: Signal, load: Load) -> None:
+        """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit is missing, cannot be computed from what is known of the load, or is passed.
+        """
+        self.check_stated(load)
+        if self.current_peak_a is not None:
+            found_a = load.current_peak_a(signal)
+            _hold("current_peak_a", "a peak of", found_a, self.current_peak_a, "A", "lower the level or its slopes")
+        if self.charge_peak_c is not None:
+            found_c = load.charge_peak_c(signal)
+            _hold("charge_peak_c", "a peak of", found_c, self.charge_peak_c, "C", "lower the level or shorten it")
+        if self.displacement_peak_m is not None:
+            found_m = load.displacement_peak_m(signal)
+            _hold("displacement_peak_m", "up to", found_m, self.displacement_peak_m, "m", "lower the level")
+
+    def check_stated(self, load: Load) -> None:
+        """Refuse a load whose limits nobody stated.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit that this kind of load needs is missing, or one is stated that the load cannot tell.
+        """
+        missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
+        if self.current_peak_a is None and self.charge_peak_c is None:
+            missing.insert(0, "current_peak_a or charge_peak_c")
+        if missing:
+            raise LimitExceeded(
+                f"limits: found no {', no '.join(missing)}, expected them for a load of kind {load.kind!r}; state them "
+                "in the bench file; nothing was played"
+            )
+        if self.displacement_peak_m is not None and load.displacement_m_per_v is None:
+            raise LimitExceeded(
+                "limits.displacement_peak_m: found a limit, but no displacement_m_per_v of the load to compute it "
+                "from; state it in the bench file; nothing was played"
+            )
+
+    def check_force(self, target_n: float, tolerance: float) -> None:
+        """Refuse a touch that asks for more than the limit of force.
+
+        Raises
+        ------
+        LimitExceeded
+            If the upper edge of its band is above.
+        """
+        _hold("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
+
+    def facts(self) -> dict[str, float]:
+        """Those that are stated, for the head of a journal.
+
+        >>> sorted(Limits(100.0, duty=0.5).facts())
+        ['limit_duty', 'limit_duty_window_s', 'limit_force_peak_n', 'limit_voltage_peak_v']
+        """
+        return {f"limit_{name}": value for name, value in vars(self).items() if value is not None}
+
+    def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
+        """Refuse a signal from `begin_s` of the net charge `charge_c` that would play too often, too late in the
+        session, or after too much charge.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit is passed.
+        """
+        if self.duty is not None:
+            duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
+            cure = exposure.cure(begin_s, duration_s, self.duty_window_s, self.duty * self.duty_window_s)
+            _hold("duty", "signals in a part of", duty, self.duty, "of the time", cure)
+        if self.session_s is not None:
+            end_s = begin_s + duration_s - exposure.opened_s
+            _hold("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
+        if self.charge_session_c is not None:
+            sum_c = exposure.charge_c + charge_c
+            _hold("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
+
+    def tighter(self, other: "Limits") -> "Limits":
+        """The tighter of both for each limit; one that is stated holds against one that is not.
+
+        Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
+        both.
+
+        Examples
+        --------
+        >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
+        >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
+        (100.0, 1.0, 0.001)
+        """
+        smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
+        stated = [(each.duty, each.duty_window_s) for each in (self, other) if each.duty is not None]
+        if not stated:
+            return replace(self, **smallest)
+        longest_s = max(window_s for _, window_s in stated)
+        # by a ratio of windows, so that a duty over one window stays the number that was stated
+        duty = min(duty * (window_s / longest_s) for duty, window_s in stated)
+        return replace(self, **smallest, duty=duty, duty_window_s=longest_s)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """When an output emitted: the intervals (begin, end) of the last while, s, on the clock of `opened_s`.
+
+    `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the net charges of
+    its signals.
+
+    Examples
+    --------
+    >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
+    >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
+    (4.0, 2.5, 5.0)
+    """
+
+    opened_s: float
+    intervals_s: tuple[tuple[float, float], ...] = ()
+    charge_c: float = 0.0
+
+    @property
+    def played_s(self) -> float:
+        """How long signals played in the window that was kept."""
+        return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
+
+    def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
+        """With another signal; what ended more than `window_s` before its end is forgotten."""
+        end_s = begin_s + duration_s
+        first_s = end_s - window_s
+        intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
+        kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
+        return replace(self, intervals_s=kept_s, charge_c=self.charge_c + charge_c)
+
+    def cure(self, begin_s: float, duration_s: float, window_s: float, most_s: float) -> str:
+        """When a signal of `duration_s` may begin that would now play for more than `most_s` of a window.
+
+        >>> Exposure(0.0, ((0.0, 3.0), (5.0, 8.0))).cure(9.0, 2.0, window_s=10.0, most_s=5.0)
+        'wait 2.0 s'
+        """
+        to_forget_s = self.stopped(begin_s).played_s + duration_s - most_s
+        for a, b in self.stopped(begin_s).intervals_s:
+            if to_forget_s <= b - a:
+                wait_s = a + to_forget_s + window_s - duration_s - begin_s
+                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"
+            to_forget_s -= b - a
+        return "shorten the signal"
+
+    def stopped(self, at_s: float) -> "Exposure":
+        """With what would play later than `at_s` taken away."""
+        return replace(self, intervals_s=tuple((a, min(b, at_s)) for a, b in self.intervals_s if a < at_s))
+
+
+_COMPARABLE = (
+    "voltage_peak_v",
+    "duration_s",
+    "current_peak_a",
+    "charge_peak_c",
+    "displacement_peak_m",
+    "session_s",
+    "force_peak_n",
+    "charge_session_c",
+)
+
+
+def _smaller(one: float | None, other: float | None) -> float | None:
+    return min((value for value in (one, other) if value is not None), default=None)
+
+
+def _hold(name: str, what: str, found: float, limit: float, unit: str, cure: str) -> None:
+    """Refuse what is above its limit, and what is no number."""
+    if not found <= limit * (1 + ROUNDING):
+        raise LimitExceeded(
+            f"limits.{name}: found {what} {found:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "
+            "nothing was played"
+        )

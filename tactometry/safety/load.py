@@ -1,0 +1,110 @@
+"""What an output drives: the current, charge and displacement that a voltage makes there.
+
+Between two samples the voltage is taken as a straight line, before the first and after the last as a line from and to
+zero. `Load` is exact for that course.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import positive
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Load:
+    """A capacitance with a leak in parallel, the same on every channel.
+
+    Parameters
+    ----------
+    kind : str
+        ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
+    capacitance_f : float
+        Largest capacitance that may be connected to a channel, above 0.
+    leak_resistance_ohm : float
+        Parallel to it, above 0; ``inf`` is no leak.
+    displacement_m_per_v : tuple of float, optional
+        Of each channel (or one value for all): the largest displacement per peak volt, above 0. For an impulse
+        response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
+
+    Examples
+    --------
+    >>> finger = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
+    >>> ramp = Signal(np.array([[0.0, 50.0, 100.0, 50.0, 0.0]]), rate_hz=1e4, unit="V")
+    >>> round(finger.current_peak_a(ramp), 9), round(finger.charge_peak_c(ramp), 12)
+    (0.0006, 1.1e-07)
+    """
+
+    kind: Literal["electrode", "piezo"]
+    capacitance_f: float
+    leak_resistance_ohm: float = math.inf
+    displacement_m_per_v: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        positive("Load", capacitance_f=self.capacitance_f)
+        if not self.leak_resistance_ohm > 0:
+            raise InvalidParameter(f"Load.leak_resistance_ohm: found {self.leak_resistance_ohm}, expected above 0")
+        if self.displacement_m_per_v is not None and not all(0 < g < math.inf for g in self.displacement_m_per_v):
+            raise InvalidParameter(
+                f"Load.displacement_m_per_v: found {self.displacement_m_per_v}, expected finite numbers above 0"
+            )
+
+    def current_peak_a(self, signal: Signal) -> float:
+        """Largest abs(C dv/dt + v/R) on any channel, A."""
+        before, after, slope = _lines(signal)
+        ends = [self.capacitance_f * slope + v / self.leak_resistance_ohm for v in (before, after)]
+        return float(np.max(np.abs(ends), initial=0.0))
+
+    def charge_peak_c(self, signal: Signal) -> float:
+        """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start."""
+        before, after, _ = _lines(signal)
+        passed = np.cumsum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
+        at_samples = self.capacitance_f * after + passed
+        return float(np.max(np.abs([at_samples, self._turning(signal, at_samples)]), initial=0.0))
+
+    def charge_net_c(self, signal: Signal) -> float:
+        """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak."""
+        before, after, _ = _lines(signal)
+        passed = np.sum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
+        return float(np.max(np.abs(passed), initial=0.0))
+
+    def displacement_peak_m(self, signal: Signal) -> float:
+        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.
+
+        Raises
+        ------
+        InvalidParameter
+            If the load does not say it for each channel.
+        """
+        peaks_v = np.max(np.abs(signal.samples), axis=1, initial=0.0)
+        gains = self.displacement_m_per_v or ()
+        if len(gains) not in (1, len(peaks_v)):
+            raise InvalidParameter(
+                f"Load.displacement_m_per_v: found {len(gains)} values for {len(peaks_v)} channels, expected one for "
+                "each, or one for all"
+            )
+        return float(np.sum(np.asarray(gains) * peaks_v))
+
+    def _turning(self, signal: Signal, at_samples: FloatArray) -> FloatArray:
+        """The charge where the current changes its sign between two samples; elsewhere that at the sample."""
+        if math.isinf(self.leak_resistance_ohm):
+            return at_samples
+        before, after, slope = _lines(signal)
+        turning_v = -self.capacitance_f * slope * self.leak_resistance_ohm
+        inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)
+        per_slope = np.divide(1.0, slope, out=np.zeros_like(slope), where=inside)
+        leaked = (after**2 - turning_v**2) * per_slope / (2 * self.leak_resistance_ohm)
+        return np.where(inside, at_samples - self.capacitance_f * (after - turning_v) - leaked, at_samples)
+
+
+def _lines(signal: Signal) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Voltage (V) at both ends of each straight piece, and its slope (V/s): (n_channels, n_samples + 1)."""
+    padded = np.pad(signal.samples, ((0, 0), (1, 1)))
+    return padded[:, :-1], padded[:, 1:], np.diff(padded, axis=1) * signal.rate_hz

@@ -1,0 +1,126 @@
+"""What happened in a session unasked: pauses, remarks, clocks, and how the frames of each trial went."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal, Protocol, get_args
+
+import msgspec
+
+from tactometry.errors import InvalidParameter
+from tactometry.safety.limits import Exposure
+from tactometry.trials.columns import Column
+
+Fact = str | int | float | bool | None
+Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]
+KINDS: Final[tuple[str, ...]] = get_args(Kind)
+
+FACTS: Final = (
+    Column("block", "Number of the block of the trial"),
+    Column("trial", "Number of the trial, of a row of kind trial"),
+    Column("attempt", "Number of the attempt at this trial, from 1"),
+    Column("n_frames", "Frames of the screen since the trial or the questionnaire before"),
+    Column("n_dropped_frames", "Frames that were not shown in time: whole periods that an interval was too long"),
+    Column("frame_interval_median_s", "Median interval between frames", "s"),
+    Column("frame_interval_p99_s", "99th percentile of the intervals between frames", "s"),
+    Column("frame_interval_max_s", "Longest interval between frames", "s"),
+    Column(
+        "gate_delay_s", "From the stamp of the sample that opened the gate to the decision, longest of the trial", "s"
+    ),
+    Column("key_to_record_s", "From the last key or touch of the trial to its row on the disk", "s"),
+    Column("device", "Whose clock, of a row of kind clock: a sensor, output, keyboard or utc"),
+    Column("clock_offset_s", "Session's clock (time.perf_counter) minus that of the device", "s"),
+    Column("clock_drift", "Seconds that the session's clock gained per second since the first such row of the sitting"),
+    Column("charge_c", "Net charge that a stimulus passes through the leak of the load", "C"),
+    Column("text", "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why"),
+)
+COLUMNS: Final = (
+    Column("onset", "When it happened since the start of the session", "s"),
+    Column("duration", "How long a stimulus lasts unless something stops it; n/a: a moment", "s"),
+    Column("trial_type", f"One of {', '.join(KINDS)}"),
+    *FACTS,
+    Column("timestamp_utc", "Coordinated universal time, ISO 8601"),
+)
+"""Columns of an events file, named as in BIDS."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """A moment of a session, or a stimulus of `duration_s`, with what is known of it: `facts` by the names of `FACTS`.
+
+    Raises
+    ------
+    InvalidParameter
+        If a fact has another name, or a number is not finite.
+
+    Examples
+    --------
+    >>> Event("remark", 12.5, facts={"text": "coughed"}).cells()[:3]
+    ['12.5', 'n/a', 'remark']
+    """
+
+    kind: Kind
+    at_s: float
+    timestamp_utc: str | None = None
+    facts: Mapping[str, Fact] = field(default_factory=dict)
+    duration_s: float | None = None
+
+    def __post_init__(self) -> None:
+        names = {column.name for column in FACTS}
+        wrong = {
+            name: value
+            for name, value in self.facts.items()
+            if name not in names or (isinstance(value, float) and not math.isfinite(value))
+        }
+        if wrong:
+            raise InvalidParameter(f"event {self.kind!r}: found {wrong}, expected names of FACTS, with finite numbers")
+        if self.duration_s is not None and not 0 <= self.duration_s < math.inf:
+            raise InvalidParameter(f"event {self.kind!r}: found a duration of {self.duration_s} s, expected at least 0")
+
+    def cells(self, columns: Sequence[Column] = COLUMNS) -> list[str]:
+        """Its row of an events file; what is not known is n/a."""
+        known: dict[str, Fact] = {
+            "onset": self.at_s,
+            "duration": self.duration_s,
+            "trial_type": self.kind,
+            "timestamp_utc": self.timestamp_utc,
+            **self.facts,
+        }
+        return [_cell(known.get(column.name)) for column in columns]
+
+
+class EventLog(Protocol):
+    """Where a rig puts events, from any thread, and learns when the last trial was on the disk (s on
+    `time.perf_counter`)."""
+
+    @property
+    def recorded_s(self) -> float | None: ...
+
+    def exposure(self, window_s: float) -> Exposure:
+        """What reached this participant before: in the last `window_s`, and how long this session has lasted."""
+
+    def note(self, event: Event) -> None: ...
+
+
+def _cell(value: Fact) -> str:
+    if value is None:
+        return "n/a"
+    return " ".join(str(int(value) if isinstance(value, bool) else value).split()) or "n/a"
+
+
+def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> bytes:
+    """The events file of a session: a header, and a row for each event.
+
+    >>> events_tsv([]).decode().split()[:3]
+    ['onset', 'duration', 'trial_type']
+    """
+    rows = [[column.name for column in columns], *(event.cells(columns) for event in events)]
+    return "".join("\t".join(row) + "\n" for row in rows).encode()
+
+
+def decode_event(value: Mapping[str, object]) -> Event:
+    """An event from its line of a journal. Raises `msgspec.ValidationError`."""
+    try:
+        return msgspec.convert({**value, "kind": value["event"]}, Event)
+    except InvalidParameter as error:
+        raise msgspec.ValidationError(str(error)) from None

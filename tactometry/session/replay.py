@@ -1,0 +1,165 @@
+"""A recording that answers, if it is asked what was asked then."""
+
+from collections.abc import Sequence
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from tactometry.errors import Diverged
+from tactometry.records.formats import FORMAT, as_kept
+from tactometry.session.request import Record
+
+if TYPE_CHECKING:
+    from tactometry.session.request import (
+        Adjust,
+        Adjusted,
+        Choose,
+        Chosen,
+        Done,
+        Enter,
+        Fill,
+        Filled,
+        Play,
+        Played,
+        Press,
+        Rate,
+        Rated,
+        Request,
+        Show,
+        Slide,
+        Touched,
+        Wait,
+    )
+    from tactometry.trials.trial import Trial
+
+A = TypeVar("A")
+
+
+class Replay:
+    """A rig that answers from `entries`, pairs of (request, answer) in their order.
+
+    `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
+    `journal_format` says how it keeps requests. The session lasted `lasted_s` at least, s.
+
+    Raises
+    ------
+    Diverged
+        From every method, if the request is not the recorded one, with its line and what differs.
+    """
+
+    def __init__(
+        self,
+        entries: Sequence[tuple["Request", Any]],
+        where: str = "recording",
+        lines: Sequence[int] = (),
+        journal_format: int = FORMAT,
+        lasted_s: float = 0.0,
+    ) -> None:
+        self._entries = entries
+        self._format, self._lasted_s = journal_format, lasted_s
+        self._where = where
+        self._lines = lines or range(1, len(entries) + 1)
+        self._next = 0
+
+    @property
+    def n_left(self) -> int:
+        return len(self._entries) - self._next
+
+    @property
+    def trials(self) -> list["Trial"]:
+        """The recorded rows."""
+        return [request.trial for request, _ in self._entries if isinstance(request, Record)]
+
+    @property
+    def elapsed_s(self) -> float:
+        """When the session stopped: the time of the last recorded trial, or of what happened after it."""
+        times_s = [answer.at_s for request, answer in self._entries if isinstance(request, Record)]
+        return float(max([self._lasted_s, *times_s[-1:]]))
+
+    def refuse_rest(self) -> None:
+        """Raise if the recording holds more than was asked."""
+        if self.n_left:
+            raise Diverged(
+                f"{self._where}, line {self._line}: the recording goes on with "
+                f"{_name(self._entries[self._next][0])}, the protocol has ended; use the study, the seed and the "
+                "version of the recording"
+            )
+
+    @property
+    def _line(self) -> int:
+        return self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
+
+    def _answer(self, request: "Request", kind: type[A]) -> A:
+        if not self.n_left:
+            raise Diverged(
+                f"{self._where}, line {self._line}: the recording has ended, the protocol asks for {_name(request)}; "
+                "the session is not complete: go on with --resume"
+            )
+        recorded, answer = self._entries[self._next]
+        asked = as_kept(request, self._format)
+        if asked != recorded:
+            raise Diverged(
+                f"{self._where}, line {self._line}: {difference(recorded, asked)}; use the study, the seed and the "
+                "version of the recording"
+            )
+        self._next += 1
+        assert isinstance(answer, kind)
+        return answer
+
+    def facts(self) -> dict[str, str | int | float | bool | None]:
+        return {"rig": "replay"}
+
+    def resume(self, trials: Sequence["Trial"], elapsed_s: float) -> None:
+        del trials, elapsed_s
+
+    def close(self) -> None:
+        pass
+
+    def play(self, request: "Play") -> "Played":
+        return self._answer(request, request.answer)
+
+    def press(self, request: "Press") -> "Touched":
+        return self._answer(request, request.answer)
+
+    def slide(self, request: "Slide") -> "Touched":
+        return self._answer(request, request.answer)
+
+    def choose(self, request: "Choose") -> "Chosen":
+        return self._answer(request, request.answer)
+
+    def rate(self, request: "Rate") -> "Rated":
+        return self._answer(request, request.answer)
+
+    def enter(self, request: "Enter") -> "Rated":
+        return self._answer(request, request.answer)
+
+    def fill(self, request: "Fill") -> "Filled":
+        return self._answer(request, request.answer)
+
+    def adjust(self, request: "Adjust") -> "Adjusted":
+        return self._answer(request, request.answer)
+
+    def wait(self, request: "Wait") -> "Done":
+        return self._answer(request, request.answer)
+
+    def show(self, request: "Show") -> "Done":
+        return self._answer(request, request.answer)
+
+    def record(self, request: Record) -> "Done":
+        return self._answer(request, request.answer)
+
+
+def _name(request: object) -> str:
+    return type(request).__name__
+
+
+def difference(recorded: object, asked: object, path: str = "") -> str:
+    """Where two requests part, in words."""
+    if type(recorded) is not type(asked) or not is_dataclass(recorded):
+        name = path or "request"
+        shown = (_name(recorded), _name(asked)) if is_dataclass(recorded) else (repr(recorded), repr(asked))
+        return f"{name}: the recording holds {shown[0]}, the protocol asks for {shown[1]}"
+    for item in fields(recorded):
+        then, now = getattr(recorded, item.name), getattr(asked, item.name)
+        if then != now:
+            return difference(then, now, f"{path or _name(recorded)}.{item.name}")
+    return f"{path or _name(recorded)}: equal"

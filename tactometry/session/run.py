@@ -1,0 +1,84 @@
+"""The one loop that drives a protocol on any rig."""
+
+from collections.abc import Generator
+from typing import Any, Protocol, TypeVar
+
+from tactometry.rigs.rig import Rig
+from tactometry.session.replay import Replay
+from tactometry.session.request import Request
+
+T = TypeVar("T")
+Course = Generator[Request, Any, T]
+"""The course of an experiment: it yields requests, receives their answers, and returns what it found."""
+
+
+class Keeper(Protocol):
+    """Where requests and answers are kept; `replay` holds those of an earlier sitting."""
+
+    @property
+    def replay(self) -> Replay: ...
+
+    def append(self, request: Request, answer: object) -> None: ...
+
+    def finish(self) -> None: ...
+
+
+class _Ended(Exception):  # noqa: N818
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+
+def _advance(course: Course[T], answer: object) -> Request:
+    try:
+        return course.send(answer)
+    except StopIteration as stop:
+        raise _Ended(stop.value) from None
+
+
+def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
+    """Drive `course` to its end; what the journal holds already is replayed first, the rest is put to `rig`.
+
+    Each answer is in the journal before the next request is put. The rig is closed whatever happens.
+
+    Raises
+    ------
+    Diverged
+        If the course does not ask what the journal recorded.
+    """
+    recorded = journal.replay
+    try:
+        request = _advance(course, None)
+        while recorded.n_left:
+            request = _advance(course, request.put_to(recorded))
+        if recorded.elapsed_s:
+            rig.resume(recorded.trials, recorded.elapsed_s)
+        while True:
+            answer = request.put_to(rig)
+            journal.append(request, answer)
+            request = _advance(course, answer)
+    except _Ended as end:
+        recorded.refuse_rest()
+        journal.finish()
+        value: T = end.value  # type: ignore[assignment]
+        return value
+    finally:
+        rig.close()
+
+
+def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
+    """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
+
+    Raises
+    ------
+    Diverged
+        At the first request that differs from the recording, or where one of the two ends before the other.
+    """
+    try:
+        request = _advance(course, None)
+        while complete or recording.n_left:
+            request = _advance(course, request.put_to(recording))
+    except _Ended as end:
+        recording.refuse_rest()
+        value: T = end.value  # type: ignore[assignment]
+        return value
+    return None

@@ -1,0 +1,91 @@
+"""The columns of a trials table, in their order, with what they hold."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tactometry.trials.trial import REASONS
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column's name, meaning and unit (empty: none)."""
+
+    name: str
+    description: str
+    unit: str = ""
+
+
+FIRST = (
+    Column("participant", "Code of the participant"),
+    Column("session", "Number of the session of this participant, from 1"),
+    Column("study", "Name of the study"),
+    Column("block", "Number of the block within the session, from 1"),
+    Column("trial", "Number of the trial within the session, from 1; attempts of one trial share it"),
+)
+ALWAYS = (
+    Column("procedure", "Rule that chose the level; in the rows of a questionnaire its name"),
+    Column("level", "Level that was asked for; empty for a catch trial; of an adjustment the start"),
+    Column("level_unit", "Unit of all levels"),
+    Column(
+        "task",
+        "One of yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, "
+        "preference, measurement",
+    ),
+    Column(
+        "response",
+        "1 or 0 for felt, different or stronger than the standard; the chosen interval or alternative; the number, the "
+        "level that was set, or the raw value of an item as presented; empty: no answer",
+    ),
+    Column("correct", "1 correct, 0 wrong, empty: no answer or not defined"),
+    Column("onset_s", "Onset of the (first) stimulus since the start of the session", "s"),
+    Column("latency_s", "From the onset of the question to the answer", "s"),
+    Column("force_mean_n", "Mean applied force during the stimulus", "N"),
+    Column("force_sd_n", "Standard deviation of the applied force during the stimulus", "N"),
+    Column(
+        "force_in_band",
+        "Part (0 to 1) of the stimulus in which the running mean force was in the target band",
+    ),
+    Column("valid", "1 valid, 0 not: the touch broke its conditions; such a trial is asked again"),
+    Column("timestamp_utc", "Coordinated universal time of the answer, ISO 8601; empty in simulated time"),
+)
+OPTIONAL = (
+    Column("track", "Interleaved procedure that the trial belongs to"),
+    Column("attempt", "Number of the attempt at this trial, from 1"),
+    Column("catch", "1: catch trial without stimulus (or with two standards), 0: not"),
+    Column("item", "Item of a questionnaire, or first of a pair"),
+    Column(
+        "level_delivered", "Level that was delivered, in level_unit; empty for a catch trial and where nothing played"
+    ),
+    Column("level_measured", "Level that was measured, in level_unit"),
+    Column("speed_target_m_per_s", "Target speed of the finger", "m/s"),
+    Column("speed_mean_m_per_s", "Mean speed of the finger during the stimulus", "m/s"),
+    Column("target", "Interval or alternative that held the stimulus, from 1"),
+    Column("standard_level", "Level of the standard, in level_unit"),
+    Column("item_b", "Second item of a pair"),
+    Column("practice", "1: practice, 0: not"),
+    Column("rig", "What answered: bench (window), console (terminal), simulated (no person took part)"),
+    Column("speed_in_band", "Part (0 to 1) of the stimulus in which the speed was in the target band"),
+    Column("invalid_reason", f"Why the trial is not valid: one of {', '.join(REASONS)}; empty: it is"),
+    Column("n_gaps", "Gaps of the output during the stimuli of the trial; empty where the output cannot tell"),
+)
+RIGS = ("bench", "console", "simulated")
+_DERIVED = (
+    "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
+    "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "
+    "interval note mean mean_low mean_high within_low within_high sd n n_below n_above n_missing text rate "
+    "rate_low rate_high n_rows n_practice n_invalid n_repeated n_unanswered score raw deviance_p residual_level_z "
+    "residual_level_p residual_order_z residual_order_p dispersion dispersion_p misfit rule_estimate "
+    "rule_sd rule_n rule_note threshold_mean threshold_median threshold_mode probability_below probability_above "
+    "probability_within"
+)
+DERIVED = frozenset(_DERIVED.split())
+"""Columns that an analysis adds."""
+RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+"""Names that no factor may have."""
+MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure", "rig"))
+"""Reserved names that an analysis may all the same be asked to take as factors."""
+
+
+def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
+    """All columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
+    return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))

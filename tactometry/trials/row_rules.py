@@ -1,0 +1,193 @@
+"""Whether the rows of a trials file can be what they claim to be."""
+
+import csv
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from tactometry.errors import nearest
+from tactometry.records.data_set import PARTICIPANT, STUDY
+from tactometry.records.head import is_time
+from tactometry.session.answer_rules import LARGEST_ANSWER
+from tactometry.trials.columns import ALWAYS, FIRST, RIGS
+from tactometry.trials.trial import REASONS
+
+TASKS = (
+    "yes_no",
+    "forced_choice",
+    "comparison",
+    "same_different",
+    "magnitude",
+    "adjustment",
+    "rating",
+    "localisation",
+    "preference",
+    "measurement",
+)
+MOST_COLUMNS = 5000
+"""More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
+MOST_NAMED = 5
+"""So many rows with one defect are named."""
+REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
+
+
+@dataclass(frozen=True)
+class Defect:
+    """What is wrong, and where: `row` is the line of the file, from 1 (the header).
+
+    Defects of one `kind` in one file may stand as one: `n_rows` counts them, `others` are the rows of some more.
+    """
+
+    file: str
+    row: int | None
+    text: str
+    kind: str = ""
+    n_rows: int = 1
+    others: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.file}{rows_text(self.row, self.others, self.n_rows)}: {self.text}"
+
+
+def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> str:
+    """Where something stands, behind the name of a file: its first row, and how many more there are.
+
+    >>> rows_text(None), rows_text(3), rows_text(3, (4, 9), 3), rows_text(2, (3, 4, 5, 6), 737)
+    ('', ', row 3', ', row 3 and 2 more (4, 9)', ', row 2 and 736 more (3, 4, 5, 6, ...)')
+    """
+    if row is None:
+        return ""
+    named = others[: MOST_NAMED - 1]
+    more = f" and {n_rows - 1} more ({', '.join(map(str, named))}{', ...' if n_rows > len(named) + 1 else ''})"
+    return f", row {row}{more if n_rows > 1 else ''}"
+
+
+def grouped(found: Iterable[Defect]) -> list[Defect]:
+    """Defects of one kind in one file as one, in the place of the first."""
+    kinds: dict[object, list[Defect]] = {}
+    for n, defect in enumerate(found):
+        kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
+    return [_as_one(alike) for alike in kinds.values()]
+
+
+def _as_one(alike: Sequence[Defect]) -> Defect:
+    others = tuple(defect.row for defect in alike[1:MOST_NAMED] if defect.row is not None)
+    return replace(alike[0], n_rows=len(alike), others=others)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a cell may hold, in words and as a test."""
+
+    words: str
+    holds: Callable[[str], bool]
+
+
+def _number(low: float, high: float = math.inf) -> Callable[[str], bool]:
+    def holds(text: str) -> bool:
+        try:
+            return low <= float(text) <= high and math.isfinite(float(text))
+        except ValueError:
+            return False
+
+    return holds
+
+
+_COUNT = Rule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
+_ANY = Rule("a number", _number(-math.inf))
+_POSITIVE = Rule("a number, at least 0", _number(0))
+_ANSWER = _number(-LARGEST_ANSWER, LARGEST_ANSWER)
+_FLAG = Rule("1, 0 or nothing", lambda text: text in ("0", "1"))
+RULES: Mapping[str, Rule] = {
+    "participant": Rule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
+    "study": Rule(
+        "the name of a study: words of small letters and digits joined by hyphens",
+        lambda text: STUDY.fullmatch(text) is not None,
+    ),
+    **dict.fromkeys(("session", "block", "trial", "attempt", "target"), _COUNT),
+    **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
+    **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
+    **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
+    **dict.fromkeys(("force_in_band", "speed_in_band"), Rule("a number from 0 to 1", _number(0, 1))),
+    **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
+    "task": Rule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
+    "timestamp_utc": Rule("a time in ISO 8601", is_time),
+    "rig": Rule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
+    "invalid_reason": Rule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
+    "n_gaps": Rule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
+}
+MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task", "rig"}
+RESPONSES: Mapping[str, Rule] = {
+    "yes_no": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "comparison": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "same_different": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "forced_choice": Rule("the number of an interval, from 1, or nothing", _COUNT.holds),
+    "localisation": Rule("the number of an alternative, from 1, or nothing", _COUNT.holds),
+    "preference": Rule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
+    "magnitude": Rule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", _number(0, LARGEST_ANSWER)),
+    "adjustment": Rule(f"the level that was set, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
+    "rating": Rule(f"the raw value of the answer, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
+}
+
+
+def defects(content: bytes, file: str) -> Iterator[Defect]:
+    """Every defect of a trials file, in order of its rows."""
+    try:
+        table = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""), strict=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        yield Defect(file, None, f"found no CSV in UTF-8 ({error}), expected a trials file")
+        return
+    if not table:
+        yield Defect(file, None, "found an empty file, expected a header and a row for each trial")
+        return
+    header, *rows = table
+    if len(header) > MOST_COLUMNS:
+        yield Defect(file, 1, f"found {len(header)} columns, expected at most {MOST_COLUMNS}: a row for each trial")
+        return
+    yield from _header_defects(header, file)
+    seen: dict[tuple[str, ...], int] = {}
+    for number, cells in enumerate(rows, 2):
+        if len(cells) != len(header):
+            yield Defect(file, number, f"found {len(cells)} cells, expected {len(header)} as in the header", "cells")
+            continue
+        row = dict(zip(header, cells, strict=True))
+        yield from _row_defects(row, file, number)
+        yield from _doubled(row, seen, file, number) if row.get("trial") else ()
+
+
+def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
+    missing = [name for name in REQUIRED if name not in header]
+    if len(missing) == 1:
+        yield Defect(file, 1, f"found no column {missing[0]!r}, expected it{nearest(missing[0], header)}")
+    elif missing:
+        yield Defect(file, 1, f"found no columns {', '.join(map(repr, missing))}, expected them")
+    for name, n in Counter(header).items():
+        if n > 1:
+            yield Defect(file, 1, f"found the column {name!r} {'twice' if n == 2 else f'{n} times'}, expected it once")
+
+
+def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:
+    for name, text in row.items():
+        rule = RESPONSES.get(row.get("task", "")) if name == "response" else RULES.get(name)
+        empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
+        if rule is not None and not empty and not rule.holds(text):
+            yield Defect(
+                file, number, f"column {name!r}: found {text!r}, expected {rule.words}", f"{name} {rule.words}"
+            )
+    if row.get("catch") == "1" and row.get("level"):
+        found = f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
+        yield Defect(file, number, found, "catch")
+    if row.get("valid") == "1" and row.get("invalid_reason"):
+        reason = row["invalid_reason"]
+        found = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
+        yield Defect(file, number, found, "reason")
+
+
+def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
+    key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
+    if key in seen:
+        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once", "doubled")
+    seen.setdefault(key, number)
