@@ -1,1 +1,14 @@
 """All participants at once: the hierarchical psychometric model."""
+
+from typing import TYPE_CHECKING
+
+from tactometry.loading import exports
+
+if TYPE_CHECKING:
+    from tactometry.analysis.hierarchical.fitting import fit_hierarchical
+    from tactometry.analysis.hierarchical.result import HierarchicalFit
+
+__all__ = ["HierarchicalFit", "fit_hierarchical"]
+
+_NAMES = {"fitting": "fit_hierarchical", "result": "HierarchicalFit"}
+__getattr__, __dir__ = exports(__name__, _NAMES)

@@ -1,1 +1,15 @@
 """A psychometric function fitted to counts."""
+
+from typing import TYPE_CHECKING
+
+from tactometry.loading import exports
+
+if TYPE_CHECKING:
+    from tactometry.analysis.threshold.fitting import fit, fit_many
+    from tactometry.analysis.threshold.result import ThresholdFit
+    from tactometry.analysis.threshold.status import Status
+
+__all__ = ["Status", "ThresholdFit", "fit", "fit_many"]
+
+_NAMES = {"fitting": "fit fit_many", "result": "ThresholdFit", "status": "Status"}
+__getattr__, __dir__ = exports(__name__, _NAMES)
