@@ -14,28 +14,28 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-    from tactometry.analysis.anova.post_hoc import pairs, rank_pairs
-    from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
-    from tactometry.analysis.attrakdiff.scoring import item_scores, scores
-    from tactometry.analysis.hierarchical.fitting import fit_hierarchical
-    from tactometry.analysis.mixed_models.glmm import fit_glmm
-    from tactometry.analysis.outcomes.group_means import group_table, mean_with_interval
-    from tactometry.analysis.pipeline import Analysis, analyse
-    from tactometry.analysis.plan import Plan, read_plan
-    from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
-    from tactometry.analysis.reading.trials import Trials, read_trials
-    from tactometry.analysis.report.page import write_report
-    from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
-    from tactometry.analysis.tasks.signal_detection import (
+    from .anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
+    from .anova.post_hoc import pairs, rank_pairs
+    from .anova.within_subjects import permutation_test, repeated_measures
+    from .attrakdiff.scoring import item_scores, scores
+    from .hierarchical.fitting import fit_hierarchical
+    from .mixed_models.glmm import fit_glmm
+    from .outcomes.group_means import group_table, mean_with_interval
+    from .pipeline import Analysis, analyse
+    from .plan import Plan, read_plan
+    from .reading.column_map import ColumnMap, read_column_map
+    from .reading.trials import Trials, read_trials
+    from .report.page import write_report
+    from .tasks.same_different import differencing_sensitivity, independent_sensitivity
+    from .tasks.signal_detection import (
         Sensitivity,
         forced_choice_chance,
         forced_choice_sensitivity,
         two_interval_sensitivity,
         yes_no_sensitivity,
     )
-    from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
-    from tactometry.analysis.threshold.status import Status
+    from .threshold.fitting import ThresholdFit, fit, fit_many
+    from .threshold.status import Status
 
 __all__ = [
     "Analysis",

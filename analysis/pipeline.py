@@ -7,27 +7,28 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.ratings import Ratings, ratings
-from tactometry.analysis.outcomes import group_means
-from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.outcomes.hierarchical_outcome import Together, together
-from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.analysis.plan import Plan, plan_of
-from tactometry.analysis.reading.column_map import ColumnMap
-from tactometry.analysis.reading.origin import Origin, of_one_kind
-from tactometry.analysis.reading.quality import frames, with_frames
-from tactometry.analysis.reading.trials import Trials, read_trials
-from tactometry.analysis.report import methods as words
-from tactometry.analysis.report.study_text import StudyText, study_text
-from tactometry.analysis.tasks import adjustment, cells, magnitude
-from tactometry.analysis.tasks.applied_force import applied, force_of_participants, force_table, has_force
-from tactometry.analysis.tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
-from tactometry.analysis.tasks.measurement import loss_table, losses
-from tactometry.analysis.tasks.preference import preference_table
-from tactometry.analysis.tasks.rule_estimate import Replay, rule_columns
-from tactometry.analysis.tasks.same_different import same_different_table
-from tactometry.analysis.tasks.tracks import tracks
 from tactometry.errors import InvalidFile, InvalidParameter
+
+from .attrakdiff.ratings import Ratings, ratings
+from .outcomes import group_means
+from .outcomes.findings import Outcome
+from .outcomes.hierarchical_outcome import Together, together
+from .outcomes.outcome import outcome
+from .plan import Plan, plan_of
+from .reading.column_map import ColumnMap
+from .reading.origin import Origin, of_one_kind
+from .reading.quality import frames, with_frames
+from .reading.trials import Trials, read_trials
+from .report import methods as words
+from .report.study_text import StudyText, study_text
+from .tasks import adjustment, cells, magnitude
+from .tasks.applied_force import applied, force_of_participants, force_table, has_force
+from .tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
+from .tasks.measurement import loss_table, losses
+from .tasks.preference import preference_table
+from .tasks.rule_estimate import Replay, rule_columns
+from .tasks.same_different import same_different_table
+from .tasks.tracks import tracks
 
 OUTCOMES = {
     "yes_no": ("threshold",),
@@ -179,7 +180,7 @@ def analyse(
     if report is None and pdf:
         raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
     if report is not None:
-        from tactometry.analysis.report.page import check_report
+        from .report.page import check_report
 
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
@@ -190,7 +191,7 @@ def analyse(
     )
     if report is None and figures is None:
         return found
-    from tactometry.analysis.report.page import write_figures, write_report
+    from .report.page import write_figures, write_report
 
     if figures is not None:
         found = write_figures(found, figures)

@@ -7,11 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from tactometry.analysis.reading.study_file import stated
-from tactometry.analysis.tasks.applied_force import Exclusion
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, read_toml
 from tactometry.errors import InvalidParameter, nearest
+
+from .reading.study_file import stated
+from .tasks.applied_force import Exclusion
 
 
 @dataclass(frozen=True)

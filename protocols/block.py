@@ -8,13 +8,14 @@ import numpy as np
 
 from tactometry.arguments.require import given, is_number, of_kind, one_of, positive, whole
 from tactometry.errors import InvalidParameter, counted
-from tactometry.protocols.procedures.procedure import Procedure
-from tactometry.protocols.procedures.shared_learning import answered
-from tactometry.protocols.tasks.task import Alternative, Outcome, Presentation, Reply, Task
-from tactometry.protocols.tasks.touch import Touch
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
+
+from .procedures.procedure import Procedure
+from .procedures.shared_learning import answered
+from .tasks.task import Alternative, Outcome, Presentation, Reply, Task
+from .tasks.touch import Touch
 
 T = TypeVar("T")
 Interleaving = Literal["random", "balanced"]

@@ -7,13 +7,14 @@ from typing import Protocol
 import numpy as np
 
 from tactometry.arguments.require import of_kind
-from tactometry.protocols.block import Track
-from tactometry.protocols.tasks.rating import filled_in
-from tactometry.protocols.tasks.task import Reply
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.request import Done, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
+
+from .block import Track
+from .tasks.rating import filled_in
+from .tasks.task import Reply
 
 
 class Part(Protocol):

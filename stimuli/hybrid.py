@@ -13,14 +13,15 @@ from tactometry.arguments.require import positive
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
-from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-from tactometry.stimuli.time_reversal.responses.responses import Responses
-from tactometry.stimuli.time_reversal.stimulus import focus_train
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.stimulus.sensation import Keyed, TimeReversalSensation
-from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+from .electrovibration.sensation import ElectrovibrationSensation
+from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+from .time_reversal.responses.responses import Responses
+from .time_reversal.stimulus import focus_train
+from .time_reversal.stimulus.family import TimeReversalStimulus
+from .time_reversal.stimulus.focus_train import FocusTrain
+from .time_reversal.stimulus.sensation import Keyed, TimeReversalSensation
+from .time_reversal.stimulus.setup import Setup
 
 
 @dataclass(frozen=True)

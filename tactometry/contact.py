@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tactometry.errors import InvalidParameter
+from .errors import InvalidParameter
 
 
 @dataclass(frozen=True)

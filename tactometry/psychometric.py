@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from tactometry.errors import InvalidParameter, nearest
+from .errors import InvalidParameter, nearest
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]

@@ -12,10 +12,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Self
 
-from tactometry.arguments.require import repeated, whole
-from tactometry.config.strict import build
-from tactometry.config.toml import located, table_of
-from tactometry.errors import InvalidParameter, nearest
+from .arguments.require import repeated, whole
+from .config.strict import build
+from .config.toml import located, table_of
+from .errors import InvalidParameter, nearest
 
 SUFFIX = ".toml"
 

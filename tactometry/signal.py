@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import positive
-from tactometry.errors import InvalidParameter, counted
+from .arguments.require import positive
+from .errors import InvalidParameter, counted
 
 
 @dataclass(frozen=True, eq=False)

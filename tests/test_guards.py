@@ -48,22 +48,70 @@ def distribution(requirement: str) -> str:
     return name.group().lower()
 
 
-# --- bare names
+# --- a dot stays in the wing, a name leaves it
 
 
-def lint(source: str) -> str:
-    command = [SCRIPTS / "ruff", "check", "--select", "TID251", "--stdin-filename", "tactometry/new.py", "-"]
-    return subprocess.run(command, input=source, capture_output=True, text=True, cwd=ROOT, check=False).stdout
+def misfits(path: Path, source: str) -> list[str]:
+    """Imports of a file that do not say by their form how far they reach.
+
+    Within a wing (kernel, stimuli, protocols, analysis, experiments) they are relative, so that a room can be moved or
+    read alone; across wings absolute and by the one name, since a lab's own folder can shadow a bare `analysis`.
+    """
+    wing, *rooms = path.parts[:-1]
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom):
+            leaves = node.level > len(rooms) + 1
+            names = ["(another wing)"] if leaves else [node.module or ""] if node.level == 0 else []
+            names = [f"{names[0]}.{node.names[0].name}"] if names == ["tactometry"] else names
+        found += [f"{path}:{node.lineno} {name}" for name in names if leaves_or_stays_wrongly(name, wing)]
+    return found
+
+
+def leaves_or_stays_wrongly(name: str, wing: str) -> bool:
+    top, *rest = name.split(".")
+    target = rest[0] if rest and rest[0] in ROOMS else "tactometry"
+    return top in ROOMS or top == "(another wing)" or (top == "tactometry" and target == wing)
+
+
+def test_within_a_wing_imports_are_relative_and_across_wings_absolute() -> None:
+    places = [path.relative_to(ROOT) for path in sources()]
+    assert [line for path in places for line in misfits(path, (ROOT / path).read_text(encoding="utf-8"))] == []
 
 
 @pytest.mark.parametrize("room", ROOMS)
 @pytest.mark.parametrize("form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"])
-def test_the_linter_refuses_a_bare_room(room: str, form: str) -> None:
-    assert f"`{room}" in lint(form.format(room) + "\n")
+def test_a_bare_room_is_refused(room: str, form: str) -> None:
+    assert misfits(Path("tactometry/rigs/new.py"), form.format(room) + "\n")
 
 
-def test_the_linter_takes_a_room_under_the_one_name() -> None:
-    assert lint("import tactometry.stimuli\nfrom tactometry.analysis import threshold\n") == "All checks passed!\n"
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("analysis/report/new.py", "from tactometry.analysis.plan import Plan"),
+        ("analysis/report/new.py", "from tactometry.analysis import plan"),
+        ("analysis/report/new.py", "from ...errors import InvalidFile"),
+        ("tactometry/rigs/new.py", "from tactometry.errors import InvalidFile"),
+        ("tactometry/rigs/new.py", "from tactometry import errors"),
+        ("tactometry/new.py", "def late():\n    import tactometry.rigs.bench"),
+    ],
+)
+def test_an_import_of_the_wrong_form_is_refused(path: str, line: str) -> None:
+    assert misfits(Path(path), line + "\n")
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("analysis/report/new.py", "from tactometry.errors import InvalidFile"),
+        ("analysis/report/new.py", "from ..plan import Plan\nfrom .grid import grid\nimport numpy"),
+        ("tactometry/new.py", "from .errors import InvalidFile"),
+        ("experiments/new.py", "from tactometry import protocols"),
+    ],
+)
+def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
+    assert not misfits(Path(path), line + "\n")
 
 
 # --- contracts

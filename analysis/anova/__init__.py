@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.anova.split_plot import mixed_anova
-    from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+    from .split_plot import mixed_anova
+    from .within_subjects import permutation_test, repeated_measures
 
 __all__ = ["mixed_anova", "permutation_test", "repeated_measures"]
 

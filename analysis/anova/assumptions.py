@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import shapiro
 
-from tactometry.analysis.anova.contrasts import Effect, effects
-from tactometry.analysis.anova.design import Array, spread, within_design
-from tactometry.analysis.report.apa import p_text, share_text
+from ..report.apa import p_text, share_text
+from .contrasts import Effect, effects
+from .design import Array, spread, within_design
 
 ALPHA = 0.05
 MANY_SD = 3.0

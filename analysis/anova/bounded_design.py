@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.design import (
+from tactometry.errors import InvalidParameter
+
+from .design import (
     RELATIVE_ZERO,
     Array,
     DesignStatus,
@@ -17,9 +19,8 @@ from tactometry.analysis.anova.design import (
     refuse_few,
     size_of,
 )
-from tactometry.analysis.anova.split_plot import groups_of
-from tactometry.analysis.anova.strata import Bounded
-from tactometry.errors import InvalidParameter
+from .split_plot import groups_of
+from .strata import Bounded
 
 MIN_KNOWN = 2
 """Known values that each condition needs (in each group)."""

@@ -14,14 +14,15 @@ import pandas as pd
 from scipy.linalg import helmert
 from scipy.stats import t as student
 
-from tactometry.analysis.anova.bounded_design import BoundedDesign, bounded_design
-from tactometry.analysis.anova.contrasts import Sphericity, Tested, epsilons
-from tactometry.analysis.anova.design import Array, DesignStatus, UndefinedStatistic
-from tactometry.analysis.anova.effect_size import INTERVAL
-from tactometry.analysis.anova.strata import LEAST_VARIANCE, StrataFit, fit_strata
-from tactometry.analysis.anova.within_intervals import within_variances
-from tactometry.analysis.anova.within_subjects import MAX_FACTORS, effect_table
 from tactometry.errors import InvalidParameter
+
+from .bounded_design import BoundedDesign, bounded_design
+from .contrasts import Sphericity, Tested, epsilons
+from .design import Array, DesignStatus, UndefinedStatistic
+from .effect_size import INTERVAL
+from .strata import LEAST_VARIANCE, StrataFit, fit_strata
+from .within_intervals import within_variances
+from .within_subjects import MAX_FACTORS, effect_table
 
 WIDEST_SE = 10.0
 """A mean of a larger standard error, in standard deviations of the known values, is not held by them."""

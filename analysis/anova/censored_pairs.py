@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from tactometry.analysis.anova.censored import CensoredAnova
-from tactometry.analysis.anova.design import Array
-from tactometry.analysis.anova.equivalence import told_equivalent, two_one_sided
-from tactometry.analysis.anova.post_hoc import all_together
+from .censored import CensoredAnova
+from .design import Array
+from .equivalence import told_equivalent, two_one_sided
+from .post_hoc import all_together
 
 LEAST_SD = 1e-7
 """In standard deviations of the values: the root of what a variance keeps of rounding."""

@@ -13,8 +13,9 @@ from scipy.linalg import helmert
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
-from tactometry.analysis.anova.design import Array, Design
 from tactometry.errors import InvalidParameter
+
+from .design import Array, Design
 
 MOST_EXACT = 14
 """Up to so many participants every change of signs is tried."""

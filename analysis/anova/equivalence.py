@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from tactometry.analysis.anova.post_hoc import Pair, compare, has_error
 from tactometry.errors import InvalidParameter
+
+from .post_hoc import Pair, compare, has_error
 
 
 def equivalence(

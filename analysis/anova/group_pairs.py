@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import ttest_ind
 
-from tactometry.analysis.anova.design import (
+from .design import (
     RELATIVE_ZERO,
     Array,
     DesignStatus,
@@ -14,7 +14,7 @@ from tactometry.analysis.anova.design import (
     finite_rows,
     size_of,
 )
-from tactometry.analysis.anova.post_hoc import all_together
+from .post_hoc import all_together
 
 MIN_GROUP = 2
 

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from tactometry.analysis.anova.contrasts import Effect, effects
-from tactometry.analysis.anova.design import Array, Design, DesignStatus, UndefinedStatistic, spread, within_design
-from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.errors import InvalidParameter, nearest
+
+from .contrasts import Effect, effects
+from .design import Array, Design, DesignStatus, UndefinedStatistic, spread, within_design
+from .post_hoc import pairs
 
 DIGITS = 9
 """Aligned values are rounded to so many digits of their spread: what is equal but for rounding is tied."""

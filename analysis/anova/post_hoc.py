@@ -11,8 +11,9 @@ from scipy.special import nctdtr
 from scipy.stats import t as student
 from scipy.stats import wilcoxon
 
-from tactometry.analysis.anova.design import RELATIVE_ZERO, Array, Design, size_of, within_design
 from tactometry.errors import InvalidParameter, nearest
+
+from .design import RELATIVE_ZERO, Array, Design, size_of, within_design
 
 CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0

@@ -5,8 +5,8 @@ from itertools import permutations
 
 import pandas as pd
 
-from tactometry.analysis.anova.design import UndefinedStatistic
-from tactometry.analysis.anova.post_hoc import corrected
+from .design import UndefinedStatistic
+from .post_hoc import corrected
 
 Analysis = Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]
 """From a table and its factors within participants to effects, in the columns of `repeated_measures`."""

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.contrasts import Sphericity, Tested, effects, participant_scores, sphericity
-from tactometry.analysis.anova.design import Array, DesignStatus, UndefinedStatistic, finite_rows, within_design
-from tactometry.analysis.anova.effect_size import INTERVAL
-from tactometry.analysis.anova.within_subjects import effect_table, scaled_design, told
 from tactometry.errors import InvalidParameter
+
+from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
+from .design import Array, DesignStatus, UndefinedStatistic, finite_rows, within_design
+from .effect_size import INTERVAL
+from .within_subjects import effect_table, scaled_design, told
 
 MIN_GROUP = 2
 

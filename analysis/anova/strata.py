@@ -16,9 +16,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.anova.contrasts import contrasts
-from tactometry.analysis.anova.design import Array
-from tactometry.analysis.anova.truncated_normal import between
+from .contrasts import contrasts
+from .design import Array
+from .truncated_normal import between
 
 TOLERANCE = 1e-8
 """Of a step, in standard deviations of the values and in logarithms of the variances."""

@@ -13,8 +13,9 @@ import numpy as np
 from scipy.special import log_ndtr, ndtri_exp
 from scipy.stats import qmc
 
-from tactometry.analysis.anova.design import Array
 from tactometry.psychometric import log1mexp
+
+from .design import Array
 
 N_POINTS = 1024
 """A power of two, for which the sequence of Sobol is even."""

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.contrasts import MOST_EXACT, Tested, effects, participant_scores
-from tactometry.analysis.anova.contrasts import permutation_p as _permutation_p
-from tactometry.analysis.anova.design import Array, Design, DesignStatus, size_of, spread, within_design
-from tactometry.analysis.anova.effect_size import INTERVAL, eta_squared
+from .contrasts import MOST_EXACT, Tested, effects, participant_scores
+from .contrasts import permutation_p as _permutation_p
+from .design import Array, Design, DesignStatus, size_of, spread, within_design
+from .effect_size import INTERVAL, eta_squared
 
 MAX_FACTORS = 3
 SIZES: Mapping[str, str] = {

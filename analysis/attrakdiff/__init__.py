@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.attrakdiff.scoring import item_scores, scores
+    from .scoring import item_scores, scores
 
 __all__ = ["item_scores", "scores"]
 

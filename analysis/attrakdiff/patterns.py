@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from tactometry.analysis.anova.design import UndefinedStatistic
-from tactometry.analysis.anova.post_hoc import pairs
-from tactometry.analysis.anova.within_subjects import repeated_measures
-from tactometry.analysis.attrakdiff.scoring import dimensions_of
 from tactometry.errors import InvalidParameter, nearest
+
+from ..anova.design import UndefinedStatistic
+from ..anova.post_hoc import pairs
+from ..anova.within_subjects import repeated_measures
+from .scoring import dimensions_of
 
 THESIS: Mapping[str, tuple[str, str]] = {
     "P1": ("low", "rectangular"),

@@ -6,18 +6,19 @@ from typing import Any
 
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
-from tactometry.analysis.attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
-from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.analysis.outcomes.primary import Primary
-from tactometry.analysis.reading.study_file import forms_of
-from tactometry.analysis.reading.trials import Trials, asked_rows
-from tactometry.analysis.report import apa
-from tactometry.analysis.wording.labels import value_of
-from tactometry.analysis.wording.numbers import interval_text
 from tactometry.errors import counted
 from tactometry.questionnaire import Questionnaire
+
+from ..outcomes.findings import Outcome
+from ..outcomes.outcome import outcome
+from ..outcomes.primary import Primary
+from ..reading.study_file import forms_of
+from ..reading.trials import Trials, asked_rows
+from ..report import apa
+from ..wording.labels import value_of
+from ..wording.numbers import interval_text
+from .patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
+from .scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
 
 PATTERN, REFERENCE = "pattern", "P0"
 

@@ -8,12 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.design import Array
-from tactometry.analysis.outcomes.group_means import MEANS, group_table, mean_with_interval
-from tactometry.analysis.reading.trials import stated_factors
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
 from tactometry.trials.columns import RESERVED
+
+from ..anova.design import Array
+from ..outcomes.group_means import MEANS, group_table, mean_with_interval
+from ..reading.trials import stated_factors
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.scoring import REGIONS
-from tactometry.analysis.figures.axes import means_with_intervals
-from tactometry.analysis.figures.style import Drawing, drawn, house_style, look, new_figure
+from ..attrakdiff.scoring import REGIONS
+from .axes import means_with_intervals
+from .style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.figures.style import Drawing, drawn, house_style, new_figure
-from tactometry.analysis.wording.labels import condition_name, title_of
+from ..wording.labels import condition_name, title_of
+from .style import Drawing, drawn, house_style, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.figures.axes import RATE_LABEL, Axis, means_with_intervals, panels, place, series, shift
-from tactometry.analysis.figures.style import Drawing, drawn, house_style, look, new_figure, shades
-from tactometry.analysis.outcomes.group_means import HIGH, LOW
+from ..outcomes.group_means import HIGH, LOW
+from .axes import RATE_LABEL, Axis, means_with_intervals, panels, place, series, shift
+from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 BESIDE = 0.4
 """Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from tactometry.analysis.figures.axes import Axis, panels, series
-from tactometry.analysis.figures.style import Drawing, shades
+from .axes import Axis, panels, series
+from .style import Drawing, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

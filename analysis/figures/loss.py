@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.figures.axes import Axis, place, series
-from tactometry.analysis.figures.style import Drawing, drawn, house_style, look, new_figure
+from .axes import Axis, place, series
+from .style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

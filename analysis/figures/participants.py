@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
-from tactometry.analysis.figures.axes import RATE_LABEL, Axis, panels, series
-from tactometry.analysis.figures.style import Drawing, drawn, house_style, look, new_figure, shades
-from tactometry.analysis.tasks.cells import Estimate
-from tactometry.analysis.threshold.status import Status
-from tactometry.analysis.wording.labels import condition_name
+from ..tasks.cells import Estimate
+from ..threshold.status import Status
+from ..wording.labels import condition_name
+from .axes import RATE_LABEL, Axis, panels, series
+from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.hierarchical.fitting import fit_hierarchical
-    from tactometry.analysis.hierarchical.result import HierarchicalFit
+    from .fitting import fit_hierarchical
+    from .result import HierarchicalFit
 
 __all__ = ["HierarchicalFit", "fit_hierarchical"]
 

@@ -16,7 +16,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from tactometry.analysis.hierarchical.layout import (
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import shape_named
+
+from ..mixed_models.laplace import MixedFit, MixedModel, maximise
+from ..threshold.counts import Array, checked
+from ..threshold.likelihood import GUESS, LAPSE
+from ..threshold.prior import BETA_B
+from .layout import (
     CONDITION_COLUMNS,
     Layout,
     Place,
@@ -26,15 +33,9 @@ from tactometry.analysis.hierarchical.layout import (
     participant_table,
     reaches,
 )
-from tactometry.analysis.hierarchical.model import CORRELATED_FROM, Study, mixed_model, rate_of, start
-from tactometry.analysis.hierarchical.result import NOTES, Contrast, Effect, GroupStatus, HierarchicalFit
-from tactometry.analysis.hierarchical.starts import Alone, fitted_alone
-from tactometry.analysis.mixed_models.laplace import MixedFit, MixedModel, maximise
-from tactometry.analysis.threshold.counts import Array, checked
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE
-from tactometry.analysis.threshold.prior import BETA_B
-from tactometry.errors import InvalidParameter
-from tactometry.psychometric import shape_named
+from .model import CORRELATED_FROM, Study, mixed_model, rate_of, start
+from .result import NOTES, Contrast, Effect, GroupStatus, HierarchicalFit
+from .starts import Alone, fitted_alone
 
 ZERO_SD = 1e-3
 """A standard deviation below this part of the range of the levels (below this, for the log width) is none."""

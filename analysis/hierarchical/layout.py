@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import t as t_distribution
 
-from tactometry.analysis.hierarchical.model import Study
-from tactometry.analysis.hierarchical.starts import Alone
-from tactometry.analysis.mixed_models.laplace import MixedFit, MixedModel, inner_mode, precision_of
-from tactometry.analysis.threshold.counts import Array, normalised
-from tactometry.analysis.threshold.likelihood import LOG_WIDTH, THRESHOLD
-from tactometry.analysis.threshold.status import Status
 from tactometry.psychometric import Shape
+
+from ..mixed_models.laplace import MixedFit, MixedModel, inner_mode, precision_of
+from ..threshold.counts import Array, normalised
+from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
+from ..threshold.status import Status
+from .model import Study
+from .starts import Alone
 
 CONDITION_COLUMNS = (
     "threshold",

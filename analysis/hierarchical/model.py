@@ -8,9 +8,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.mixed_models.laplace import MixedModel
-from tactometry.analysis.threshold.counts import Array, Counts
-from tactometry.analysis.threshold.likelihood import (
+from tactometry.psychometric import Shape
+
+from ..mixed_models.laplace import MixedModel
+from ..threshold.counts import Array, Counts
+from ..threshold.likelihood import (
     GUESS,
     LAPSE,
     LOG_WIDTH,
@@ -20,8 +22,7 @@ from tactometry.analysis.threshold.likelihood import (
     chance_information,
     expansion,
 )
-from tactometry.analysis.threshold.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
-from tactometry.psychometric import Shape
+from ..threshold.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
 
 START_SD = (0.1, 0.2, 0.05, 0.1)
 """Standard deviations at the start: threshold (in ranges of the levels), log width, and their cells' deviations."""

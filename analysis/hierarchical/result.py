@@ -13,9 +13,10 @@ from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 from scipy.stats import t as t_distribution
 
-from tactometry.analysis.anova.contrasts import epsilons
-from tactometry.analysis.threshold.counts import Array
 from tactometry.errors import InvalidParameter
+
+from ..anova.contrasts import epsilons
+from ..threshold.counts import Array
 
 
 class GroupStatus(StrEnum):

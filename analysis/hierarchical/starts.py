@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.hierarchical.model import Study
-from tactometry.analysis.threshold.counts import Array
-from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
-from tactometry.analysis.threshold.status import Status
+from ..threshold.counts import Array
+from ..threshold.fitting import ThresholdFit, fit_many
+from ..threshold.status import Status
+from .model import Study
 
 TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 

@@ -13,13 +13,18 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
-from tactometry.analysis.anova.bounded_design import ends_of
-from tactometry.analysis.anova.design import expect_columns, size_of
-from tactometry.analysis.mixed_models.glmm import clustered
-from tactometry.analysis.mixed_models.held import endless_direction, leaves_no_error
-from tactometry.analysis.mixed_models.laplace import MixedFit, maximise
-from tactometry.analysis.mixed_models.laplace import MixedModel as Clusters
-from tactometry.analysis.mixed_models.linear import (
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import log1mexp
+
+from ..anova.bounded_design import ends_of
+from ..anova.design import expect_columns, size_of
+from ..threshold.counts import Array, Bools
+from ..threshold.likelihood import Expansion
+from .glmm import clustered
+from .held import endless_direction, leaves_no_error
+from .laplace import MixedFit, maximise
+from .laplace import MixedModel as Clusters
+from .linear import (
     ALIKE,
     Counts,
     DesignMatrix,
@@ -31,11 +36,7 @@ from tactometry.analysis.mixed_models.linear import (
     design_matrix,
     term_table,
 )
-from tactometry.analysis.mixed_models.quadrature import maximise_by_quadrature
-from tactometry.analysis.threshold.counts import Array, Bools
-from tactometry.analysis.threshold.likelihood import Expansion
-from tactometry.errors import InvalidParameter
-from tactometry.psychometric import log1mexp
+from .quadrature import maximise_by_quadrature
 
 N_NODES = 31
 NARROW = 1e-6

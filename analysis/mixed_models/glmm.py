@@ -15,13 +15,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.analysis.mixed_models.laplace import MixedFit, MixedModel, maximise
-from tactometry.analysis.mixed_models.quadrature import maximise_by_quadrature
-from tactometry.analysis.threshold.chances import by_point, expected_information
-from tactometry.analysis.threshold.counts import Array, checked
-from tactometry.analysis.threshold.likelihood import Expansion
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import SHAPES, Shape
+
+from ..threshold.chances import by_point, expected_information
+from ..threshold.counts import Array, checked
+from ..threshold.likelihood import Expansion
+from .laplace import MixedFit, MixedModel, maximise
+from .quadrature import maximise_by_quadrature
 
 LINKS = MappingProxyType({"probit": "normal", "logit": "logistic"})
 START_SD = 0.5

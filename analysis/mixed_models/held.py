@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from tactometry.analysis.threshold.counts import Array
+from ..threshold.counts import Array
 
 ZERO = 1e-7
 

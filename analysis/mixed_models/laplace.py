@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from tactometry.analysis.threshold.counts import Array
-from tactometry.analysis.threshold.likelihood import Expansion
+from ..threshold.counts import Array
+from ..threshold.likelihood import Expansion
 
 DIFFERENCE = 1e-4
 MAX_INNER_STEPS = 60

@@ -17,7 +17,9 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from tactometry.analysis.anova.design import (
+from tactometry.errors import InvalidParameter
+
+from ..anova.design import (
     RELATIVE_ZERO,
     Array,
     DesignStatus,
@@ -26,7 +28,6 @@ from tactometry.analysis.anova.design import (
     finite_rows,
     size_of,
 )
-from tactometry.errors import InvalidParameter
 
 Counts = NDArray[np.int64]
 RATIOS = (1e-8, 1e10)

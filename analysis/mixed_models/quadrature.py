@@ -7,9 +7,9 @@ from itertools import product
 
 import numpy as np
 
-from tactometry.analysis.mixed_models.laplace import Inner, MixedFit, MixedModel, maximise, with_prior
-from tactometry.analysis.threshold.counts import Array
-from tactometry.analysis.threshold.likelihood import Expansion
+from ..threshold.counts import Array
+from ..threshold.likelihood import Expansion
+from .laplace import Inner, MixedFit, MixedModel, maximise, with_prior
 
 
 def log_marginal_by_quadrature(

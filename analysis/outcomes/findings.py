@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from tactometry.analysis.anova.censored import CensoredAnova
-from tactometry.analysis.anova.design import DesignStatus
-from tactometry.analysis.mixed_models.linear import MixedModel
-from tactometry.analysis.outcomes.primary import TITLES, Primary
-from tactometry.analysis.report import apa
+from ..anova.censored import CensoredAnova
+from ..anova.design import DesignStatus
+from ..mixed_models.linear import MixedModel
+from ..report import apa
+from .primary import TITLES, Primary
 
 FORCE = "force_n"
 PURE_NUMBERS = ("exponent",)

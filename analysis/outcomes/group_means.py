@@ -9,12 +9,12 @@ import pandas as pd
 from scipy.stats import t as student
 from statsmodels.stats.proportion import proportion_confint
 
-from tactometry.analysis.anova.design import RELATIVE_ZERO, size_of
-from tactometry.analysis.anova.within_intervals import within_variances
-from tactometry.analysis.reading.trials import Trials
-from tactometry.analysis.tasks.cells import Cell
-from tactometry.analysis.threshold.counts import Array
-from tactometry.analysis.wording.numbers import interval_text
+from ..anova.design import RELATIVE_ZERO, size_of
+from ..anova.within_intervals import within_variances
+from ..reading.trials import Trials
+from ..tasks.cells import Cell
+from ..threshold.counts import Array
+from ..wording.numbers import interval_text
 
 MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.hierarchical.fitting import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
-from tactometry.analysis.report import apa
-from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
-from tactometry.analysis.threshold.status import Status
-from tactometry.analysis.wording.numbers import interval_text, number_text
 from tactometry.errors import InvalidParameter
+
+from ..hierarchical.fitting import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
+from ..report import apa
+from ..tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
+from ..threshold.status import Status
+from ..wording.numbers import interval_text, number_text
 
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""

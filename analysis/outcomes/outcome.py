@@ -7,24 +7,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.assumptions import checks
-from tactometry.analysis.anova.bounded_design import MIN_KNOWN
-from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
-from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
-from tactometry.analysis.anova.complete_design import SubDesign, largest_complete, largest_known
-from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
-from tactometry.analysis.anova.equivalence import equivalence
-from tactometry.analysis.anova.group_pairs import group_pairs
-from tactometry.analysis.anova.post_hoc import all_together, pairs
-from tactometry.analysis.anova.simple_effects import Analysis, interacting, simple_effects
-from tactometry.analysis.anova.split_plot import mixed_anova
-from tactometry.analysis.anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
-from tactometry.analysis.mixed_models.censored import censored_model
-from tactometry.analysis.mixed_models.linear import MixedModel, mixed_model
-from tactometry.analysis.outcomes import group_means
-from tactometry.analysis.outcomes.findings import FORCE, Outcome
-from tactometry.analysis.outcomes.primary import TITLES, Primary, chosen
 from tactometry.errors import InvalidParameter
+
+from ..anova.assumptions import checks
+from ..anova.bounded_design import MIN_KNOWN
+from ..anova.censored import CensoredAnova, censored_anova
+from ..anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from ..anova.complete_design import SubDesign, largest_complete, largest_known
+from ..anova.design import DesignStatus, UndefinedStatistic
+from ..anova.equivalence import equivalence
+from ..anova.group_pairs import group_pairs
+from ..anova.post_hoc import all_together, pairs
+from ..anova.simple_effects import Analysis, interacting, simple_effects
+from ..anova.split_plot import mixed_anova
+from ..anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
+from ..mixed_models.censored import censored_model
+from ..mixed_models.linear import MixedModel, mixed_model
+from . import group_means
+from .findings import FORCE, Outcome
+from .primary import TITLES, Primary, chosen
 
 MEASURED = "log2 of the measured force"
 PERMUTATION_SEED = 20_170_522

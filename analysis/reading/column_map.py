@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis.reading.level_scale import LevelScale
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+
+from .level_scale import LevelScale
 
 
 @dataclass(frozen=True)

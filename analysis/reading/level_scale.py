@@ -6,8 +6,9 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.threshold.counts import Array
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+
+from ..threshold.counts import Array
 
 LevelScale = Literal["linear", "log10", "db"]
 LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {

@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tactometry.analysis.reading.trials import Trials
-from tactometry.analysis.wording.labels import NAMED
 from tactometry.errors import InvalidFile, counted
 from tactometry.records.description import SIMULATED
 from tactometry.records.head import Head
 from tactometry.records.sittings import changes, heads
+
+from ..wording.labels import NAMED
+from .trials import Trials
 
 Key = tuple[str, float]
 """Participant and session."""

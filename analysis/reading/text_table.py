@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis.reading.arrow_text import plain_cells
-from tactometry.analysis.reading.json_table import json_cells
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.trials.row_rules import MOST_COLUMNS
+
+from .arrow_text import plain_cells
+from .json_table import json_cells
 
 
 def text_cells(file: Path, separator: str = "") -> pd.DataFrame:

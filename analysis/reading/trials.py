@@ -13,17 +13,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tactometry.analysis.reading.arrow_text import plain_numbers
-from tactometry.analysis.reading.column_map import ColumnMap, translated, trials_of
-from tactometry.analysis.reading.doubled_rows import doubled
-from tactometry.analysis.reading.level_scale import scaled, wide_levels
-from tactometry.analysis.reading.text_table import text_cells
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import listed
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED
 from tactometry.trials.row_rules import RESPONSES, TASKS, Rule, rows_text
+
+from .arrow_text import plain_numbers
+from .column_map import ColumnMap, translated, trials_of
+from .doubled_rows import doubled
+from .level_scale import scaled, wide_levels
+from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
 NUMBERS = (

@@ -5,10 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from tactometry.analysis.anova.post_hoc import evidence
-from tactometry.analysis.mixed_models.linear import MixedModel
-from tactometry.analysis.wording.labels import level_of, percent_text, value_of
-from tactometry.analysis.wording.numbers import interval_texts, number_text
+from ..anova.post_hoc import evidence
+from ..mixed_models.linear import MixedModel
+from ..wording.labels import level_of, percent_text, value_of
+from ..wording.numbers import interval_texts, number_text
 
 INTERVAL_OF_ETA = "90 %"
 MOST_EVIDENCE = 10_000

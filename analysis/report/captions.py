@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from tactometry.analysis.outcomes.group_means import MODEL
+from ..outcomes.group_means import MODEL
 
 BETWEEN = "95 % interval between participants"
 

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from tactometry.analysis.reading.trials import Trials, parsed, stated_factors
-from tactometry.analysis.tasks.preference import ORDER
-from tactometry.analysis.wording.labels import level_of
+from ..reading.trials import Trials, parsed, stated_factors
+from ..tasks.preference import ORDER
+from ..wording.labels import level_of
 
 SENSITIVITIES = {"d_prime_differencing": "d′ differencing", "d_prime_independent": "d′ independent"}
 COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", "n_same")}

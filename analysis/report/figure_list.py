@@ -6,20 +6,20 @@ from enum import StrEnum
 
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.patterns import THESIS
-from tactometry.analysis.attrakdiff.ratings import REFERENCE, Ratings
-from tactometry.analysis.figures import attrakdiff, group, growth, loss, participants
-from tactometry.analysis.figures.axes import RATE_LABEL
-from tactometry.analysis.figures.style import Drawing
-from tactometry.analysis.outcomes.findings import FORCE, Outcome
-from tactometry.analysis.outcomes.group_means import HIGH, LOW, MAX_LEVELS, bounds_of
-from tactometry.analysis.outcomes.hierarchical_outcome import Together
-from tactometry.analysis.pipeline import Analysis
-from tactometry.analysis.report.captions import figure_text, means_of
-from tactometry.analysis.tasks.cells import Estimate
-from tactometry.analysis.tasks.magnitude import DEPENDENT as EXPONENT
-from tactometry.analysis.tasks.magnitude import GROWTH
-from tactometry.analysis.tasks.magnitude import TASK as MAGNITUDE
+from ..attrakdiff.patterns import THESIS
+from ..attrakdiff.ratings import REFERENCE, Ratings
+from ..figures import attrakdiff, group, growth, loss, participants
+from ..figures.axes import RATE_LABEL
+from ..figures.style import Drawing
+from ..outcomes.findings import FORCE, Outcome
+from ..outcomes.group_means import HIGH, LOW, MAX_LEVELS, bounds_of
+from ..outcomes.hierarchical_outcome import Together
+from ..pipeline import Analysis
+from ..tasks.cells import Estimate
+from ..tasks.magnitude import DEPENDENT as EXPONENT
+from ..tasks.magnitude import GROWTH
+from ..tasks.magnitude import TASK as MAGNITUDE
+from .captions import figure_text, means_of
 
 NAMES = {
     "threshold": "Detection threshold",

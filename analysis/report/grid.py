@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.wording.labels import header_of
-from tactometry.analysis.wording.numbers import cell_text
+from ..wording.labels import header_of
+from ..wording.numbers import cell_text
 
 
 @dataclass(frozen=True)

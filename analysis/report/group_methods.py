@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from tactometry.analysis.attrakdiff.ratings import Ratings
-from tactometry.analysis.mixed_models.linear import MixedModel
-from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.outcomes.primary import RULE, Primary
+from ..attrakdiff.ratings import Ratings
+from ..mixed_models.linear import MixedModel
+from ..outcomes.findings import Outcome
+from ..outcomes.primary import RULE, Primary
 
 CORRECTED = (
     "Degrees of freedom of F are corrected by Chi and Muller's epsilon (Chi, Gribbin, Lamers, Gregory & Muller 2012), "

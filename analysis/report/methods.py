@@ -6,16 +6,16 @@ from importlib.metadata import version
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.ratings import Ratings, unanswered
-from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.plan import Plan
-from tactometry.analysis.reading.study_file import forms_of
-from tactometry.analysis.reading.trials import Trials
-from tactometry.analysis.report.group_methods import group_methods
-from tactometry.analysis.tasks.cells import FITTED_TASKS
-from tactometry.analysis.tasks.measurement import TASK as MEASURED_TASK
-from tactometry.analysis.threshold.status import Status
-from tactometry.analysis.wording.labels import named_cells, percent_text
+from ..attrakdiff.ratings import Ratings, unanswered
+from ..outcomes.findings import Outcome
+from ..plan import Plan
+from ..reading.study_file import forms_of
+from ..reading.trials import Trials
+from ..tasks.cells import FITTED_TASKS
+from ..tasks.measurement import TASK as MEASURED_TASK
+from ..threshold.status import Status
+from ..wording.labels import named_cells, percent_text
+from .group_methods import group_methods
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 MANY_FALSE_ALARMS = 0.25

@@ -8,23 +8,24 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.analysis.attrakdiff.ratings import Ratings
-from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.outcomes.group_means import cross_table
-from tactometry.analysis.outcomes.hierarchical_outcome import Together
-from tactometry.analysis.pipeline import Analysis
-from tactometry.analysis.report import methods
-from tactometry.analysis.report.apa import p_text
-from tactometry.analysis.report.captions import means_sentence
-from tactometry.analysis.report.choice_text import choice_table
-from tactometry.analysis.report.figure_list import NAMES, Figure, Place, figures_of
-from tactometry.analysis.report.grid import Grid, grid
-from tactometry.analysis.report.pdf import print_pdf
-from tactometry.analysis.report.table_files import write_tables
-from tactometry.analysis.wording.decibels import as_amplitudes, is_decibel
-from tactometry.analysis.wording.labels import in_words, split_unit
 from tactometry.errors import DeviceFailed, InvalidParameter, counted
 from tactometry.files.safe_text import file_text
+
+from ..attrakdiff.ratings import Ratings
+from ..outcomes.findings import Outcome
+from ..outcomes.group_means import cross_table
+from ..outcomes.hierarchical_outcome import Together
+from ..pipeline import Analysis
+from ..wording.decibels import as_amplitudes, is_decibel
+from ..wording.labels import in_words, split_unit
+from . import methods
+from .apa import p_text
+from .captions import means_sentence
+from .choice_text import choice_table
+from .figure_list import NAMES, Figure, Place, figures_of
+from .grid import Grid, grid
+from .pdf import print_pdf
+from .table_files import write_tables
 
 
 def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tactometry.analysis.wording.labels import in_words, level_of, percent_text, split_unit
 from tactometry.config.quantity import as_si
 from tactometry.config.toml import located, read_table
+
+from ..wording.labels import in_words, level_of, percent_text, split_unit
 
 Table = Mapping[str, Any]
 STIMULI = {

@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from tactometry.analysis.outcomes.group_means import cross_table
-from tactometry.analysis.report.captions import means_text
-from tactometry.analysis.report.choice_text import choice_table
-from tactometry.analysis.report.grid import grid
-from tactometry.analysis.wording.labels import in_words
+from ..outcomes.group_means import cross_table
+from ..wording.labels import in_words
+from .captions import means_text
+from .choice_text import choice_table
+from .grid import grid
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.table import Table
 
-    from tactometry.analysis.pipeline import Analysis
+    from ..pipeline import Analysis
 
 NAMES = {
     "threshold": "threshold",

@@ -6,8 +6,8 @@ Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.outcomes.group_means import mean_with_interval
-from tactometry.analysis.reading.trials import Trials, parsed, used_rows
+from ..outcomes.group_means import mean_with_interval
+from ..reading.trials import Trials, parsed, used_rows
 
 TASK = "adjustment"
 DEPENDENT = "setting"

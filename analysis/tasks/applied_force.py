@@ -9,11 +9,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.outcomes.group_means import mean_with_interval, quality
-from tactometry.analysis.reading.trials import Trials, used_rows
-from tactometry.analysis.wording.labels import percent_text
-from tactometry.analysis.wording.numbers import decimals_of
 from tactometry.errors import InvalidParameter, nearest
+
+from ..outcomes.group_means import mean_with_interval, quality
+from ..reading.trials import Trials, used_rows
+from ..wording.labels import percent_text
+from ..wording.numbers import decimals_of
 
 TARGET = "force_n"
 MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")

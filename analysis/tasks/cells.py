@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
-from tactometry.analysis.reading.level_scale import is_logarithm
-from tactometry.analysis.reading.trials import Trials, parsed, used_rows
-from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
 from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
+
+from ..reading.level_scale import is_logarithm
+from ..reading.trials import Trials, parsed, used_rows
+from ..threshold.fitting import ThresholdFit, fit_many
 
 FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
 LEVELLED_TASKS = (*FITTED_TASKS, "adjustment", "magnitude", "same_different")

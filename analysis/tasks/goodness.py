@@ -8,8 +8,15 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from tactometry.analysis.reading.trials import Trials
-from tactometry.analysis.tasks.cells import (
+from tactometry.psychometric import shape_named
+
+from ..reading.trials import Trials
+from ..threshold.counts import POOLED_BELOW, Array, Counts, checked, normalised
+from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
+from ..threshold.mode import climb
+from ..threshold.prior import Prior
+from ..wording.labels import named_cells
+from .cells import (
     FITTED_TASKS,
     Estimate,
     answered,
@@ -18,13 +25,7 @@ from tactometry.analysis.tasks.cells import (
     fit_options,
     stacked_counts,
 )
-from tactometry.analysis.tasks.tracks import FIXED
-from tactometry.analysis.threshold.counts import POOLED_BELOW, Array, Counts, checked, normalised
-from tactometry.analysis.threshold.goodness import STATISTICS, Goodness, Sequences, goodness
-from tactometry.analysis.threshold.mode import climb
-from tactometry.analysis.threshold.prior import Prior
-from tactometry.analysis.wording.labels import named_cells
-from tactometry.psychometric import shape_named
+from .tracks import FIXED
 
 SEED = 20010601
 """Of the draws: the same data give the same bytes."""

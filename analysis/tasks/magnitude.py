@@ -11,10 +11,11 @@ import pandas as pd
 from scipy.stats import linregress
 from scipy.stats import t as student
 
-from tactometry.analysis.reading.trials import Trials, parsed, used_rows
-from tactometry.analysis.tasks.cells import delivered
-from tactometry.analysis.threshold.counts import Array
 from tactometry.errors import InvalidFile
+
+from ..reading.trials import Trials, parsed, used_rows
+from ..threshold.counts import Array
+from .cells import delivered
 
 TASK = "magnitude"
 DEPENDENT = "exponent"

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.outcomes.group_means import mean_with_interval
-from tactometry.analysis.reading.trials import Trials, used_rows
 from tactometry.errors import InvalidFile
+
+from ..outcomes.group_means import mean_with_interval
+from ..reading.trials import Trials, used_rows
 
 TASK = "measurement"
 NEEDED = ("level_unit", "level_measured")

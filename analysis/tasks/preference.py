@@ -17,10 +17,11 @@ from scipy.sparse.csgraph import connected_components
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from tactometry.analysis.reading.trials import Trials, parsed, used_rows
-from tactometry.analysis.threshold.counts import Array
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.trials.row_rules import rows_text
+
+from ..reading.trials import Trials, parsed, used_rows
+from ..threshold.counts import Array
 
 Texts = NDArray[np.str_]
 

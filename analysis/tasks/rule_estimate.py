@@ -8,9 +8,9 @@ from statistics import fmean, stdev
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.reading.trials import Trials
-from tactometry.analysis.tasks.cells import Estimate, answered
-from tactometry.analysis.tasks.tracks import FIXED
+from ..reading.trials import Trials
+from .cells import Estimate, answered
+from .tracks import FIXED
 
 RUN = ("session", "study", "block")
 """What, of one participant, tells one block from another."""

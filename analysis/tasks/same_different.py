@@ -11,9 +11,9 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from tactometry.analysis.reading.trials import Trials, parsed, used_rows
-from tactometry.analysis.tasks.cells import is_catch
-from tactometry.analysis.tasks.signal_detection import LARGEST_D_PRIME, z_score
+from ..reading.trials import Trials, parsed, used_rows
+from .cells import is_catch
+from .signal_detection import LARGEST_D_PRIME, z_score
 
 TASK = "same_different"
 

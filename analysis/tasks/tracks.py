@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.reading.trials import Trials, used_rows
-from tactometry.analysis.tasks.cells import FITTED_TASKS, is_catch, yes
+from ..reading.trials import Trials, used_rows
+from .cells import FITTED_TASKS, is_catch, yes
 
 FIXED = ("constant", "constant_stimuli")
 """Procedures whose levels do not depend on the answers."""

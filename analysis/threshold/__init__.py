@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.analysis.threshold.fitting import fit, fit_many
-    from tactometry.analysis.threshold.result import ThresholdFit
-    from tactometry.analysis.threshold.status import Status
+    from .fitting import fit, fit_many
+    from .result import ThresholdFit
+    from .status import Status
 
 __all__ = ["Status", "ThresholdFit", "fit", "fit_many"]
 

@@ -10,11 +10,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaln, polygamma, psi
 
-from tactometry.analysis.threshold.counts import Array, Counts
-from tactometry.analysis.threshold.likelihood import Expansion, curvature_of_chances
-from tactometry.analysis.threshold.mode import Mode, find_mode
-from tactometry.analysis.threshold.prior import BETA_B, Prior
 from tactometry.psychometric import Shape
+
+from .counts import Array, Counts
+from .likelihood import Expansion, curvature_of_chances
+from .mode import Mode, find_mode
+from .prior import BETA_B, Prior
 
 BINOMIAL_BELOW = 1e-4
 """Below this the beta-binomial differs from the binomial by less than its own rounding."""

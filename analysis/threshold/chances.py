@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import expit, ndtr
 
-from tactometry.analysis.threshold.counts import Array
 from tactometry.psychometric import SHAPES, Shape, log_mixture
+
+from .counts import Array
 
 SMALLEST_LINEAR = 1e-140
 """A chance whose square is still a float."""

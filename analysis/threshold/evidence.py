@@ -13,10 +13,10 @@ made reach a Bayes factor of b for a curve in at most one of b cases, whatever t
 import numpy as np
 from scipy.special import betainc, betaln, logsumexp
 
-from tactometry.analysis.threshold.chances import weighted
-from tactometry.analysis.threshold.counts import Array, Counts
-from tactometry.analysis.threshold.marginals import Marginals
-from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior
+from .chances import weighted
+from .counts import Array, Counts
+from .marginals import Marginals
+from .prior import LARGEST_RATE, Prior
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
 """Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,

@@ -8,14 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.analysis.threshold.counts import Array, checked, normalised
-from tactometry.analysis.threshold.methods import Fitting
-from tactometry.analysis.threshold.prior import BETA_B, Prior
-from tactometry.analysis.threshold.result import ThresholdFit
-from tactometry.analysis.threshold.status import Status
 from tactometry.arguments.require import one_of, positive
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import shape_named
+
+from .counts import Array, checked, normalised
+from .methods import Fitting
+from .prior import BETA_B, Prior
+from .result import ThresholdFit
+from .status import Status
 
 METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
 OVERDISPERSED = ("ml", "map", "posterior")

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.chances import weighted
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.likelihood import GUESS, log_chances, saturated_log_likelihood
-from tactometry.analysis.threshold.mode import climb
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import Shape
+
+from .chances import weighted
+from .counts import Array, Bools, Counts
+from .likelihood import GUESS, log_chances, saturated_log_likelihood
+from .mode import climb
+from .prior import Prior
 
 STATISTICS = ("deviance", "residual_level_z", "residual_order_z", "dispersion")
 TWO_SIDED = np.array([False, True, True, False])

@@ -6,11 +6,12 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.likelihood import GUESS, THRESHOLD, log_chances
-from tactometry.analysis.threshold.mode import Mode, climb
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import Shape
+
+from .counts import Array, Bools, Counts
+from .likelihood import GUESS, THRESHOLD, log_chances
+from .mode import Mode, climb
+from .prior import Prior
 
 MAX_BISECTIONS = 60
 FARTHEST = 16.0

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.analysis.threshold.chances import ByPoint, bend, by_point, expected_information, linear, weighted
-from tactometry.analysis.threshold.counts import Array, Counts
 from tactometry.psychometric import Shape, log_mixture
+
+from .chances import ByPoint, bend, by_point, expected_information, linear, weighted
+from .counts import Array, Counts
 
 N_PARAMETERS = 4
 THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)

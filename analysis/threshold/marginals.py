@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import Shape
+
+from .counts import Array, Bools, Counts
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .prior import Prior
 
 
 @dataclass(frozen=True)

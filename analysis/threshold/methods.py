@@ -7,17 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from tactometry.analysis.threshold import intervals
-from tactometry.analysis.threshold.beta_binomial import find_overdispersed_mode
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.evidence import verdict_shares
-from tactometry.analysis.threshold.likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
-from tactometry.analysis.threshold.marginals import Marginals
-from tactometry.analysis.threshold.mode import Mode, find_mode
-from tactometry.analysis.threshold.prior import Prior
-from tactometry.analysis.threshold.result import ThresholdFit
-from tactometry.analysis.threshold.shared_grid import batched_marginals
-from tactometry.analysis.threshold.status import (
+from tactometry.psychometric import Shape
+
+from . import intervals
+from .beta_binomial import find_overdispersed_mode
+from .counts import Array, Bools, Counts
+from .evidence import verdict_shares
+from .likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
+from .marginals import Marginals
+from .mode import Mode, find_mode
+from .prior import Prior
+from .result import ThresholdFit
+from .shared_grid import batched_marginals
+from .status import (
     AFTER_A_TRACK,
     NOTES,
     TOO_NARROW,
@@ -26,8 +28,7 @@ from tactometry.analysis.threshold.status import (
     stand_as_after_a_track,
     statuses,
 )
-from tactometry.analysis.threshold.step import Step, best_step
-from tactometry.psychometric import Shape
+from .step import Step, best_step
 
 Statuses = NDArray[np.object_]
 ON_LIKELIHOOD = ("ml", "profile")

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.counts import Array, Counts, Which
-from tactometry.analysis.threshold.likelihood import (
+from tactometry.psychometric import Shape
+
+from .counts import Array, Counts, Which
+from .likelihood import (
     GUESS,
     LAPSE,
     LOG_WIDTH,
@@ -21,9 +23,8 @@ from tactometry.analysis.threshold.likelihood import (
     log_likelihood,
     saturated_log_likelihood,
 )
-from tactometry.analysis.threshold.prior import Prior, log_prior, prior_expansion
-from tactometry.analysis.threshold.starts import Starts, grid_starts, step_starts
-from tactometry.psychometric import Shape
+from .prior import Prior, log_prior, prior_expansion
+from .starts import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
 SMALL_DECREMENT = 1e-13
@@ -178,7 +179,7 @@ def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expans
     """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
     if prior.overdispersion is None or not (prior.overdispersion > 0).any():
         return expansion(shape, counts, theta)
-    from tactometry.analysis.threshold.beta_binomial import BINOMIAL_BELOW, overdispersed_expansion
+    from .beta_binomial import BINOMIAL_BELOW, overdispersed_expansion
 
     eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
     spread = overdispersed_expansion(shape, counts, theta, eta)

@@ -10,14 +10,15 @@ from functools import cache
 
 import numpy as np
 
-from tactometry.analysis.threshold.beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
-from tactometry.analysis.threshold.chances import linear, weighted
-from tactometry.analysis.threshold.counts import Array, Counts, Which
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from tactometry.analysis.threshold.marginals import Marginals, beyond_levels, described, log_cell
-from tactometry.analysis.threshold.mode import Mode
-from tactometry.analysis.threshold.prior import Prior, log_mass, log_prior_axes
 from tactometry.psychometric import Shape, log_mixture
+
+from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
+from .chances import linear, weighted
+from .counts import Array, Counts, Which
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .marginals import Marginals, beyond_levels, described, log_cell
+from .mode import Mode
+from .prior import Prior, log_mass, log_prior_axes
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""

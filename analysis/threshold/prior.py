@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactometry.analysis.threshold.counts import Array, Which
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, Expansion
+from .counts import Array, Which
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, Expansion
 
 BETA_B = 10.0
 LARGEST_RATE = 0.5

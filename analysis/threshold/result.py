@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from tactometry.analysis.threshold.status import Status
 from tactometry.psychometric import PsychometricFunction
+
+from .status import Status
 
 
 @dataclass(frozen=True)

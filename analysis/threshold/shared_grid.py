@@ -11,15 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactometry.analysis.threshold.chances import linear
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from tactometry.analysis.threshold.marginals import Marginals, beyond_levels, described, log_cell
-from tactometry.analysis.threshold.mode import Mode
-from tactometry.analysis.threshold.posterior import NEGLIGIBLE, marginals, rate_rule
-from tactometry.analysis.threshold.prior import Prior, log_mass, log_prior_axes
-from tactometry.analysis.threshold.starts import same_rows
 from tactometry.psychometric import Shape
+
+from .chances import linear
+from .counts import Array, Bools, Counts
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .marginals import Marginals, beyond_levels, described, log_cell
+from .mode import Mode
+from .posterior import NEGLIGIBLE, marginals, rate_rule
+from .prior import Prior, log_mass, log_prior_axes
+from .starts import same_rows
 
 MOST_FREE = 3
 """With two free rates a grid for all has so many nodes that grids of their own are faster."""

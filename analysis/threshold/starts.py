@@ -10,17 +10,18 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.chances import weighted
-from tactometry.analysis.threshold.counts import Array, Bools, Counts
-from tactometry.analysis.threshold.likelihood import (
+from tactometry.psychometric import Shape
+
+from .chances import weighted
+from .counts import Array, Bools, Counts
+from .likelihood import (
     GUESS,
     LAPSE,
     N_PARAMETERS,
     constant_log_likelihood,
     log_chances_by_curve,
 )
-from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_prior, log_rate
-from tactometry.psychometric import Shape
+from .prior import LARGEST_RATE, Prior, log_prior, log_rate
 
 N_WIDTHS = 10
 WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03

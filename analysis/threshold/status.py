@@ -9,11 +9,11 @@ from scipy.optimize import isotonic_regression
 from scipy.special import betaincinv
 from scipy.stats import chi2
 
-from tactometry.analysis.threshold.chances import weighted
-from tactometry.analysis.threshold.counts import Array, Counts
-from tactometry.analysis.threshold.likelihood import saturated_log_likelihood
-from tactometry.analysis.threshold.prior import Prior
-from tactometry.analysis.threshold.step import Step
+from .chances import weighted
+from .counts import Array, Counts
+from .likelihood import saturated_log_likelihood
+from .prior import Prior
+from .step import Step
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.chances import weighted
-from tactometry.analysis.threshold.counts import Array, Counts
-from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood
-from tactometry.analysis.threshold.mode import Mode
 from tactometry.psychometric import Shape
+
+from .chances import weighted
+from .counts import Array, Counts
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood
+from .mode import Mode
 
 TOLERATED = 1.0
 """A difference of log-likelihoods that the data do not tell apart."""

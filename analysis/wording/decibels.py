@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from tactometry.analysis.wording.numbers import interval_text
+from .numbers import interval_text
 
 RE = "dB re 1 "
 

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tactometry.experiments.bench.calibration import ForceFit
 from tactometry.stimuli.time_reversal.figures.style import BLUE, ORANGE, label, save, sheet
 from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+from .calibration import ForceFit
 
 
 def force_figure(fit: ForceFit, path: Path) -> None:

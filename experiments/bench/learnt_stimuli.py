@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.experiments.bench.bench_file import Learnt
-from tactometry.experiments.study.experiment import Experiment
 from tactometry.signal import Stimulus
+
+from ..study.experiment import Experiment
+from .bench_file import Learnt
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:

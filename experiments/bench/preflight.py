@@ -19,10 +19,6 @@ from tactometry.devices.outputs.output import with_ramps
 from tactometry.devices.sensors.reader import Block, Reader
 from tactometry.devices.sensors.streamed import StreamedSensor
 from tactometry.errors import TactometryError
-from tactometry.experiments.bench.bench_file import BenchFile, Screen
-from tactometry.experiments.bench.learnt_stimuli import bank_of
-from tactometry.experiments.study.experiment import Experiment, wire
-from tactometry.experiments.study.study_file import load
 from tactometry.gates.force import ForceGate
 from tactometry.rigs.bench import Facts
 from tactometry.rigs.frame_timing import timing_of
@@ -32,6 +28,11 @@ from tactometry.rigs.pages.page import Screen as Display
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
+
+from ..study.experiment import Experiment, wire
+from ..study.study_file import load
+from .bench_file import BenchFile, Screen
+from .learnt_stimuli import bank_of
 
 LISTEN_S = 2.0
 N_FRAMES = 60

@@ -10,7 +10,7 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.transforms import BboxBase
 
-from tactometry.experiments.cost.measure import GOALS, Climb, Point
+from .measure import GOALS, Climb, Point
 
 BLUE, GREY = "#0072B2", "#666666"
 COLOURS = (BLUE, "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tactometry.experiments.cost.problem import Problem, Rung
+from .problem import Problem, Rung
 
 N_ROUNDS = 5
 GOALS = (1e-1, 1e-2, 1e-3, 1e-4)

@@ -6,10 +6,11 @@ from datetime import date
 from pathlib import Path
 
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.cost.figures import error_against_price, frontier, write_svg
-from tactometry.experiments.cost.measure import GOALS, Climb, Point, cheapest
-from tactometry.experiments.cost.peers import peers_of, recorded_on
-from tactometry.experiments.cost.report import label, machine
+
+from .figures import error_against_price, frontier, write_svg
+from .measure import GOALS, Climb, Point, cheapest
+from .peers import peers_of, recorded_on
+from .report import label, machine
 
 HEAD = """# What accuracy costs
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from tactometry.experiments.cost.measure import Climb, Point
+from .measure import Climb, Point
 
 RECORD = Path(__file__).with_name("peers.csv")
 

@@ -7,8 +7,9 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from tactometry.errors import DeviceFailed
-from tactometry.experiments.cost.measure import GOALS, Climb, Point, cheapest
-from tactometry.experiments.cost.problem import OURS
+
+from .measure import GOALS, Climb, Point, cheapest
+from .problem import OURS
 
 ROW = "{:<29}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
 

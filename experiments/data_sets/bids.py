@@ -11,11 +11,12 @@ import pandas as pd
 from tactometry import __version__
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.data_sets.source import Row, Source, pretty, separated
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.data_set import cell
 from tactometry.records.description import KEYWORD
 from tactometry.trials.columns import Column
+
+from .source import Row, Source, pretty, separated
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")

@@ -4,11 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.experiments.data_sets.bids import bids_files
-from tactometry.experiments.data_sets.psychds import psychds_files
-from tactometry.experiments.data_sets.psychopy_csv import psychopy_files
-from tactometry.experiments.data_sets.r_table import r_files
-from tactometry.experiments.data_sets.source import Source, read_source, write_files
+
+from .bids import bids_files
+from .psychds import psychds_files
+from .psychopy_csv import psychopy_files
+from .r_table import r_files
+from .source import Source, read_source, write_files
 
 FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {
     "psych-ds": psychds_files,

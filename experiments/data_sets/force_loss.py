@@ -7,9 +7,10 @@ from typing import Any, Final
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.tasks.measurement import loss_table, losses
 from tactometry.errors import InvalidFile
-from tactometry.experiments.study.study_file import load
 from tactometry.stimuli.time_reversal.finger.contactor import FINGER_DIAMETER_M
 from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+
+from ..study.study_file import load
 
 FACTORS: Final = ("contactor", "place", "force_n")
 

@@ -5,9 +5,10 @@ A recorded data set is Psych-DS already; here also a single table becomes one, a
 
 from collections.abc import Mapping
 
-from tactometry.experiments.data_sets.source import Source, pretty, separated
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
+
+from .source import Source, pretty, separated
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 

@@ -6,8 +6,9 @@ For scripts and people that read PsychoPy's files; `columns.toml` beside them re
 import shlex
 from collections.abc import Sequence
 
-from tactometry.experiments.data_sets.source import Row, Source, separated
 from tactometry.files.safe_text import cell_text
+
+from .source import Row, Source, separated
 
 RENAMED = {
     "study": "expName",

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Sequence
 import pandas as pd
 
 from tactometry.analysis.reading.trials import parsed
-from tactometry.experiments.data_sets.source import Source, separated
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
+
+from .source import Source, separated
 
 TEXT = (
     "participant",

@@ -4,9 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tactometry.errors import Diverged, InvalidFile
-from tactometry.experiments.data_sets.validation import derived_csv, has_rows, trials_file
-from tactometry.experiments.study.experiment import Experiment, wire
-from tactometry.experiments.study.study_file import parse
 from tactometry.files.durable import read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
@@ -16,6 +13,10 @@ from tactometry.records.journal import read
 from tactometry.records.open_session import OpenSession
 from tactometry.records.sittings import changes
 from tactometry.session.run import replay
+
+from ..study.experiment import Experiment, wire
+from ..study.study_file import parse
+from .validation import derived_csv, has_rows, trials_file
 
 
 @dataclass(frozen=True)

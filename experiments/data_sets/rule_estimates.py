@@ -10,9 +10,6 @@ import pandas as pd
 
 from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate, of_reversals
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.experiments.study.cells import tables
-from tactometry.experiments.study.procedure_table import Rule, rule_of
-from tactometry.experiments.study.study_file import Study, parse
 from tactometry.files.durable import read_file
 from tactometry.protocols.bayesian.quest import Quest
 from tactometry.protocols.bayesian.quest_plus import QuestPlus
@@ -24,6 +21,10 @@ from tactometry.protocols.procedures.shared_learning import answered
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
 from tactometry.records.data_set import cell
+
+from ..study.cells import tables
+from ..study.procedure_table import Rule, rule_of
+from ..study.study_file import Study, parse
 
 NOT_REPLAYED = {
     ConstantStimuli: "no rule: the levels of constant stimuli do not depend on the answers",

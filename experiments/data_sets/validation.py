@@ -12,8 +12,6 @@ from itertools import groupby
 from pathlib import Path
 
 from tactometry.errors import InvalidFile, TactometryError
-from tactometry.experiments.study.experiment import Experiment, wire
-from tactometry.experiments.study.study_file import parse
 from tactometry.files.durable import drafts, listed, read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
@@ -25,6 +23,9 @@ from tactometry.records.sittings import changes, heads
 from tactometry.session.event import COLUMNS, events_tsv
 from tactometry.trials.row_rules import Defect, defects, grouped
 from tactometry.trials.trial import tally
+
+from ..study.experiment import Experiment, wire
+from ..study.study_file import parse
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 

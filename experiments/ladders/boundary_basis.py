@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
-from tactometry.experiments.ladders.plate_modes import largest
 from tactometry.stimuli.time_reversal.plate.plate import Plate
 from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
+
+from ..cost.problem import Problem, Rung
+from .plate_modes import largest
 
 F_MAX_HZ = 4e3
 PLATE = Plate(0.2, 0.14, 1e-3, 70e9, 0.3, 2500.0, "SFSF")

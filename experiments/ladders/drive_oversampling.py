@@ -6,11 +6,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal import drive, impulse_responses
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+
+from ..cost.problem import Problem, Rung
 
 F_MAX_HZ, DURATION_S = 10e3, 4e-3
 FOCI_M = ((0.121, 0.093), (0.06, 0.15), (0.2, 0.05), (0.17, 0.13))

@@ -5,9 +5,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import Modes, values
+
+from ..cost.problem import Problem, Rung
 
 F_MAX_HZ = 20e3
 POINTS_PER_M = (200, 400, 800, 1600, 3200)

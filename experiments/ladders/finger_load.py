@@ -5,11 +5,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal import Finger, Load, PointForce, Screen, loaded_responses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+
+from ..cost.problem import Problem, Rung
 
 F_MAX_HZ, COARSEST_HZ, DURATION_S = 4e3, 8e3, 4e-3
 FACTORS = (1, 4, 16, 64)

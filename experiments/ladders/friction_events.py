@@ -4,9 +4,10 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.electrovibration import DryFriction, Finger, Sine, Skin, StickSlip, Travel, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import force_form
+
+from ..cost.problem import Problem, Rung
 
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
 N_SAMPLES = (20, 200, 2_000, 20_000)

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.fitting import fit_many
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.psychometric import PsychometricFunction
+
+from ..cost.problem import Problem, Rung
 
 MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0
 LEVELS_DB, N_TRIALS = np.linspace(2.0, 38.0, 10), 16

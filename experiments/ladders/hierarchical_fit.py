@@ -8,8 +8,9 @@ from tactometry.analysis.hierarchical.layout import Layout
 from tactometry.analysis.hierarchical.model import mixed_model
 from tactometry.analysis.mixed_models.laplace import MixedModel, inner_mode
 from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.psychometric import shape_named
+
+from ..cost.problem import Problem, Rung
 
 LEVELS = np.array([-6.0, -3.0, 0.0, 3.0, 6.0])
 N_YES = np.array([[0, 4, 8, 8, 8], [0, 2, 6, 7, 8], [0, 1, 5, 8, 8], [0, 1, 4, 6, 7], [0, 0, 2, 7, 8], [0, 0, 1, 4, 7]])

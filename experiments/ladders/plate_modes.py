@@ -5,9 +5,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal.plate.plate import Plate
 from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
+
+from ..cost.problem import Problem, Rung
 
 F_MAX_HZ = 5e3
 SIDE_M = 0.2

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.fitting import fit_many
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
 from tactometry.psychometric import PsychometricFunction
+
+from ..cost.problem import Problem, Rung
 
 LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
 WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02

@@ -4,9 +4,10 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.protocols import ParameterGrid, QuestPlus
 from tactometry.psychometric import PsychometricFunction
+
+from ..cost.problem import Problem, Rung
 
 LOW, HIGH, NARROW, WIDE = 0.0, 40.0, 4.0, 12.0
 ANSWERS = ((30.0, 1), (20.0, 1), (14.0, 0), (18.0, 1), (16.0, 0), (18.0, 1), (17.0, 1), (15.0, 0), (19.0, 1), (16.0, 1))

@@ -7,9 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.perception import Components, components
 from tactometry.stimuli.perception.channels import channel_levels_db
+
+from ..cost.problem import Problem, Rung
 
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4

@@ -5,12 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal import Responses, drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.field.field import field, modal_history
 from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, TAU_S
+
+from ..cost.problem import Problem, Rung
 
 RATE_HZ, F_MAX_HZ, FOCUS_M = 60e3, 20e3, (0.121, 0.093)
 N_TAU = (0.5, 1.0, 2.0, 4.0, 6.0, 8.0)

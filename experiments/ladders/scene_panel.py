@@ -6,8 +6,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
-from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     PowerLawArea,
@@ -16,6 +14,9 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
 )
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
+
+from ..cost.problem import Problem, Rung
+from ..scenes import path_of
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 OUTPUTS = ("t_s", "electrostatic_force_n")

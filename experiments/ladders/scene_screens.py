@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
-from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.time_reversal import (
@@ -27,6 +25,9 @@ from tactometry.stimuli.time_reversal import (
     inaudible,
     loaded_responses,
 )
+
+from ..cost.problem import Problem, Rung
+from ..scenes import path_of
 
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
 OUTPUTS = ("t_s", "focus_displacement_m")

@@ -5,8 +5,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+
+from ..cost.problem import Problem, Rung
 
 TONE_HZ, BAND_HZ, DURATION_S, AMPLITUDE = 5e3, 25e3, 20e-3, 0.5
 RATES_HZ = (250e3, 1e6, 4e6, 16e6)

@@ -5,10 +5,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.electrovibration import Sine, Skin, electrostatic_force_n, electrostatic_force_n_at
 from tactometry.stimuli.electrovibration.attraction.closed_form import sine_voltage_v
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+
+from ..cost.problem import Problem, Rung
 
 FREQUENCY_HZ, DURATION_S, COARSEST_HZ = 240.0, 0.1, 5_000
 FACTORS = (1, 4, 16, 64, 256)

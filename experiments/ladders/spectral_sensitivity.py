@@ -5,8 +5,9 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.perception import Components, components, sensation_level_db
+
+from ..cost.problem import Problem, Rung
 
 FREQUENCIES_HZ = np.array([41.3, 87.7, 173.1, 311.9])
 RATE_HZ, OFFSET = 4e3, 3.0

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy.special import comb, ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit_many
-from tactometry.experiments.cost.problem import Problem, Rung
-from tactometry.experiments.ladders.threshold_fit import threshold_prior, width_prior
+
+from ..cost.problem import Problem, Rung
+from .threshold_fit import threshold_prior, width_prior
 
 LEVELS, N_YES, N_TRIALS, RATE = np.array([-1.0, 0.0, 1.0]), np.array([3, 6, 10]), 12, 0.02
 GAP, RANGE, SPREAD = 1.0, 2.0, 2 * ndtri(0.95)

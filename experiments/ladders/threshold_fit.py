@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
-from tactometry.experiments.cost.problem import Problem, Rung
+
+from ..cost.problem import Problem, Rung
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40

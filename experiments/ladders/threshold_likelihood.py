@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.experiments.cost.problem import Problem, Rung
-from tactometry.experiments.ladders.threshold_fit import LEVELS, N_CORRECT, N_TRIALS
+
+from ..cost.problem import Problem, Rung
+from .threshold_fit import LEVELS, N_CORRECT, N_TRIALS
 
 GUESS, LAPSE = 0.5, 0.02
 FALL = 1.9207294103470607

@@ -5,10 +5,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+
+from ..cost.problem import Problem, Rung
 
 F_MAX_HZ, TONE_HZ, COARSEST_HZ, DURATION_S = 10e3, 4e3, 40e3, 5e-3
 FACTORS = (1, 4, 16, 64)

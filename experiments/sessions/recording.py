@@ -8,8 +8,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.experiment import Experiment
-from tactometry.experiments.study.rehearsal import flaw
 from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
@@ -21,6 +19,9 @@ from tactometry.rigs.rig import Rig
 from tactometry.session.event import EventLog, Fact
 from tactometry.session.run import run
 from tactometry.trials.trial import Tally
+
+from ..study.experiment import Experiment
+from ..study.rehearsal import flaw
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,12 @@ from tactometry.rigs.bench import Facts
 from tactometry.signal import Stimulus
 
 if TYPE_CHECKING:
-    from tactometry.experiments.bench.bench_file import BenchFile, Devices
-    from tactometry.experiments.sessions.recording import RigKind, Who
-    from tactometry.experiments.study.experiment import Experiment
     from tactometry.rigs.bench import Bench
     from tactometry.session.event import EventLog
+
+    from ..bench.bench_file import BenchFile, Devices
+    from ..study.experiment import Experiment
+    from .recording import RigKind, Who
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,9 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format
-    from tactometry.experiments.bench.bench_file import device_facts
-    from tactometry.experiments.bench.learnt_stimuli import bank_of, learnt_facts
+
+    from ..bench.bench_file import device_facts
+    from ..bench.learnt_stimuli import bank_of, learnt_facts
 
     devices = bench.devices(experiment.study.limits, date.today())
     for caution in bench.cautions:
@@ -47,9 +49,10 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from tactometry.experiments.sessions.recording import RigKind
     from tactometry.rigs.experimenter.terminal import Desk
     from tactometry.rigs.open_bench import open_bench
+
+    from .recording import RigKind
 
     del who
     screen, study = bench.screen, experiment.study
@@ -81,10 +84,11 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
 def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
     from tactometry.devices.outputs.output import NullSettings
     from tactometry.errors import InvalidParameter
-    from tactometry.experiments.sessions.recording import RigKind
     from tactometry.protocols.tasks.adjustment import AdjustmentTask
     from tactometry.rigs.console import Console
     from tactometry.rigs.texts import texts_in
+
+    from .recording import RigKind
 
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
@@ -115,7 +119,7 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
 
 
 def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from tactometry.experiments.sessions.recording import simulated
+    from .recording import simulated
 
     del bench
     return simulated(experiment, who)

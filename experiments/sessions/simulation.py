@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.experiments.sessions.recording import Recorded, Who, record, simulated
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.rehearsal import flaw
-from tactometry.experiments.study.session_plan import all_sessions
-from tactometry.experiments.study.study_file import parse
 from tactometry.records.head import LARGEST_SEED
+
+from ..study.experiment import wire
+from ..study.rehearsal import flaw
+from ..study.session_plan import all_sessions
+from ..study.study_file import parse
+from .recording import Recorded, Who, record, simulated
 
 MOST_PARTICIPANTS = 100_000
 

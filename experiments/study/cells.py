@@ -6,14 +6,15 @@ from typing import Any
 
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.experiments.study.procedure_table import Rule, kind_of, rule_of, without
-from tactometry.experiments.study.study_file import VARIED, Study
 from tactometry.protocols.block import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.records.data_set import cell as cell_text
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.target import resolve
+
+from .procedure_table import Rule, kind_of, rule_of, without
+from .study_file import VARIED, Study
 
 Factors = Mapping[str, float | str]
 

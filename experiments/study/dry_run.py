@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from math import inf
 
 from tactometry.errors import InvalidParameter, counted
-from tactometry.experiments.study.experiment import Experiment
-from tactometry.experiments.study.procedure_table import Rule
-from tactometry.experiments.study.random_streams import stream
 from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.rating import Rating
+
+from .experiment import Experiment
+from .procedure_table import Rule
+from .random_streams import stream
 
 ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""

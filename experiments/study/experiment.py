@@ -8,12 +8,6 @@ import numpy as np
 from tactometry.arguments.require import at_most
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.experiments.study.cells import Cell, Wiring
-from tactometry.experiments.study.procedure_table import practice_of
-from tactometry.experiments.study.random_streams import stream
-from tactometry.experiments.study.session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
-from tactometry.experiments.study.study_file import Study
-from tactometry.experiments.study.task_table import Asking, asking, form_of
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.block import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
@@ -27,6 +21,13 @@ from tactometry.session.request import Play
 from tactometry.session.run import Course
 from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
+
+from .cells import Cell, Wiring
+from .procedure_table import practice_of
+from .random_streams import stream
+from .session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
+from .study_file import Study
+from .task_table import Asking, asking, form_of
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""

@@ -10,11 +10,6 @@ from typing import Final
 
 from tactometry.analysis.plan import Plan
 from tactometry.analysis.tasks.applied_force import Exclusion
-from tactometry.experiments.study.cells import ELECTROVIBRATION, STIMULI, TOUCHES
-from tactometry.experiments.study.keys import Key, Table, keys_of
-from tactometry.experiments.study.procedure_table import PROCEDURES
-from tactometry.experiments.study.study_file import Inquiry, PlanTable, Study
-from tactometry.experiments.study.task_table import TASKS, Presenting
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.procedures.practice import Practice
@@ -27,6 +22,12 @@ from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.electrovibration.skin.stack import Layer
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from tactometry.target import resolve
+
+from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
+from .keys import Key, Table, keys_of
+from .procedure_table import PROCEDURES
+from .study_file import Inquiry, PlanTable, Study
+from .task_table import TASKS, Presenting
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
 ROOT: Final = Path(__file__).resolve().parents[2]

@@ -6,15 +6,16 @@ from math import prod
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.experiments.study.experiment import Experiment
-from tactometry.experiments.study.random_streams import stream
-from tactometry.experiments.study.session_plan import all_sessions
-from tactometry.experiments.study.task_table import form_of
 from tactometry.protocols.session import pages
 from tactometry.protocols.tasks.rating import Rating
 from tactometry.questionnaire import Questionnaire
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.session.request import Show
+
+from .experiment import Experiment
+from .random_streams import stream
+from .session_plan import all_sessions
+from .task_table import form_of
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
 """Pages that a block shows in the midst of its trials."""

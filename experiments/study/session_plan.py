@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.cells import Cell
-from tactometry.experiments.study.procedure_table import practice_of
-from tactometry.experiments.study.random_streams import stream
-from tactometry.experiments.study.study_file import Levels, Study
-from tactometry.experiments.study.task_table import Asking, form_of
 from tactometry.protocols.block import Block, Track
 from tactometry.protocols.order import Crossing, crossed
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
 from tactometry.records.data_set import cell as cell_text
+
+from .cells import Cell
+from .procedure_table import practice_of
+from .random_streams import stream
+from .study_file import Levels, Study
+from .task_table import Asking, form_of
 
 Factors = Mapping[str, float | str]
 Key = tuple[tuple[str, float | str], ...]

@@ -7,7 +7,6 @@ from typing import Any
 from tactometry.arguments.require import whole
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.experiments.study.study_file import Study
 from tactometry.protocols import (
     AdjustmentTask,
     Comparison,
@@ -23,6 +22,8 @@ from tactometry.protocols import (
 from tactometry.protocols.block import Interleaving, check_presenting
 from tactometry.protocols.tasks.task import Task
 from tactometry.questionnaire import Questionnaire, load, own, shipped
+
+from .study_file import Study
 
 MOST_TOUCHES = 1000
 """Before one rating."""

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.require import numbers, repeated
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.bayesian.outcome_model import p_log_p
 from tactometry.psychometric import shape_named
+
+from .outcome_model import p_log_p
 
 Array = NDArray[np.float64]
 EQUAL = 1e-13

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.require import numbers, of_kind, positive, whole
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedures.procedure import Ending
+
+from ..procedures.procedure import Ending
 
 Array = NDArray[np.float64]
 HIGHEST = 1 + 1e-9

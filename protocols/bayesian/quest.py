@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.require import below_1, finite, one_of, positive
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.bayesian.parameter_grid import NARROWEST, ParameterGrid
-from tactometry.protocols.bayesian.posterior import Posterior, Stop, mean_sd
-from tactometry.protocols.procedures.procedure import Ending, checked_response, finite_level, refuse_finished
 from tactometry.psychometric import shape_named
+
+from ..procedures.procedure import Ending, checked_response, finite_level, refuse_finished
+from .parameter_grid import NARROWEST, ParameterGrid
+from .posterior import Posterior, Stop, mean_sd
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.require import at_most, numbers, of_kind, one_of
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.bayesian.outcome_model import Chances, OutcomeModel, p_log_p, size
-from tactometry.protocols.bayesian.posterior import Posterior, Stop, log_prior, mean_sd
-from tactometry.protocols.procedures.procedure import Ending, checked_outcome, finite_level, refuse_finished
+
+from ..procedures.procedure import Ending, checked_outcome, finite_level, refuse_finished
+from .outcome_model import Chances, OutcomeModel, p_log_p, size
+from .posterior import Posterior, Stop, log_prior, mean_sd
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]

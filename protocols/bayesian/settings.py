@@ -8,8 +8,9 @@ import numpy as np
 
 from tactometry.arguments.require import below_1, finite, is_number, numbers, one_of, whole
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
-from tactometry.protocols.bayesian.quest_plus import Aim, Criterion, QuestPlus
+
+from .parameter_grid import ParameterGrid
+from .quest_plus import Aim, Criterion, QuestPlus
 
 Spacing = Literal["linear", "log"]
 MOST_VALUES = 10_000

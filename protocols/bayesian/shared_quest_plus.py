@@ -11,10 +11,11 @@ from scipy.special import logsumexp
 
 from tactometry.arguments.require import of_kind
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.protocols.bayesian.outcome_model import size
-from tactometry.protocols.bayesian.posterior import Posterior, log_prior
-from tactometry.protocols.bayesian.quest_plus import QuestPlus
-from tactometry.protocols.procedures.procedure import Ending, Procedure, checked_outcome, finite_level, refuse_finished
+
+from ..procedures.procedure import Ending, Procedure, checked_outcome, finite_level, refuse_finished
+from .outcome_model import size
+from .posterior import Posterior, log_prior
+from .quest_plus import QuestPlus
 
 Array = NDArray[np.float64]
 

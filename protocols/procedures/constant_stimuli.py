@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.arguments.require import numbers, repeated, whole
 from tactometry.errors import InvalidParameter, counted
-from tactometry.protocols.procedures.procedure import MOST_TRIALS, Ending, checked_response, refuse_finished
+
+from .procedure import MOST_TRIALS, Ending, checked_response, refuse_finished
 
 
 @dataclass(frozen=True)

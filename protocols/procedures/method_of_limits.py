@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.arguments.require import finite, one_of, whole
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedures.procedure import (
+
+from .procedure import (
     MOST_TRIALS,
     Ending,
     checked_response,

@@ -5,7 +5,8 @@ from typing import Self
 
 from tactometry.arguments.require import numbers, whole
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedures.procedure import Ending, checked_response, refuse_finished
+
+from .procedure import Ending, checked_response, refuse_finished
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol, Self, runtime_checkable
 
-from tactometry.protocols.procedures.procedure import Procedure
+from .procedure import Procedure
 
 
 @runtime_checkable

@@ -7,7 +7,8 @@ from typing import Final, Protocol, Self
 
 from tactometry.arguments.require import finite, numbers, whole
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedures.procedure import Ending, checked_response, finite_level, refuse_finished
+
+from .procedure import Ending, checked_response, finite_level, refuse_finished
 
 COUNTS: Final = ("n_down", "n_reversals", "n_trials", "n_at_bound")
 

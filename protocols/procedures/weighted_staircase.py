@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.procedures.procedure import Ending, checked_response, refuse_finished
-from tactometry.protocols.procedures.staircase import COUNTS, Staircase, check_rule
+
+from .procedure import Ending, checked_response, refuse_finished
+from .staircase import COUNTS, Staircase, check_rule
 
 
 @dataclass(frozen=True)

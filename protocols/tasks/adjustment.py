@@ -6,9 +6,10 @@ import numpy as np
 
 from tactometry.arguments.require import finite
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.tasks.task import Outcome, Presentation, reply
 from tactometry.session.request import Adjust, Adjusted, Play, Slide
 from tactometry.session.run import Course
+
+from .task import Outcome, Presentation, reply
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import finite
-from tactometry.protocols.tasks.intervals import felt_in_turn, nth
-from tactometry.protocols.tasks.task import Outcome, Presentation, reply
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
+
+from .intervals import felt_in_turn, nth
+from .task import Outcome, Presentation, reply
 
 
 @dataclass(frozen=True)

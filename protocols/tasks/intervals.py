@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from tactometry.protocols.tasks.touch import Touch
 from tactometry.session.request import Touched
 from tactometry.session.run import Course
+
+from .touch import Touch
 
 
 def felt_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:

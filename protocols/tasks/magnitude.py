@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import positive
-from tactometry.protocols.tasks.task import Outcome, Presentation, Reply, reply, touched
 from tactometry.session.request import Enter, Rated
 from tactometry.session.run import Course
+
+from .task import Outcome, Presentation, Reply, reply, touched
 
 
 @dataclass(frozen=True)

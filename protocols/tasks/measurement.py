@@ -7,9 +7,10 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from tactometry.arguments.require import one_of
-from tactometry.protocols.tasks.task import Outcome, Presentation, reply
 from tactometry.session.request import Enter, Rated, Touched
 from tactometry.session.run import Course
+
+from .task import Outcome, Presentation, reply
 
 QUESTION: Final = "vibrometer_nm"
 LevelUnit = Literal["dB re 1 um", "m"]

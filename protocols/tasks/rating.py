@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import of_kind, whole
-from tactometry.protocols.tasks.task import Outcome, Presentation, Reply, reply
 from tactometry.questionnaire import Item, Questionnaire
 from tactometry.session.request import Fill, Filled, Question, Touched
 from tactometry.session.run import Course
+
+from .task import Outcome, Presentation, Reply, reply
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
 

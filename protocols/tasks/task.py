@@ -6,10 +6,11 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.protocols.tasks.touch import Touch
 from tactometry.session.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
+
+from .touch import Touch
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.protocols.tasks.task import Outcome, Presentation, Reply, reply, touched
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
+
+from .task import Outcome, Presentation, Reply, reply, touched
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.contact_area import (
+    from .attraction.contact_area import (
         ContactArea,
         PowerLawArea,
         Print,
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
         ellipse_area_m2,
         power_law_of_prints,
     )
-    from tactometry.stimuli.electrovibration.attraction.drawn_current import (
+    from .attraction.drawn_current import (
         charge_c,
         charge_c_at,
         current_a,
         current_a_at,
     )
-    from tactometry.stimuli.electrovibration.attraction.force import (
+    from .attraction.force import (
         LAWS,
         ForceForm,
         Law,
@@ -28,37 +28,37 @@ if TYPE_CHECKING:
         electrostatic_force_n_at,
         force_form,
     )
-    from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
-    from tactometry.stimuli.electrovibration.attraction.periodic_force import periodic_force_n
-    from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
-    from tactometry.stimuli.electrovibration.motion.finger import Finger, Motion, sliding, sliding_many
-    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag, lagged_friction_n
-    from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, StickSlip, Travel, stick_slip
-    from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
-    from tactometry.stimuli.electrovibration.skin.dispersive_layer import DispersiveLayer, periodic_voltages_v
-    from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
-    from tactometry.stimuli.electrovibration.skin.skin import Skin
-    from tactometry.stimuli.electrovibration.skin.solution import Solution
-    from tactometry.stimuli.electrovibration.skin.stack import Layer, Stack
-    from tactometry.stimuli.electrovibration.textures.played_texture import (
+    from .attraction.offset import WithOffset
+    from .attraction.periodic_force import periodic_force_n
+    from .attraction.polarity import Polarity
+    from .motion.finger import Finger, Motion, sliding, sliding_many
+    from .motion.friction import CoulombFriction, FrictionLag, lagged_friction_n
+    from .motion.stick_slip import DryFriction, StickSlip, Travel, stick_slip
+    from .sensation import ElectrovibrationSensation
+    from .skin.dispersive_layer import DispersiveLayer, periodic_voltages_v
+    from .skin.relaxation import Relaxations
+    from .skin.skin import Skin
+    from .skin.solution import Solution
+    from .skin.stack import Layer, Stack
+    from .textures.played_texture import (
         PlayedTexture,
         PositionSensor,
         lateral_modulation_n,
         straight_path_m,
     )
-    from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
-    from tactometry.stimuli.electrovibration.textures.velvet import Velvet
-    from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-    from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-    from tactometry.stimuli.electrovibration.waveforms.level import level_db_re_1v, peak_voltage_v
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
-    from tactometry.stimuli.electrovibration.waveforms.pulse_train import PulseTrain
-    from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
-    from tactometry.stimuli.electrovibration.waveforms.sine import Sine
-    from tactometry.stimuli.electrovibration.waveforms.square import Square
-    from tactometry.stimuli.electrovibration.waveforms.step import Step
-    from tactometry.stimuli.electrovibration.waveforms.trapezoid import Trapezoid
-    from tactometry.stimuli.electrovibration.waveforms.triangle import Triangle
+    from .textures.texture import Bump, Grating, Image, Noise, Region, Texture
+    from .textures.velvet import Velvet
+    from .waveforms.amplitude_modulated import AmplitudeModulated
+    from .waveforms.corners import Corners
+    from .waveforms.level import level_db_re_1v, peak_voltage_v
+    from .waveforms.pieces import Pieces, straight
+    from .waveforms.pulse_train import PulseTrain
+    from .waveforms.sampled import Sampled
+    from .waveforms.sine import Sine
+    from .waveforms.square import Square
+    from .waveforms.step import Step
+    from .waveforms.trapezoid import Trapezoid
+    from .waveforms.triangle import Triangle
 
 __all__ = [
     "LAWS",

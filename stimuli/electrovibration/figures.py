@@ -9,17 +9,18 @@ import numpy as np
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
-from tactometry.stimuli.electrovibration.attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
-from tactometry.stimuli.electrovibration.skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
-from tactometry.stimuli.electrovibration.skin.skin import Skin
-from tactometry.stimuli.electrovibration.textures.played_texture import share_along
-from tactometry.stimuli.electrovibration.textures.texture import Texture
-from tactometry.stimuli.electrovibration.textures.velvet import Velvet
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
-from tactometry.stimuli.electrovibration.waveforms.sine import Sine
-from tactometry.stimuli.electrovibration.waveforms.step import Step
-from tactometry.stimuli.electrovibration.waveforms.trapezoid import Trapezoid
+
+from .attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
+from .attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
+from .skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
+from .skin.skin import Skin
+from .textures.played_texture import share_along
+from .textures.texture import Texture
+from .textures.velvet import Velvet
+from .waveforms.pieces import Pieces
+from .waveforms.sine import Sine
+from .waveforms.step import Step
+from .waveforms.trapezoid import Trapezoid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

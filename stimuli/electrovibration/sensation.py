@@ -13,12 +13,13 @@ from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.attraction.contact_area import ContactArea, PowerLawArea
-from tactometry.stimuli.electrovibration.attraction.force import Law, electrostatic_force_n
-from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
-from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag
-from tactometry.stimuli.electrovibration.skin.skin import Skin
-from tactometry.stimuli.perception.detection import Components, components, sensation_level_db
+
+from ..perception.detection import Components, components, sensation_level_db
+from .attraction.contact_area import ContactArea, PowerLawArea
+from .attraction.force import Law, electrostatic_force_n
+from .attraction.polarity import Polarity
+from .motion.friction import CoulombFriction, FrictionLag
+from .skin.skin import Skin
 
 Real = NDArray[np.float64]
 N_CACHED = 512

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.require import positive, positive_array
-from tactometry.stimuli.perception.detection import Components
+
+from .detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""

@@ -9,7 +9,8 @@ from scipy.signal.windows import flattop
 
 from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.perception.sensitivity import sensitivity_db
+
+from .sensitivity import sensitivity_db
 
 FAINT = 1e-9
 SHORTEST = 4

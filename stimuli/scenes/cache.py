@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.provenance import versions
-from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import Result, computed
+
+from .plan import Plan
+from .result import Result, computed
 
 DIGEST = "digest"
 

@@ -3,8 +3,9 @@
 from collections.abc import Collection, Mapping, Sequence
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.stimuli.scenes.result import unit_of
-from tactometry.stimuli.scenes.stage import Stage
+
+from .result import unit_of
+from .stage import Stage
 
 
 def needed(

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Effect, Surroundings
+
+from .effect import Effect, Surroundings
 
 TOUCHES = ("contact", "sliding contact", "resting contact")
 

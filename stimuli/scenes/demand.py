@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
+from .effect import Effect, Surface, Touch
 
 Answer = TypeVar("Answer")
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.stage import Stage
+
+from .stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.demand import Demand
+    from .demand import Demand
 
 
 @dataclass(frozen=True)

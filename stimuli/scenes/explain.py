@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from math import isinf
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.plan import Plan, predicted_s
-from tactometry.stimuli.scenes.scene import Scene
-from tactometry.stimuli.scenes.stage import Stage
+
+from .plan import Plan, predicted_s
+from .scene import Scene
+from .stage import Stage
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
 WIDTH = 100

@@ -9,12 +9,13 @@ from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, convert
 from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
-from tactometry.stimuli.scenes.effects import EFFECTS
-from tactometry.stimuli.scenes.scene import Scene
-from tactometry.stimuli.scenes.stage import Setting
-from tactometry.stimuli.scenes.surfaces import SURFACES
 from tactometry.target import resolve
+
+from .effect import Effect, Surface, Touch
+from .effects import EFFECTS
+from .scene import Scene
+from .stage import Setting
+from .surfaces import SURFACES
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import Result
+from .plan import Plan
+from .result import Result
 
 FORCE, LOAD = "contact_force_n", "finger_load"
 

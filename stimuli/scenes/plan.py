@@ -8,7 +8,8 @@ from math import isfinite
 from typing import Any
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.stage import Stage
+
+from .stage import Stage
 
 Step = tuple[Callable[..., Any], tuple[int, ...], int]
 """A callable, the registers it reads, and the one it writes."""

@@ -8,7 +8,8 @@ from typing import Any
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter
 from tactometry.provenance import versions
-from tactometry.stimuli.scenes.plan import Plan
+
+from .plan import Plan
 
 ABOVE_THRESHOLD = ("sensation_db", "channels_db")
 

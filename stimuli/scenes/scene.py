@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.stimuli.scenes.chain import needed
-from tactometry.stimuli.scenes.compatibility import check_effects
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Effect, Surface, Touch
-from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import unit_of
-from tactometry.stimuli.scenes.stage import Setting, Stage
+
+from .chain import needed
+from .compatibility import check_effects
+from .demand import Demand
+from .effect import Effect, Surface, Touch
+from .plan import Plan
+from .result import unit_of
+from .stage import Setting, Stage
 
 ROUNDING = 1e-9
 

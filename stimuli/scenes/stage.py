@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from tactometry.target import resolve
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.demand import Demand
+    from .demand import Demand
 
 Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.design.guide import Target, Transducers, n_held, recommend
-    from tactometry.stimuli.time_reversal.field.energy import deformation_energy_j, switched_power_w
-    from tactometry.stimuli.time_reversal.field.field import grid, movie
-    from tactometry.stimuli.time_reversal.field.merit import (
+    from .design.guide import Target, Transducers, n_held, recommend
+    from .field.energy import deformation_energy_j, switched_power_w
+    from .field.field import grid, movie
+    from .field.merit import (
         area_m2,
         contrast_far_of,
         contrast_temporal_of,
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
         uniformity,
         width_m,
     )
-    from tactometry.stimuli.time_reversal.field.sound import noise
-    from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-    from tactometry.stimuli.time_reversal.finger.finger import Emission, Finger, amplitude_loss
-    from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
-    from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
-    from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-    from tactometry.stimuli.time_reversal.focusing.interpolation import interpolated
-    from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
-    from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, Pattern, pattern_drive
-    from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, PulseWidth, Quantiser, SigmaDelta
-    from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, GLASSES, Glass
-    from tactometry.stimuli.time_reversal.plate.plate import Plate
-    from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
-    from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
-    from tactometry.stimuli.time_reversal.responses.filtering import (
+    from .field.sound import noise
+    from .finger.contactor import Contactor
+    from .finger.finger import Emission, Finger, amplitude_loss
+    from .finger.force_loss import LossRow
+    from .focusing.closed_reversal import ClosedReversal
+    from .focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
+    from .focusing.interpolation import interpolated
+    from .focusing.inverse_filter import inverse_filter_waveform
+    from .focusing.pattern import PATTERNS, Pattern, pattern_drive
+    from .focusing.quantiser import Analogue, OneBit, PulseWidth, Quantiser, SigmaDelta
+    from .plate.glass import A4_SCREEN, GLASSES, Glass
+    from .plate.plate import Plate
+    from .plate.statics import bending_stress_pa, deflection_m
+    from .responses.decay import tau_estimate
+    from .responses.filtering import (
         Band,
         Butterworth,
         Hold,
@@ -40,20 +40,20 @@ if TYPE_CHECKING:
         inaudible,
         through,
     )
-    from tactometry.stimuli.time_reversal.responses.load import Load, loaded_responses
-    from tactometry.stimuli.time_reversal.responses.material_constants import (
+    from .responses.load import Load, loaded_responses
+    from .responses.material_constants import (
         alpha_from_resolutions,
         rigidity_ratio_from_modes,
     )
-    from tactometry.stimuli.time_reversal.responses.measured import aligned, inspect, read
-    from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
-    from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-    from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
-    from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch, PointForce, border
-    from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
-    from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-    from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
-    from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+    from .responses.measured import aligned, inspect, read
+    from .responses.responses import Responses, impulse_responses
+    from .screen.attenuation import Attenuation
+    from .screen.screen import A4_PROTOTYPE, Screen
+    from .screen.transducer import Disc, Patch, PointForce, border
+    from .stimulus.family import TimeReversalStimulus
+    from .stimulus.focus_train import FocusTrain
+    from .stimulus.sensation import TimeReversalSensation
+    from .stimulus.setup import Setup
 
 __all__ = [
     "A4_PROTOTYPE",

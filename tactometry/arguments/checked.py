@@ -11,9 +11,9 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.annotations import Rule, as_array, parts_of, rule_of
-from tactometry.arguments.require import domain, shown
-from tactometry.errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, nearest
+from .annotations import Rule, as_array, parts_of, rule_of
+from .require import domain, shown
 
 T = TypeVar("T", bound=Callable[..., Any])
 

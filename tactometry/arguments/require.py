@@ -15,7 +15,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, nearest
 
 DOMAINS: Mapping[str, tuple[float, float]] = {
     "_m": (1e-20, 1e9),

@@ -9,10 +9,10 @@ from types import FrameType
 
 import click
 
-from tactometry import __version__
-from tactometry.errors import TactometryError, nearest
-from tactometry.files.durable import private
-from tactometry.target import resolve
+from .. import __version__
+from ..errors import TactometryError, nearest
+from ..files.durable import private
+from ..target import resolve
 
 COMMANDS = {
     "demo": ("tactometry.cli.demo:command", "A simulated study, its analysis and report, end to end."),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 if TYPE_CHECKING:
     from tactometry.analysis.pipeline import Analysis

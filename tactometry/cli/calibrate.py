@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.hands_off import hands_off_option
-from tactometry.cli.output import check_figure, json_option, say, writing
+from .hands_off import hands_off_option
+from .output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
-    from tactometry.devices.outputs.gain import Gain
-    from tactometry.devices.sensors.reader import Reader
     from tactometry.experiments.bench.bench_file import BenchFile
     from tactometry.experiments.bench.calibration import ForceFit
+
+    from ..devices.outputs.gain import Gain
+    from ..devices.sensors.reader import Reader
 
 bench_option = click.option(
     "--bench", "bench_path", type=click.Path(path_type=Path), required=True, help="Bench file (TOML)."
@@ -24,7 +25,7 @@ bench_option = click.option(
 
 
 def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     del ctx, param
     if not by.strip():
@@ -54,9 +55,10 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
     sheets. With --measured-v nothing is played.
     """
-    from tactometry.devices.outputs.gain import measured_anew, stated
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.calibration import fit_gain, gain_toml
+
+    from ..devices.outputs.gain import measured_anew, stated
 
     bench = load_bench(bench_path)
     before = stated(bench.output.gain, "output.gain")
@@ -71,7 +73,7 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
 
 
 def _parts(text: str) -> list[float]:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     units = _numbers("--parts", text)
     for part in units:
@@ -84,8 +86,9 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
     import math
     import time
 
-    from tactometry.errors import InvalidParameter
     from tactometry.experiments.bench.calibration import gain_tone
+
+    from ..errors import InvalidParameter
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
@@ -153,7 +156,7 @@ def force(
 
 
 def _masses_kg(text: str, degree: int) -> list[float]:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     masses_kg = _numbers("--weights-kg", text)
     if len(masses_kg) < degree + 2:
@@ -168,7 +171,7 @@ def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
 
 
 def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
-    from tactometry.errors import InvalidParameter, nearest
+    from ..errors import InvalidParameter, nearest
 
     if name not in bench.sensors:
         raise InvalidParameter(
@@ -213,7 +216,8 @@ def display(bar_m: float | None, *, as_json: bool) -> None:
 def _shown_bar_m() -> float:
     """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
     from tactometry.experiments.bench.calibration import show_bar
-    from tactometry.rigs.window import Window
+
+    from ..rigs.window import Window
 
     window = Window(fullscreen=True)
     try:
@@ -255,13 +259,13 @@ def responses(**asked: object) -> None:
     A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
     tactometry.stimuli.time_reversal.responses.measured.read.
     """
-    from tactometry.cli.calibrate_responses import run
+    from .calibrate_responses import run
 
     run(asked)
 
 
 def _numbers(name: str, text: str) -> list[float]:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     try:
         return [float(part) for part in text.split(",")]

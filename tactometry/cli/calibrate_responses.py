@@ -6,16 +6,17 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from tactometry.cli.hands_off import hands_are_off
-from tactometry.cli.output import check_figure, progress, say, writing
+from .hands_off import hands_are_off
+from .output import check_figure, progress, say, writing
 
 
 def run(asked: Mapping[str, Any]) -> None:
     """Learn, convert, write and report; `asked` are the command's options."""
-    from tactometry.errors import InvalidParameter, nearest
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
     from tactometry.stimuli.time_reversal.responses.learning import as_displacement, sequence, sweep, write_learnt
+
+    from ..errors import InvalidParameter, nearest
 
     check_figure(asked["figure"])
     _check_out(asked["out"])
@@ -79,14 +80,14 @@ def run(asked: Mapping[str, Any]) -> None:
 
 
 def _check_hands(said: bool, *, connected: bool) -> None:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     if connected and not (said or hands_are_off()):
         raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
 
 
 def _check_out(path: Path) -> None:
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     if path.suffix != ".npz" or not path.parent.is_dir():
         raise InvalidParameter(

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.hands_off import hands_are_off, hands_off_option
-from tactometry.cli.output import json_option, say
+from .hands_off import hands_are_off, hands_off_option
+from .output import json_option, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.bench.preflight import Finding

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import json_option, progress, say
+from .output import json_option, progress, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.cost.measure import Climb
@@ -22,11 +22,12 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as
 
     Errors are the same in every run; times are those of this machine, now.
     """
-    from tactometry.errors import InvalidParameter, nearest
     from tactometry.experiments.cost.measure import climb
     from tactometry.experiments.cost.report import machine, table
     from tactometry.experiments.ladders import LADDERS
-    from tactometry.target import resolve
+
+    from ..errors import InvalidParameter, nearest
+    from ..target import resolve
 
     if ladder != "all" and ladder not in LADDERS:
         raise InvalidParameter(

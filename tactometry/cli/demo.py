@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, progress, say
+from .output import json_option, progress, say
 
 STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
@@ -17,10 +17,11 @@ N_PARTICIPANTS = 10
 def command(out: Path, seed: int, *, as_json: bool) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
-    from tactometry.cli.analyse import summary_text
     from tactometry.experiments.data_sets.rule_estimates import replay_of
     from tactometry.experiments.sessions.simulation import Simulation, simulate
     from tactometry.experiments.study.study_file import load
+
+    from .analyse import summary_text
 
     _, content = load(STUDY)
     simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)

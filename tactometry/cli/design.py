@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import check_figure, json_option, say, writing
+from .output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

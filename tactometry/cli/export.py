@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 FORMS = ("bids", "psych-ds", "psychopy", "r")
 

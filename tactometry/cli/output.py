@@ -34,7 +34,7 @@ def _finite(value: object) -> object:
 
 def check_figure(path: Path | None) -> None:
     """Refuse a figure whose name ends in no format, before anything is computed or measured."""
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     if path is not None and path.suffix not in FIGURE_FORMATS:
         raise InvalidParameter(
@@ -45,7 +45,7 @@ def check_figure(path: Path | None) -> None:
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """A file that cannot be written is one sentence."""
-    from tactometry.errors import DeviceFailed
+    from ..errors import DeviceFailed
 
     try:
         yield

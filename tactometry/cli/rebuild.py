@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 
 @click.command(name="rebuild", epilog="Example: tactometry rebuild demo")
@@ -16,8 +16,9 @@ def command(path: Path, *, as_json: bool) -> None:
 
     A trials file that holds what its journal does not is left alone and told.
     """
-    from tactometry.errors import counted
     from tactometry.experiments.data_sets.replaying import rebuild_data_set
+
+    from ..errors import counted
 
     rebuilt = rebuild_data_set(path)
     lines = [f"{each.trials}: {counted(each.n_trials, 'trial')}{', mended' * each.changed}" for each in rebuilt]

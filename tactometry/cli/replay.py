@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 
 @click.command(name="replay", epilog="Example: tactometry replay demo")
@@ -16,8 +16,9 @@ def command(path: Path, *, as_json: bool) -> None:
 
     Exit status 1, with the line or row, at the first divergence.
     """
-    from tactometry.errors import counted
     from tactometry.experiments.data_sets.replaying import replay_data_set
+
+    from ..errors import counted
 
     replayed = replay_data_set(path)
     lines: list[str] = []

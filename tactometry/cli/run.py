@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.sessions.recording import Recorded, Who
@@ -52,7 +52,8 @@ def command(
     from tactometry.experiments.study.experiment import wire
     from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
     from tactometry.experiments.study.study_file import load
-    from tactometry.records.data_set import Session
+
+    from ..records.data_set import Session
 
     numbers, content = load(study)
     experiment = wire(numbers, study)
@@ -73,8 +74,9 @@ def command(
 
 def _check_duration(experiment: "Experiment", who: "Who", *, begun: bool) -> None:
     """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
-    from tactometry.errors import InvalidParameter
     from tactometry.experiments.study.dry_run import check_duration, plan
+
+    from ..errors import InvalidParameter
 
     try:
         caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
@@ -100,9 +102,10 @@ ENDINGS = {
 
 
 def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
-    from tactometry.errors import counted
     from tactometry.experiments.study.dry_run import duration_s, plan
-    from tactometry.records.data_set import cell
+
+    from ..errors import counted
+    from ..records.data_set import cell
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
@@ -142,7 +145,7 @@ def _ended(counts: dict[str, int]) -> str:
     >>> _ended({"trials": 2, "aborted": 1})
     '; 3 procedures: 2 came to their last trial, 1 aborted'
     """
-    from tactometry.errors import counted
+    from ..errors import counted
 
     if not counts:
         return ""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tactometry.cli.output import check_figure, json_option, say, writing
+from .output import check_figure, json_option, say, writing
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.file import SceneFile
@@ -29,10 +29,11 @@ def command(
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
     """
-    from tactometry.config.toml import located
     from tactometry.experiments.scenes import path_of
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
+
+    from ..config.toml import located
 
     check_figure(figure)
     found = load_scene(path_of(file))
@@ -72,7 +73,7 @@ def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
 
 def _figure(result: "Result", title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
-    from tactometry.errors import InvalidParameter
+    from ..errors import InvalidParameter
 
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.focus import focus_sheet
@@ -97,11 +98,12 @@ def _film(found: "SceneFile", path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
     from dataclasses import replace
 
-    from tactometry.errors import InvalidParameter
     from tactometry.stimuli.scenes.effects.movie import Movie
     from tactometry.stimuli.scenes.explain import values_for
     from tactometry.stimuli.scenes.figures.film import write_film
     from tactometry.stimuli.scenes.result import computed
+
+    from ..errors import InvalidParameter
 
     scene = found.scene
     if Movie.kind not in scene.surface.effects:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, progress, say
+from .output import json_option, progress, say
 
 
 @click.command(
@@ -31,9 +31,10 @@ def command(
     as_json: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    from tactometry.errors import InvalidParameter, counted
     from tactometry.experiments.sessions.simulation import Simulation, simulate
     from tactometry.experiments.study.study_file import load
+
+    from ..errors import InvalidParameter, counted
 
     if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
         raise InvalidParameter(

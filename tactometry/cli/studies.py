@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 
 @click.command(epilog="Example: tactometry studies")
@@ -24,8 +24,9 @@ def studies(*, as_json: bool) -> None:
 @json_option
 def new(study: str, out: Path | None, *, as_json: bool) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
-    from tactometry.errors import DeviceFailed, InvalidFile
     from tactometry.experiments.study.study_file import load, locate
+
+    from ..errors import DeviceFailed, InvalidFile
 
     _, content = load(study)
     path = out or Path(locate(study).name)

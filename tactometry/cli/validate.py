@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from tactometry.cli.output import json_option, say
+from .output import json_option, say
 
 
 @click.command(name="validate", epilog="Example: tactometry validate demo")
@@ -13,8 +13,9 @@ from tactometry.cli.output import json_option, say
 @json_option
 def command(path: Path, *, as_json: bool) -> int:
     """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
-    from tactometry.errors import counted
     from tactometry.experiments.data_sets.validation import validate
+
+    from ..errors import counted
 
     found = validate(path)
     verdict = counted(sum(defect.n_rows for defect in found.defects), "defect") if found.defects else "sound"

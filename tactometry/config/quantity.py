@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 
-from tactometry.errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, nearest
 
 _PREFIXES = {
     "p": 1e-12,

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from tactometry.config.toml import located, read_table
-from tactometry.errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, nearest
+from .toml import located, read_table
 
 T = TypeVar("T")
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")

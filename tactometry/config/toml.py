@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from tactometry.errors import InvalidFile, TactometryError
-from tactometry.files.durable import read_file
+from ..errors import InvalidFile, TactometryError
+from ..files.durable import read_file
 
 LARGEST_FILE: Final = 1_000_000
 """Bytes of a file that a person writes: 25 000 lines."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from tactometry.errors import DeviceFailed, InvalidParameter
+from ..errors import DeviceFailed, InvalidParameter
 
 BIN_S = 0.5
 N_BINS = 8

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-from tactometry.errors import DeviceFailed
+from ..errors import DeviceFailed
 
 BEGIN_WITHIN_S: Final = 5.0
 """An output that has not begun to play by then hangs: a sound card waits for the end of what it plays, and for its own

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final, Protocol
 
-from tactometry.config.strict import build
-from tactometry.devices.outputs.gain import Gain, SignalChain
-from tactometry.devices.outputs.guarded import Driver
-from tactometry.devices.sensors.reader import Source
-from tactometry.errors import InvalidParameter, nearest
-from tactometry.target import resolve
+from ..config.strict import build
+from ..errors import InvalidParameter, nearest
+from ..target import resolve
+from .outputs.gain import Gain, SignalChain
+from .outputs.guarded import Driver
+from .sensors.reader import Source
 
 OUTPUTS: Final = {
     "null": "tactometry.devices.outputs.output:NullSettings",

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from datetime import date
 
-from tactometry.arguments.require import whole
-from tactometry.errors import DeviceFailed
+from ..arguments.require import whole
+from ..errors import DeviceFailed
 
 
 @dataclass(frozen=True)

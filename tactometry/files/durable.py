@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from tactometry.errors import DeviceFailed, InvalidFile
+from ..errors import DeviceFailed, InvalidFile
 
 LARGEST_BYTES: Final = 2**30
 """Of a file that is read at once (unverified default)."""

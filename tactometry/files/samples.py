@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.files.durable import LARGEST_BYTES
+from .durable import LARGEST_BYTES
 
 LARGEST_WORDS: Final = 2**20
 """Of a text beside the samples, bytes."""

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.arguments.require import not_negative, positive
-from tactometry.errors import InvalidParameter
+from ..arguments.require import not_negative, positive
+from ..errors import InvalidParameter
 
 
 @dataclass(frozen=True)

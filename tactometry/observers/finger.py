@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import below_1, positive
-from tactometry.gates.speed import triangle
-from tactometry.session.request import Press, Slide
+from ..arguments.require import below_1, positive
+from ..gates.speed import triangle
+from ..session.request import Press, Slide
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import below_1, finite, not_negative, positive
+from ..arguments.require import below_1, finite, not_negative, positive
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
 

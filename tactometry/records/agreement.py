@@ -1,6 +1,6 @@
 """Whether a file that is derived from a journal says what the journal says."""
 
-from tactometry.errors import counted
+from ..errors import counted
 
 REBUILD = "write it anew with tactometry rebuild"
 

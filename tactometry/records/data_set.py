@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.files.durable import listed, make_folder, read_file, write_first
-from tactometry.records.description import NAME, Design
-from tactometry.trials.columns import FIRST, Column
-from tactometry.trials.trial import Trial, Value
+from ..errors import InvalidFile, InvalidParameter
+from ..files.durable import listed, make_folder, read_file, write_first
+from ..trials.columns import FIRST, Column
+from ..trials.trial import Trial, Value
+from .description import NAME, Design
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

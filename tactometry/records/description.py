@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import msgspec
 
-from tactometry.errors import InvalidFile
-from tactometry.files.durable import read_file, write_atomically
-from tactometry.trials.columns import Column
+from ..errors import InvalidFile
+from ..files.durable import read_file, write_atomically
+from ..trials.columns import Column
 
 NAME: Final = "dataset_description.json"
 SIMULATED: Final = "simulated"

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from tactometry.session.request import Record, Request
-from tactometry.trials.columns import Column
+from ..session.request import Record, Request
+from ..trials.columns import Column
 
 FORMAT: Final = 2
 ADDED: Final = frozenset(("rig", "speed_in_band", "invalid_reason", "n_gaps"))

@@ -8,10 +8,10 @@ from math import isfinite
 
 import msgspec
 
-from tactometry.records.data_set import LARGEST_NUMBER, PARTICIPANT, STUDY
-from tactometry.records.formats import FORMAT
-from tactometry.session.event import Fact
-from tactometry.trials.columns import RIGS
+from ..session.event import Fact
+from ..trials.columns import RIGS
+from .data_set import LARGEST_NUMBER, PARTICIPANT, STUDY
+from .formats import FORMAT
 
 LARGEST_SEED = 2**63 - 1
 _SHA256 = re.compile(r"[0-9a-f]{64}")

@@ -8,9 +8,9 @@ from typing import Final
 
 import msgspec
 
-from tactometry.files.durable import read_file
-from tactometry.safety.limits import Exposure
-from tactometry.session.event import Event, decode_event
+from ..files.durable import read_file
+from ..safety.limits import Exposure
+from ..session.event import Event, decode_event
 
 _STIMULUS: Final = b'{"event":"stimulus"'
 

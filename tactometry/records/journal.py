@@ -16,15 +16,15 @@ from typing import Any
 
 import msgspec
 
-from tactometry.errors import DeviceFailed, InvalidFile
-from tactometry.files.durable import read_file
-from tactometry.records.formats import FORMAT
-from tactometry.records.head import Head, head_of
-from tactometry.records.lines import Entry, decode_entry, kind_of_line
-from tactometry.session.event import Event, Fact, decode_event
-from tactometry.session.replay import Replay
-from tactometry.session.request import Done, Record, Request
-from tactometry.trials.trial import Trial
+from ..errors import DeviceFailed, InvalidFile
+from ..files.durable import read_file
+from ..session.event import Event, Fact, decode_event
+from ..session.replay import Replay
+from ..session.request import Done, Record, Request
+from ..trials.trial import Trial
+from .formats import FORMAT
+from .head import Head, head_of
+from .lines import Entry, decode_entry, kind_of_line
 
 
 @dataclass(frozen=True)

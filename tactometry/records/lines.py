@@ -5,8 +5,8 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
-from tactometry.session.answer_rules import flaw
-from tactometry.session.request import REQUESTS, Record, Request
+from ..session.answer_rules import flaw
+from ..session.request import REQUESTS, Record, Request
 
 T = TypeVar("T")
 Entry = tuple[Request, Any]

@@ -9,10 +9,13 @@ from pathlib import Path
 import msgspec
 import portalocker
 
-from tactometry.errors import InvalidFile, SessionInUse
-from tactometry.files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
-from tactometry.records.head import Head
-from tactometry.records.journal import (
+from ..errors import InvalidFile, SessionInUse
+from ..files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from ..session.event import Event
+from ..session.replay import Replay
+from ..session.request import Record, Request
+from .head import Head
+from .journal import (
     Recording,
     checksum,
     decoded,
@@ -21,9 +24,6 @@ from tactometry.records.journal import (
     encode_event,
     encode_sitting,
 )
-from tactometry.session.event import Event
-from tactometry.session.replay import Replay
-from tactometry.session.request import Record, Request
 
 
 class Journal:

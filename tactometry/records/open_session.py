@@ -7,12 +7,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from tactometry.errors import InvalidFile, InvalidParameter, counted
-from tactometry.files.durable import drafts, read_file, replaced, write_whole
-from tactometry.provenance import sha256
-from tactometry.records.agreement import is_beginning
-from tactometry.records.data_set import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
-from tactometry.records.description import (
+from ..errors import InvalidFile, InvalidParameter, counted
+from ..files.durable import drafts, read_file, replaced, write_whole
+from ..provenance import sha256
+from ..safety.limits import Exposure
+from ..session.event import COLUMNS, Event, events_tsv
+from ..session.replay import Replay
+from ..session.request import Done, Record, Request
+from ..trials.trial import tally
+from .agreement import is_beginning
+from .data_set import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
+from .description import (
     NAME,
     SIMULATED,
     Design,
@@ -21,17 +26,12 @@ from tactometry.records.description import (
     is_marked,
     read_description,
 )
-from tactometry.records.formats import FORMAT, as_kept, columns_in
-from tactometry.records.head import Head
-from tactometry.records.history import exposure_before
-from tactometry.records.journal import abortion
-from tactometry.records.open_journal import Journal
-from tactometry.records.sittings import heads
-from tactometry.safety.limits import Exposure
-from tactometry.session.event import COLUMNS, Event, events_tsv
-from tactometry.session.replay import Replay
-from tactometry.session.request import Done, Record, Request
-from tactometry.trials.trial import tally
+from .formats import FORMAT, as_kept, columns_in
+from .head import Head
+from .history import exposure_before
+from .journal import abortion
+from .open_journal import Journal
+from .sittings import heads
 
 
 def refuse_mixing(root: Path, rig: str) -> None:

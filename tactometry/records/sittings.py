@@ -9,11 +9,11 @@ from typing import Final
 
 import msgspec
 
-from tactometry.errors import InvalidFile
-from tactometry.files.durable import read_file
-from tactometry.records.head import Head, head_of
-from tactometry.safety.limits import ROUNDING
-from tactometry.session.event import Fact
+from ..errors import InvalidFile
+from ..files.durable import read_file
+from ..safety.limits import ROUNDING
+from ..session.event import Fact
+from .head import Head, head_of
 
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
 """Names of counts, clocks and what is measured anew each time: they differ in every sitting and say nothing of it."""

@@ -3,12 +3,12 @@
 import time
 from collections.abc import Callable
 
-from tactometry.devices.outputs.gaps import LONGEST_WORD_S
-from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.pages import layout
-from tactometry.rigs.pages.page import Answer
-from tactometry.session.request import Adjust
-from tactometry.signal import Signal
+from ..devices.outputs.gaps import LONGEST_WORD_S
+from ..session.request import Adjust
+from ..signal import Signal
+from .emitter import Emitter
+from .pages import layout
+from .pages.page import Answer
 
 
 def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:

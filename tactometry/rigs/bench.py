@@ -10,29 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
-from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.output import Output
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.devices.sensors.position_sensor import PositionSensor
-from tactometry.rigs import adjustment
-from tactometry.rigs.closing import safely
-from tactometry.rigs.emitter import RAMP_S, Emitter
-from tactometry.rigs.experimenter.supervisor import Attendant, utc_of
-from tactometry.rigs.experimenter.terminal import Desk
-from tactometry.rigs.experimenter.trial_log import CLOCK, Logbook
-from tactometry.rigs.pages import entry, form, layout
-from tactometry.rigs.pages.page import Answer, Page, Screen
-from tactometry.rigs.pages.presenter import Dress, Stage, as_it_is
-from tactometry.rigs.texts import Texts
-from tactometry.rigs.touch.playing import Playing
-from tactometry.rigs.touch.release import Release
-from tactometry.rigs.touch.touch import Touch, moving_cue
-from tactometry.rigs.touch.trace import Trace
-from tactometry.rigs.touch.watchdog import vigil
-from tactometry.safety.limits import FORCE_PEAK_N, Limits
-from tactometry.scale import value_at
-from tactometry.session.event import EventLog
-from tactometry.session.request import (
+from ..devices.outputs.guarded import Guarded
+from ..devices.outputs.output import Output
+from ..devices.sensors.force_sensor import ForceSensor
+from ..devices.sensors.position_sensor import PositionSensor
+from ..safety.limits import FORCE_PEAK_N, Limits
+from ..scale import value_at
+from ..session.event import EventLog
+from ..session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -52,8 +37,23 @@ from tactometry.session.request import (
     Touched,
     Wait,
 )
-from tactometry.signal import Stimulus
-from tactometry.trials.trial import Tally, Trial, outcome, tally
+from ..signal import Stimulus
+from ..trials.trial import Tally, Trial, outcome, tally
+from . import adjustment
+from .closing import safely
+from .emitter import RAMP_S, Emitter
+from .experimenter.supervisor import Attendant, utc_of
+from .experimenter.terminal import Desk
+from .experimenter.trial_log import CLOCK, Logbook
+from .pages import entry, form, layout
+from .pages.page import Answer, Page, Screen
+from .pages.presenter import Dress, Stage, as_it_is
+from .texts import Texts
+from .touch.playing import Playing
+from .touch.release import Release
+from .touch.touch import Touch, moving_cue
+from .touch.trace import Trace
+from .touch.watchdog import vigil
 
 Facts = dict[str, str | int | float | bool | None]
 

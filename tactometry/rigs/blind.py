@@ -2,8 +2,8 @@
 
 import time
 
-from tactometry.rigs.frame_timing import PERIOD_WITHOUT_BLANK_S
-from tactometry.rigs.pages.page import Event, Page
+from .frame_timing import PERIOD_WITHOUT_BLANK_S
+from .pages.page import Event, Page
 
 
 class Blind:

@@ -4,7 +4,7 @@ import functools
 from collections.abc import Callable
 from typing import Concatenate, ParamSpec, Protocol, TypeVar
 
-from tactometry.errors import DeviceFailed
+from ..errors import DeviceFailed
 
 P = ParamSpec("P")
 R = TypeVar("R")

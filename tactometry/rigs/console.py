@@ -9,24 +9,14 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Final, TextIO
 
-from tactometry.devices.outputs.guarded import Emission, Guarded
-from tactometry.devices.outputs.output import NullOutput, Output
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.devices.sensors.position_sensor import PositionSensor
-from tactometry.errors import InvalidParameter, Stopped
-from tactometry.rigs.blind import Blind
-from tactometry.rigs.emitter import RAMP_S, Emitter
-from tactometry.rigs.experimenter.supervisor import SAFE, utc_of
-from tactometry.rigs.pages import layout
-from tactometry.rigs.pages.presenter import Stage, as_it_is
-from tactometry.rigs.texts import Texts
-from tactometry.rigs.touch.playing import Playing
-from tactometry.rigs.touch.release import Release
-from tactometry.rigs.touch.touch import Touch
-from tactometry.rigs.touch.trace import Trace
-from tactometry.safety.limits import Limits
-from tactometry.session.event import Event, EventLog, Fact, Kind
-from tactometry.session.request import (
+from ..devices.outputs.guarded import Emission, Guarded
+from ..devices.outputs.output import NullOutput, Output
+from ..devices.sensors.force_sensor import ForceSensor
+from ..devices.sensors.position_sensor import PositionSensor
+from ..errors import InvalidParameter, Stopped
+from ..safety.limits import Limits
+from ..session.event import Event, EventLog, Fact, Kind
+from ..session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -47,8 +37,18 @@ from tactometry.session.request import (
     Touched,
     Wait,
 )
-from tactometry.signal import Stimulus
-from tactometry.trials.trial import Tally, Trial, outcome, tally
+from ..signal import Stimulus
+from ..trials.trial import Tally, Trial, outcome, tally
+from .blind import Blind
+from .emitter import RAMP_S, Emitter
+from .experimenter.supervisor import SAFE, utc_of
+from .pages import layout
+from .pages.presenter import Stage, as_it_is
+from .texts import Texts
+from .touch.playing import Playing
+from .touch.release import Release
+from .touch.touch import Touch
+from .touch.trace import Trace
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""

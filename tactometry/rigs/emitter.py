@@ -5,13 +5,13 @@ import threading
 import time
 from collections.abc import Mapping
 
-from tactometry.devices.deadline import BEGIN_WITHIN_S
-from tactometry.devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
-from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.output import NullOutput, Output, check_playable, with_ramps
-from tactometry.errors import DeviceFailed, InvalidParameter, nearest
-from tactometry.safety.limits import Limits
-from tactometry.signal import Signal, Stimulus
+from ..devices.deadline import BEGIN_WITHIN_S
+from ..devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
+from ..devices.outputs.guarded import Guarded
+from ..devices.outputs.output import NullOutput, Output, check_playable, with_ramps
+from ..errors import DeviceFailed, InvalidParameter, nearest
+from ..safety.limits import Limits
+from ..signal import Signal, Stimulus
 
 RAMP_S = 0.005
 """Ramps of a signal that does not begin and end at rest by itself (unverified default)."""

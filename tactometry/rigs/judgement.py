@@ -2,10 +2,10 @@
 
 from typing import Final
 
-from tactometry.gates.force import VALID_PART, Compliance
-from tactometry.gates.speed import Motion
-from tactometry.session.request import Press, Slide
-from tactometry.trials.trial import Reason
+from ..gates.force import VALID_PART, Compliance
+from ..gates.speed import Motion
+from ..session.request import Press, Slide
+from ..trials.trial import Reason
 
 STANDING_PART: Final = 0.1
 """Below this part of the target speed a finger has stopped (unverified default)."""

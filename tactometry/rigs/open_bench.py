@@ -2,16 +2,16 @@
 
 from collections.abc import Callable, Mapping
 
-from tactometry.devices.outputs.output import NullOutput, Output
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.devices.sensors.position_sensor import PositionSensor
-from tactometry.rigs.bench import Bench, Facts
-from tactometry.rigs.emitter import RAMP_S
-from tactometry.rigs.experimenter.terminal import Desk
-from tactometry.rigs.texts import texts_in
-from tactometry.safety.limits import Limits
-from tactometry.session.event import EventLog
-from tactometry.signal import Stimulus
+from ..devices.outputs.output import NullOutput, Output
+from ..devices.sensors.force_sensor import ForceSensor
+from ..devices.sensors.position_sensor import PositionSensor
+from ..safety.limits import Limits
+from ..session.event import EventLog
+from ..signal import Stimulus
+from .bench import Bench, Facts
+from .emitter import RAMP_S
+from .experimenter.terminal import Desk
+from .texts import texts_in
 
 
 def open_bench(
@@ -73,7 +73,7 @@ def open_bench(
     DeviceFailed
         If there is no PsychoPy, display or keyboard, or a device does not open.
     """
-    from tactometry.rigs.window import Window
+    from .window import Window
 
     words = texts_in(language, texts)
     window = Window(fullscreen=fullscreen, size=size)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from tactometry.session.request import (
+from ..session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -23,7 +23,7 @@ from tactometry.session.request import (
     Touched,
     Wait,
 )
-from tactometry.trials.trial import Trial
+from ..trials.trial import Trial
 
 
 class Rig(Protocol):

@@ -6,16 +6,15 @@ from typing import Protocol
 
 import numpy as np
 
-from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter, nearest
-from tactometry.gates.force import compliance
-from tactometry.gates.speed import Motion, motion
-from tactometry.observers.finger import Grip, SimulatedFinger
-from tactometry.observers.observer import Observer
-from tactometry.rigs.judgement import broken
-from tactometry.safety.limits import Limits
-from tactometry.scale import value_at
-from tactometry.session.request import (
+from ..contact import Contact
+from ..errors import InvalidParameter, nearest
+from ..gates.force import compliance
+from ..gates.speed import Motion, motion
+from ..observers.finger import Grip, SimulatedFinger
+from ..observers.observer import Observer
+from ..safety.limits import Limits
+from ..scale import value_at
+from ..session.request import (
     Adjust,
     Adjusted,
     Choose,
@@ -36,8 +35,9 @@ from tactometry.session.request import (
     Touched,
     Wait,
 )
-from tactometry.signal import Signal, Stimulus
-from tactometry.trials.trial import Trial
+from ..signal import Signal, Stimulus
+from ..trials.trial import Trial
+from .judgement import broken
 
 
 class Sensation(Protocol):

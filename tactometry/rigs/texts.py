@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 
-from tactometry.errors import InvalidParameter, nearest
-from tactometry.session.request import Question, Show
+from ..errors import InvalidParameter, nearest
+from ..session.request import Question, Show
 
 _WIDE = re.compile(r"\d{4}")
 PREFIX, SUFFIX = "messages_", ".toml"

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from tactometry.errors import DeviceFailed
-from tactometry.rigs.closing import ended_by_signal
-from tactometry.rigs.frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from tactometry.rigs.keys import FreshPresses
-from tactometry.rigs.pages.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
+from ..errors import DeviceFailed
+from .closing import ended_by_signal
+from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
+from .keys import FreshPresses
+from .pages.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tactometry.arguments.require import positive
-from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.safety.load import Load
-from tactometry.signal import Signal
+from ..arguments.require import positive
+from ..errors import InvalidParameter, LimitExceeded
+from ..signal import Signal
+from .load import Load
 
 ROUNDING = 1e-12
 """Relative: an excess in the last digits is none."""

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import positive
-from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
+from ..arguments.require import positive
+from ..errors import InvalidParameter
+from ..signal import Signal
 
 FloatArray = NDArray[np.float64]
 

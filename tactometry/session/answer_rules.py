@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import singledispatch
 
-from tactometry.session.request import Adjust, Adjusted, Choose, Chosen, Enter, Fill, Filled, Rate, Rated
+from .request import Adjust, Adjusted, Choose, Chosen, Enter, Fill, Filled, Rate, Rated
 
 LARGEST_ANSWER = 1e15
 """What is beyond is no answer of a person, and its powers leave the range of numbers."""

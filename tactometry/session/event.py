@@ -7,9 +7,9 @@ from typing import Final, Literal, Protocol, get_args
 
 import msgspec
 
-from tactometry.errors import InvalidParameter
-from tactometry.safety.limits import Exposure
-from tactometry.trials.columns import Column
+from ..errors import InvalidParameter
+from ..safety.limits import Exposure
+from ..trials.columns import Column
 
 Fact = str | int | float | bool | None
 Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from tactometry.errors import Diverged
-from tactometry.records.formats import FORMAT, as_kept
-from tactometry.session.request import Record
+from ..errors import Diverged
+from ..records.formats import FORMAT, as_kept
+from .request import Record
 
 if TYPE_CHECKING:
-    from tactometry.session.request import (
+    from ..trials.trial import Trial
+    from .request import (
         Adjust,
         Adjusted,
         Choose,
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
         Touched,
         Wait,
     )
-    from tactometry.trials.trial import Trial
 
 A = TypeVar("A")
 

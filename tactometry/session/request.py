@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from tactometry.trials.trial import Reason, Trial
+from ..trials.trial import Reason, Trial
 
 if TYPE_CHECKING:
-    from tactometry.rigs.rig import Rig
+    from ..rigs.rig import Rig
 
 
 TRAJECTORY_M = 0.1

@@ -3,9 +3,9 @@
 from collections.abc import Generator
 from typing import Any, Protocol, TypeVar
 
-from tactometry.rigs.rig import Rig
-from tactometry.session.replay import Replay
-from tactometry.session.request import Request
+from ..rigs.rig import Rig
+from .replay import Replay
+from .request import Request
 
 T = TypeVar("T")
 Course = Generator[Request, Any, T]

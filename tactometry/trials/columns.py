@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tactometry.trials.trial import REASONS
+from .trial import REASONS
 
 
 @dataclass(frozen=True)

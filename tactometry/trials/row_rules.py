@@ -8,12 +8,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from tactometry.errors import nearest
-from tactometry.records.data_set import PARTICIPANT, STUDY
-from tactometry.records.head import is_time
-from tactometry.session.answer_rules import LARGEST_ANSWER
-from tactometry.trials.columns import ALWAYS, FIRST, RIGS
-from tactometry.trials.trial import REASONS
+from ..errors import nearest
+from ..records.data_set import PARTICIPANT, STUDY
+from ..records.head import is_time
+from ..session.answer_rules import LARGEST_ANSWER
+from .columns import ALWAYS, FIRST, RIGS
+from .trial import REASONS
 
 TASKS = (
     "yes_no",

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Final, Literal, get_args
 
-from tactometry.errors import counted
+from ..errors import counted
 
 Value = str | int | float | bool | None
 Reason = Literal[

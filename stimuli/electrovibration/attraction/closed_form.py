@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
-from tactometry.stimuli.electrovibration.skin.relaxation import phi1
-from tactometry.stimuli.electrovibration.skin.skin import Skin
+
+from ..skin.relaxation import phi1
+from ..skin.skin import Skin
+from .force import force_per_square_volt_n
 
 
 @checked

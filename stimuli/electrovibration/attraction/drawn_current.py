@@ -5,9 +5,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
-from tactometry.stimuli.electrovibration.skin.skin import INSULATOR, Skin
-from tactometry.stimuli.electrovibration.skin.solution import Solution
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..skin.skin import INSULATOR, Skin
+from ..skin.solution import Solution
+from ..waveforms.pieces import Pieces
 
 
 @checked

@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
-from tactometry.stimuli.electrovibration.skin.skin import INSULATOR, Skin
-from tactometry.stimuli.electrovibration.skin.solution import Solution
-from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..skin.relaxation import Relaxations
+from ..skin.skin import INSULATOR, Skin
+from ..skin.solution import Solution
+from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+from ..waveforms.pieces import Pieces
+from .polarity import Polarity
 
 Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)

@@ -8,12 +8,13 @@ import numpy as np
 
 from tactometry.arguments.checked import checked
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.attraction.force import Law, force_form
-from tactometry.stimuli.electrovibration.skin.skin import Skin
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
-from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.waveforms.timing import ramped
+
+from ..skin.skin import Skin
+from ..waveforms.level import LevelUnit, peak_voltage_v
+from ..waveforms.pieces import Pieces
+from ..waveforms.pieces import ramped as ramped_pieces
+from ..waveforms.timing import ramped
+from .force import Law, force_form
 
 
 @runtime_checkable

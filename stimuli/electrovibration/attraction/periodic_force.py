@@ -8,14 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.force import Law, check_law
-from tactometry.stimuli.electrovibration.skin.dispersive_layer import (
+
+from ..skin.dispersive_layer import (
     DispersiveLayer,
     periodic_voltages_v,
     properties_of,
 )
-from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
-from tactometry.stimuli.electrovibration.skin.stack import Layer
+from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
+from ..skin.stack import Layer
+from .force import Law, check_law
 
 Real = NDArray[np.float64]
 INSULATOR, CORNEUM = 0, 1

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from ..skin.relaxation import Relaxations
 
 Real = NDArray[np.float64]
 

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-from tactometry.stimuli.electrovibration.motion.circuit import Circuit
-from tactometry.stimuli.electrovibration.motion.lift import LinearSystem, flow, pairs
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, phi1
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..attraction.force import ForceForm
+from ..skin.relaxation import Relaxations, phi1
+from ..waveforms.pieces import Pieces
+from .circuit import Circuit
+from .lift import LinearSystem, flow, pairs
 
 Real = NDArray[np.float64]
 Kind = tuple[float, tuple[bool, ...]]
@@ -29,7 +30,7 @@ CYCLES_MAX = 1e7
 
 def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Real:
     """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
-    from tactometry.stimuli.electrovibration.motion.compiled_loops import respond
+    from .compiled_loops import respond
 
     plan = plan_of(Timing(pieces, t_s), form.relaxations, system)
     heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v

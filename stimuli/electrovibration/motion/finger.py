@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
-from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-from tactometry.stimuli.electrovibration.motion.driven_motion import Timing, plan_of, stacked
-from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
-from tactometry.stimuli.electrovibration.motion.lift import LinearSystem
-from tactometry.stimuli.electrovibration.motion.pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..attraction.force import ForceForm
+from ..waveforms.pieces import Pieces
+from .driven_motion import Timing, plan_of, stacked
+from .friction import CoulombFriction
+from .lift import LinearSystem
+from .pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ def sliding(
     InvalidParameter
         If the times are not as stated or the force is negative.
     """
-    from tactometry.stimuli.electrovibration.motion.compiled_loops import slide
+    from .compiled_loops import slide
 
     t = require.array("sliding.t_s", t_s)
     require.of_kind("sliding", Pieces, pieces=pieces)
@@ -134,7 +135,7 @@ def sliding_many(
     InvalidParameter
         As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
     """
-    from tactometry.stimuli.electrovibration.motion.compiled_loops import slide_many
+    from .compiled_loops import slide_many
 
     t = require.array("sliding_many.t_s", t_s)
     _check_kinds("sliding_many", form, finger, friction)

@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-from tactometry.stimuli.electrovibration.motion.driven_motion import CYCLES_MAX, check_times, driven
-from tactometry.stimuli.electrovibration.motion.lift import LinearSystem
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..attraction.force import ForceForm
+from ..waveforms.pieces import Pieces
+from .driven_motion import CYCLES_MAX, check_times, driven
+from .lift import LinearSystem
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from tactometry.stimuli.electrovibration.motion.circuit import Circuit
+from .circuit import Circuit
 
 Real = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tactometry.stimuli.electrovibration.motion.compiled_loops import answered, enter
+from .compiled_loops import answered, enter
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-from tactometry.stimuli.electrovibration.motion.driven_motion import DECAYED, Timing, check_times, nodes_of, phases
-from tactometry.stimuli.electrovibration.motion.finger import Finger
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..attraction.force import ForceForm
+from ..skin.relaxation import Relaxations
+from ..waveforms.pieces import Pieces
+from .driven_motion import DECAYED, Timing, check_times, nodes_of, phases
+from .finger import Finger
 
 Real = NDArray[np.float64]
 
@@ -114,7 +115,7 @@ def stick_slip(
     InvalidParameter
         If a value is outside of its domain, or there are `n_events_max` events or more.
     """
-    from tactometry.stimuli.electrovibration.motion import power_series
+    from . import power_series
 
     t = np.asarray(t_s, dtype=np.float64)
     require.not_negative("stick_slip", force_n=force_n)
@@ -159,7 +160,7 @@ def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDA
     omegas = 2 * pi * timing.pieces.frequencies_hz
     electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
     fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
-    from tactometry.stimuli.electrovibration.motion.power_series import REACH
+    from .power_series import REACH
 
     longest = np.divide(REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
     arrays = (*shared.arrays, np.array(relaxations.gains), relaxations.dc_gain)

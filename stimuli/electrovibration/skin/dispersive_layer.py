@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
+
+from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
 
 
 @checked

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
-from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
+
+from .relaxation import Relaxations
+from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
 
 INSULATOR, GAP, CORNEUM = 0, 1, 2
 

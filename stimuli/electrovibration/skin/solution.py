@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, phi1, scan
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+
+from ..waveforms.pieces import Pieces
+from .relaxation import Relaxations, phi1, scan
 
 Real = NDArray[np.float64]
 

@@ -12,7 +12,8 @@ from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import DOMAINS
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+
+from .relaxation import Relaxations
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 SMALLEST, LARGEST = 1e-300, 1e280

@@ -11,11 +11,12 @@ from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
-from tactometry.stimuli.electrovibration.textures.velvet import Velvet
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.sampled import strongest_hz
-from tactometry.stimuli.electrovibration.waveforms.timing import check_nyquist, check_timing, ramped
+
+from ..waveforms.level import LevelUnit, peak_voltage_v
+from ..waveforms.sampled import strongest_hz
+from ..waveforms.timing import check_nyquist, check_timing, ramped
+from .texture import Bump, Grating, Image, Noise, Region, Texture
+from .velvet import Velvet
 
 Real = NDArray[np.float64]
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
-from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.waveforms.timing import check_nyquist, check_timing, ramped, times_s
+
+from .level import LevelUnit, peak_voltage_v
+from .pieces import Pieces
+from .pieces import ramped as ramped_pieces
+from .timing import check_nyquist, check_timing, ramped, times_s
 
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 FORCE_FREQUENCY_RATIO: Mapping[str, int] = {"square_root": 1, "full": 1, "suppressed_carrier": 2}

@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
-from tactometry.stimuli.electrovibration.waveforms.timing import MOST_SAMPLES
+
+from .pieces import Pieces, straight
+from .timing import MOST_SAMPLES
 
 Real = NDArray[np.float64]
 NODES = range(-5, 7)

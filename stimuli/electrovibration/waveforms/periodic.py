@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
-from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.waveforms.timing import (
+
+from .corners import Corners
+from .level import LevelUnit, peak_voltage_v
+from .pieces import Pieces
+from .pieces import ramped as ramped_pieces
+from .timing import (
     check_nyquist,
     check_pulse,
     check_timing,

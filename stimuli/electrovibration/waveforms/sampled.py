@@ -9,10 +9,11 @@ from scipy.signal import resample
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
-from tactometry.stimuli.electrovibration.waveforms.timing import check_timing, ramped
-from tactometry.stimuli.perception.detection import components
+
+from ...perception.detection import components
+from .level import LevelUnit, peak_voltage_v
+from .pieces import Pieces, straight
+from .timing import check_timing, ramped
 
 
 @dataclass(frozen=True)

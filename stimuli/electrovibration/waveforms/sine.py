@@ -6,10 +6,11 @@ import numpy as np
 
 from tactometry.arguments import require
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
-from tactometry.stimuli.electrovibration.waveforms.pieces import ramped as ramped_pieces
-from tactometry.stimuli.electrovibration.waveforms.timing import check_nyquist, check_timing, ramped, times_s
+
+from .level import LevelUnit, peak_voltage_v
+from .pieces import Pieces
+from .pieces import ramped as ramped_pieces
+from .timing import check_nyquist, check_timing, ramped, times_s
 
 
 @dataclass(frozen=True)

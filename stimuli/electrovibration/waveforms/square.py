@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from tactometry.arguments import require
-from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit
-from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic, check_periodic, check_width
+
+from .corners import Corners
+from .level import LevelUnit
+from .periodic import Periodic, check_periodic, check_width
 
 
 @dataclass(frozen=True)

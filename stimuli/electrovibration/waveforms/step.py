@@ -7,9 +7,10 @@ import numpy as np
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit, peak_voltage_v
-from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
-from tactometry.stimuli.electrovibration.waveforms.timing import check_pulse, check_timing, n_samples, times_s
+
+from .level import LevelUnit, peak_voltage_v
+from .pieces import Pieces, straight
+from .timing import check_pulse, check_timing, n_samples, times_s
 
 
 @dataclass(frozen=True)

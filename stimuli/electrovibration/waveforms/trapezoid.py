@@ -5,9 +5,10 @@ from itertools import accumulate
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit
-from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic, check_periodic, check_width
+
+from .corners import Corners
+from .level import LevelUnit
+from .periodic import Periodic, check_periodic, check_width
 
 
 @dataclass(frozen=True)

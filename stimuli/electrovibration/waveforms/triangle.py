@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit
-from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic, check_periodic
+from .corners import Corners
+from .level import LevelUnit
+from .periodic import Periodic, check_periodic
 
 
 @dataclass(frozen=True)

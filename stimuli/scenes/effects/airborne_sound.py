@@ -6,14 +6,15 @@ from math import inf, log10
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.stages.truncation import n_frequencies_of_sound, n_modes, remainder
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
+from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import Emission
-    from tactometry.stimuli.time_reversal.screen.screen import Screen
+    from ...time_reversal.screen.screen import Screen
+    from ..stages.emission import Emission
 
 AUDIBLE_MAX_HZ = 20e3
 FEWEST_MORE = 1.1
@@ -59,7 +60,8 @@ class AirborneSound:
 def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission], float]":
     """The level of an emission of 1 V."""
     from tactometry.signal import Signal
-    from tactometry.stimuli.time_reversal.field.sound import noise
+
+    from ...time_reversal.field.sound import noise
 
     def level_dba(screen: "Screen", emission: "Emission") -> float:
         signal = Signal(emission.samples, emission.rate_hz, "V")

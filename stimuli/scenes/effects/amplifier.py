@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import Emission
-    from tactometry.stimuli.time_reversal.responses.responses import Responses
+    from ...time_reversal.responses.responses import Responses
+    from ..stages.emission import Emission
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Amplifier:
 
 def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Responses]":
     """Responses of the amplifier and the plate."""
-    from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, through
+    from ...time_reversal.responses.filtering import Butterworth, through
 
     gain = Butterworth(cutoff_hz, order)
     return lambda learnt: through(learnt, gain)
@@ -52,8 +53,8 @@ def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Respon
 
 def sent_through(cutoff_hz: float, order: int) -> "Callable[[Emission], Emission]":
     """What leaves the amplifier."""
-    from tactometry.stimuli.scenes.stages.emission import through
-    from tactometry.stimuli.time_reversal.responses.filtering import Butterworth
+    from ...time_reversal.responses.filtering import Butterworth
+    from ..stages.emission import through
 
     gain = Butterworth(cutoff_hz, order)
     return lambda emission: through(emission, gain)

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.screen.screen import Screen
+    from ...time_reversal.screen.screen import Screen
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Attenuation:
 
 def damped(tau_s: float, exponent: float, reference_hz: float) -> "Callable[[Screen], Screen]":
     """The screen with losses."""
-    from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation as Law
+    from ...time_reversal.screen.attenuation import Attenuation as Law
 
     law = Law(tau_s, exponent, reference_hz)
     return lambda screen: replace(screen, attenuation=law)

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.responses.responses import Responses
+    from ...time_reversal.responses.responses import Responses
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,6 @@ class AudibleFilter:
 
 def silenced(cutoff_hz: float, flank_hz: float) -> "Callable[[Responses], Responses]":
     """Responses without their audible part."""
-    from tactometry.stimuli.time_reversal.responses.filtering import inaudible
+    from ...time_reversal.responses.filtering import inaudible
 
     return lambda learnt: inaudible(learnt, cutoff_hz, flank_hz)

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.offset import Waveform
+    from ...electrovibration.attraction.offset import Waveform
 
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 
@@ -44,8 +45,8 @@ class Carrier:
 
 def carried(carrier_hz: float, modulation: Modulation) -> "Callable[[Waveform], Waveform]":
     """A tone as the envelope of a carrier."""
-    from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-    from tactometry.stimuli.electrovibration.waveforms.sine import Sine
+    from ...electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+    from ...electrovibration.waveforms.sine import Sine
 
     def modulated(tone: "Waveform") -> "Waveform":
         if not isinstance(tone, Sine):

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class ContactArea:
 
 def pressed(area_at_1n_m2: float, exponent: float, force_n: float) -> Callable[[], float]:
     """The area under a force."""
-    from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+    from ...electrovibration.attraction.contact_area import PowerLawArea
 
     area_m2 = float(PowerLawArea(area_at_1n_m2, exponent).area_m2(force_n))
     return lambda: area_m2

@@ -6,12 +6,13 @@ from math import isfinite
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.offset import Waveform, WithOffset
+    from ...electrovibration.attraction.offset import Waveform, WithOffset
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,6 @@ class DcOffset:
 
 def shifted(ratio: float) -> "Callable[[Waveform], WithOffset]":
     """A waveform with a constant."""
-    from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+    from ...electrovibration.attraction.offset import WithOffset
 
     return lambda waveform: WithOffset(waveform, ratio)

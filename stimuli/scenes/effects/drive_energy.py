@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.stages.truncation import MOST_MODES, n_modes, remainder
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
+from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import Emission
-    from tactometry.stimuli.scenes.stages.motion import Motion
+    from ..stages.emission import Emission
+    from ..stages.motion import Motion
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ def strained(static_to_hz: float) -> "Callable[[Motion], float]":
 def drawn(capacitance_f: float) -> "Callable[[Emission], float]":
     """The mean power during an emission of 1 V."""
     from tactometry.signal import Signal
-    from tactometry.stimuli.time_reversal.field.energy import switched_power_w
+
+    from ...time_reversal.field.energy import switched_power_w
 
     return lambda emission: switched_power_w(Signal(emission.samples, emission.rate_hz, "V"), capacitance_f)
 

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction as Law
+    from ...electrovibration.motion.stick_slip import DryFriction as Law
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class DryFriction:
 
 def law(static: float, kinetic: float) -> "Callable[[], Law]":
     """The law as the event-exact motion takes it."""
-    from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction as Dry
+    from ...electrovibration.motion.stick_slip import DryFriction as Dry
 
     dry = Dry(static, kinetic)
     return lambda: dry

@@ -11,12 +11,13 @@ from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate.plate import Plate
+    from ...time_reversal.plate.plate import Plate
 
 OF_SINGULAR_CORNER, OF_OTHER_CORNERS = 10.0, 0.05
 """Relative error of the frequencies times the fourth power of the degree."""
@@ -78,7 +79,7 @@ class Edges:
 
     def error(self, scene: Surroundings) -> float:
         """What the polynomials add: the error of the frequencies, and the part of the phase that is seen."""
-        from tactometry.stimuli.time_reversal.rectangle.ritz import degrees
+        from ...time_reversal.rectangle.ritz import degrees
 
         surface: Any = scene.surface
         degree = min(degrees(surface.plate, surface.band_max_hz))

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.stages.sampling import per_sample
+from ..effect import Surroundings
+from ..stage import Stage
+from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-    from tactometry.stimuli.electrovibration.motion.finger import Motion
-    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
-    from tactometry.stimuli.electrovibration.motion.stick_slip import DryFriction, StickSlip
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.motion.finger import Motion
+    from ...electrovibration.motion.friction import CoulombFriction
+    from ...electrovibration.motion.stick_slip import DryFriction, StickSlip
+    from ...electrovibration.waveforms.pieces import Pieces, Real
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class FingerDynamics:
         >>> round(FingerDynamics().natural_rad_per_s)
         354
         """
-        from tactometry.stimuli.electrovibration.motion.pad import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
+        from ...electrovibration.motion.pad import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 
         return sqrt(STIFFNESS_N_S_PER_M2 / MASS_KG_PER_M_PER_S)
 
@@ -81,7 +81,7 @@ def _read(name: str, quantity: str) -> Stage:
 
 def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Motion]":
     """The motion of a finger in full slip."""
-    from tactometry.stimuli.electrovibration.motion.finger import Finger, sliding
+    from ...electrovibration.motion.finger import Finger, sliding
 
     finger = Finger.at_speed(speed_m_per_s)
     return lambda t_s, voltage, form, friction: sliding(
@@ -91,8 +91,8 @@ def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, F
 
 def sticking(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, DryFriction], StickSlip]":
     """The motion of a finger that sticks and slips."""
-    from tactometry.stimuli.electrovibration.motion.finger import Finger
-    from tactometry.stimuli.electrovibration.motion.stick_slip import Travel, stick_slip
+    from ...electrovibration.motion.finger import Finger
+    from ...electrovibration.motion.stick_slip import Travel, stick_slip
 
     finger, travel = Finger.at_speed(speed_m_per_s), Travel(speed_m_per_s)
     return lambda t_s, voltage, form, friction: stick_slip(

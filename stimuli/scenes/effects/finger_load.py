@@ -6,14 +6,15 @@ from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Setting, Size, Stage
-from tactometry.stimuli.scenes.stages.truncation import cut_of, n_frequencies, n_modes
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Setting, Size, Stage
+from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.contact import FloatArray, Numbers
-    from tactometry.stimuli.scenes.stages.motion import Motion
+    from ..stages.contact import FloatArray, Numbers
+    from ..stages.motion import Motion
 
 REFERENCE_FORCE_N = 2.0
 
@@ -144,8 +145,8 @@ def borne(
     exponent: float,
 ) -> "Callable[[Motion], Motion]":
     """The motion of the plate under the fingers."""
-    from tactometry.stimuli.scenes.stages.contact import bearing
-    from tactometry.stimuli.time_reversal.finger.finger import Finger
+    from ...time_reversal.finger.finger import Finger
+    from ..stages.contact import bearing
 
     pulp = resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
     return bearing([Finger(x, y, f, *pulp).load() for x, y, f in zip(x_m, y_m, force_n, strict=True)])

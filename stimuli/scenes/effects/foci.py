@@ -6,12 +6,13 @@ from math import sqrt
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
-    from tactometry.stimuli.scenes.stages.emission import Points
+    from ...electrovibration.waveforms.pieces import Real
+    from ..stages.emission import Points
 
 
 @dataclass(frozen=True)

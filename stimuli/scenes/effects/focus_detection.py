@@ -6,11 +6,12 @@ from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import FloatArray
+    from ..stages.emission import FloatArray
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class FocusDetection:
 
 def felt() -> "Callable[[FloatArray, FloatArray], float]":
     """The amplitude of the single event that is felt as strongly as a course (m/V)."""
-    from tactometry.stimuli.time_reversal.stimulus.sensation import events, felt_amplitude_m
+    from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
     return lambda t_s, course: felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
 

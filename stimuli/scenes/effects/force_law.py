@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-    from tactometry.stimuli.electrovibration.skin.skin import Skin
+    from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.skin.skin import Skin
 
 Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAYERLESS = ("parallel_plate", "total_thickness")
@@ -53,6 +54,6 @@ class ForceLaw:
 
 def form(law: Law) -> "Callable[[Skin, float], ForceForm]":
     """The law on a skin and an area."""
-    from tactometry.stimuli.electrovibration.attraction.force import force_form
+    from ...electrovibration.attraction.force import force_form
 
     return lambda skin, area_m2: force_form(law, skin, area_m2)

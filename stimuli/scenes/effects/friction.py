@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.polarity import Real
-    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
+    from ...electrovibration.attraction.polarity import Real
+    from ...electrovibration.motion.friction import CoulombFriction
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Friction:
 
 def law(coefficient: float, load_exponent: float) -> "Callable[[], CoulombFriction]":
     """The law as the exact motions take it."""
-    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
+    from ...electrovibration.motion.friction import CoulombFriction
 
     coulomb = CoulombFriction(coefficient, load_exponent)
     return lambda: coulomb

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.stages.sampling import per_sample
+
+from ..effect import Surroundings
+from ..stage import Stage
+from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-    from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.motion.friction import CoulombFriction
+    from ...electrovibration.waveforms.pieces import Pieces, Real
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def lagging(
     slope_hz_per_m_per_s: float, intercept_hz: float, floor_hz: float, force_n: float, speed_m_per_s: float
 ) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Real]":
     """The lagging friction, exactly."""
-    from tactometry.stimuli.electrovibration.motion import friction as laws
+    from ...electrovibration.motion import friction as laws
 
     lag = laws.FrictionLag(slope_hz_per_m_per_s, intercept_hz, floor_hz)
     return lambda t_s, voltage, form, friction: laws.lagged_friction_n(

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 
 @dataclass(frozen=True)

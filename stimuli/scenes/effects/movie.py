@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.map import FloatArray
-    from tactometry.stimuli.scenes.stages.motion import Motion
+    from ..stages.map import FloatArray
+    from ..stages.motion import Motion
 
 MOST_NUMBERS = 5e7
 
@@ -98,6 +99,6 @@ class Movie:
 
 def drawn() -> "Callable[[Motion, FloatArray, FloatArray, FloatArray], FloatArray]":
     """The frames (m/V)."""
-    from tactometry.stimuli.scenes.stages.map import movie
+    from ..stages.map import movie
 
     return movie()

@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
+    from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,6 @@ class OneBit:
 
 def rule() -> "Callable[[], Quantiser]":
     """The sign."""
-    from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit as Sign
+    from ...time_reversal.focusing.quantiser import OneBit as Sign
 
     return Sign

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate.plate import Plate
-    from tactometry.stimuli.time_reversal.screen.transducer import Source
+    from ...time_reversal.plate.plate import Plate
+    from ...time_reversal.screen.transducer import Source
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def bonded(
     n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
 ) -> "Callable[[Plate], tuple[Source, ...]]":
     """Patches along the border."""
-    from tactometry.stimuli.time_reversal.screen.transducer import border
+    from ...time_reversal.screen.transducer import border
 
     def placed(plate: "Plate") -> "tuple[Source, ...]":
         patches = border(plate, n_transducers, side_m, inset_m)

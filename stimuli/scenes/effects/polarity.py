@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.polarity import Real
+    from ...electrovibration.attraction.polarity import Real
 
 NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
 
@@ -42,6 +43,6 @@ class Polarity:
 
 def weighted(positive_share: float) -> "Callable[[Real, Real], Real]":
     """Forces weighted by the sign of the layer's voltage."""
-    from tactometry.stimuli.electrovibration.attraction import polarity
+    from ...electrovibration.attraction import polarity
 
     return polarity.Polarity(positive_share).weighted

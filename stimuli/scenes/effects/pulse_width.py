@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
+    from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class PulseWidth:
 
 def rule(carrier_hz: float, scale: float) -> "Callable[[], Quantiser]":
     """The comparison with the triangle."""
-    from tactometry.stimuli.time_reversal.focusing.quantiser import PulseWidth as Comparison
+    from ...time_reversal.focusing.quantiser import PulseWidth as Comparison
 
     comparison = Comparison(carrier_hz, scale)
     return lambda: comparison

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
-    from tactometry.stimuli.perception.detection import Components
+    from ...electrovibration.waveforms.pieces import Real
+    from ...perception.detection import Components
 
 STEEPEST_DB_PER_HZ = 2.5
 """Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
@@ -53,14 +54,14 @@ class Receptors:
 
 def fine_spectrum(demand: Demand) -> Size:
     """Components as finely as the steepest channel asks for."""
-    from tactometry.stimuli.scenes.stages.spectrum import size
+    from ..stages.spectrum import size
 
     return size(demand, STEEPEST_DB_PER_HZ)
 
 
 def levels(reference_force_n: float) -> "Callable[[Components], Real]":
     """(3,): the level of each channel."""
-    from tactometry.stimuli.perception.channels import channel_levels_db
+    from ...perception.channels import channel_levels_db
 
     return lambda components: channel_levels_db(components, reference_force_n)
 

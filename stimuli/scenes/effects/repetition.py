@@ -5,13 +5,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import Emission
-    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
-    from tactometry.stimuli.time_reversal.responses.responses import Responses
+    from ...time_reversal.focusing.quantiser import Quantiser
+    from ...time_reversal.responses.responses import Responses
+    from ..stages.emission import Emission
 
 Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
@@ -73,8 +74,8 @@ def repeated(
     repetition_hz: float, duration_s: float, envelope: Envelope
 ) -> "Callable[[Responses, Quantiser], Emission]":
     """A train of foci; its instant is that of the largest."""
-    from tactometry.stimuli.scenes.stages.emission import Emission
-    from tactometry.stimuli.time_reversal.focusing import pattern as patterns
+    from ...time_reversal.focusing import pattern as patterns
+    from ..stages.emission import Emission
 
     shapes: dict[str, type[Any]] = {
         "rectangular": patterns.Rectangular,

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
+
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size, Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.perception.detection import Components
+    from ...perception.detection import Components
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,13 @@ class Sensitivity:
 
 def fine_spectrum(demand: Demand) -> Size:
     """Components as finely as the threshold asks for."""
-    from tactometry.stimuli.scenes.stages.spectrum import size
+    from ..stages.spectrum import size
 
     return size(demand)
 
 
 def level(reference_force_n: float) -> "Callable[[Components], float]":
     """Level above threshold."""
-    from tactometry.stimuli.perception.detection import sensation_level_db
+    from ...perception.detection import sensation_level_db
 
     return lambda components: sensation_level_db(components, reference_force_n)

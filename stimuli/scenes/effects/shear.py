@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate.plate import Plate
-    from tactometry.stimuli.time_reversal.screen.screen import Screen
+    from ...time_reversal.plate.plate import Plate
+    from ...time_reversal.screen.screen import Screen
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Shear:
 
     def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
         """Of the waves at a frequency."""
-        from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m
+        from ...time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m
 
         return float(mindlin_wavenumber_rad_per_m(plate, frequency_hz, self.factor))
 

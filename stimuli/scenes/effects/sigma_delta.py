@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
+    from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class SigmaDelta:
 
 def rule(order: int, scale: float) -> "Callable[[], Quantiser]":
     """The modulator."""
-    from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta as Modulator
+    from ...time_reversal.focusing.quantiser import SigmaDelta as Modulator
 
     modulator = Modulator(order, scale)
     return lambda: modulator

@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.stages.circuit import circuit_stage
+
+from ..effect import Surroundings
+from ..stage import Stage
+from ..stages.circuit import circuit_stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.skin.skin import Skin
+    from ...electrovibration.skin.skin import Skin
 
 
 @dataclass(frozen=True)

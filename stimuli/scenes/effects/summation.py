@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
+    from ...electrovibration.waveforms.pieces import Real
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def summed(reference_m2: float) -> "Callable[[Real, float], Real]":
     """The levels of the channels, P raised by the area."""
     import numpy as np
 
-    from tactometry.stimuli.perception.channels import P, summation_db
+    from ...perception.channels import P, summation_db
 
     pacini = np.eye(3)[P]
     return lambda channels_db, area_m2: channels_db + pacini * summation_db(area_m2, reference_m2)

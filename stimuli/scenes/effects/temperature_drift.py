@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.stages.emission import Points
-    from tactometry.stimuli.time_reversal.responses.responses import Responses
-    from tactometry.stimuli.time_reversal.screen.screen import Screen
+    from ...time_reversal.responses.responses import Responses
+    from ...time_reversal.screen.screen import Screen
+    from ..stages.emission import Points
 
 MOST_SHIFT: Final = 0.1
 """As in `drift.warmed`: an effect that no output needs imports no physics."""
@@ -64,8 +65,8 @@ def learnt_cold(
     kelvin: float, shift_per_k: float, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
 ) -> "Callable[[Screen, Points], Responses]":
     """Responses of the colder plate."""
-    from tactometry.stimuli.scenes.stages.emission import learning
-    from tactometry.stimuli.time_reversal.screen.temperature import warmed
+    from ...time_reversal.screen.temperature import warmed
+    from ..stages.emission import learning
 
     learn = learning(rate_hz, reversal_s, band_max_hz, flank_hz)
     return lambda screen, foci: learn(warmed(screen, -kelvin, shift_per_k), foci)

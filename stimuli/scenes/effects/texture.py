@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Stage
+
+from ..effect import Surroundings
+from ..stage import Stage
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
+    from ...electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tactometry.stimuli.scenes.lifting import FORCE, loads_n
-from tactometry.stimuli.scenes.result import Result, unit_of
+from ..lifting import FORCE, loads_n
+from ..result import Result, unit_of
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 STYLES = ("-", "--", ":", "-.")

@@ -11,8 +11,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.figures.focus import draw_map
-from tactometry.stimuli.scenes.result import Result
+
+from ..result import Result
+from .focus import draw_map
 
 FORMATS = (".gif", ".mp4")
 FRAMES_PER_S = 20

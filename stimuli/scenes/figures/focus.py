@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from tactometry.stimuli.scenes.figures.courses import COLOURS, PANEL_IN, draw_course, mark, names, numbers
-from tactometry.stimuli.scenes.result import Result
+from ..result import Result
+from .courses import COLOURS, PANEL_IN, draw_course, mark, names, numbers
 
 WIDTH_IN, MAP_IN, HEAD_IN, AXIS_IN = 10.0, 3.6, 0.5, 0.3
 SLIDING_TIME = "sliding_t_s"

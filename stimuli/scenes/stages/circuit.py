@@ -4,13 +4,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.stages.sampling import per_sample
+
+from ..demand import Demand
+from ..stage import Size, Stage
+from .sampling import per_sample
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.waveforms.pieces import Pieces, Real
 
 NEEDS = ("t_s", "unit_voltage", "form")
 
@@ -51,6 +52,6 @@ def divided() -> "Callable[[Real, Pieces, ForceForm], Real]":
 
 def relaxed() -> "Callable[[Real, Pieces, ForceForm], Real]":
     """The exact solution of the circuit."""
-    from tactometry.stimuli.electrovibration.skin.solution import Solution
+    from ...electrovibration.skin.solution import Solution
 
     return lambda t_s, voltage, form: Solution(voltage, form.relaxations).at(t_s)

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.stages.motion import Motion, answer, moving, times
-from tactometry.stimuli.time_reversal.responses.load import Load, carried
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import PointForce
+
+from ...time_reversal.responses.load import Load, carried
+from ...time_reversal.screen.screen import Screen
+from ...time_reversal.screen.transducer import PointForce
+from .motion import Motion, answer, moving, times
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

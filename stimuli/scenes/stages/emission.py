@@ -7,15 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.focusing.focusing import reversed_waveform
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, Quantiser
-from tactometry.stimuli.time_reversal.plate.modes import Modes
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band, Gain, band_limited
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import PointForce, Source, border
+
+from ...time_reversal.focusing.focusing import reversed_waveform
+from ...time_reversal.focusing.quantiser import Analogue, Quantiser
+from ...time_reversal.plate.modes import Modes
+from ...time_reversal.plate.plate import Plate
+from ...time_reversal.responses.filtering import Band, Gain, band_limited
+from ...time_reversal.responses.responses import Responses, impulse_responses
+from ...time_reversal.screen.attenuation import Attenuation
+from ...time_reversal.screen.screen import Screen
+from ...time_reversal.screen.transducer import PointForce, Source, border
 
 FloatArray = NDArray[np.float64]
 Points = tuple[tuple[float, float], ...]
@@ -46,7 +47,7 @@ class Push:
 
 def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float) -> Callable[[], Plate]:
     """A plate of a glass, its edges simply supported."""
-    from tactometry.stimuli.time_reversal.plate.glass import GLASSES
+    from ...time_reversal.plate.glass import GLASSES
 
     plate = GLASSES[glass].plate(length_m, width_m, thickness_m, "SSSS")
     return lambda: plate

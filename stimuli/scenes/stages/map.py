@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.scenes.stages.motion import Motion
+from .motion import Motion
 
 FloatArray = NDArray[np.float64]
 

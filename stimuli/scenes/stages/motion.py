@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.stages.emission import Emission, Points
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.plate.modes import Modes, values
-from tactometry.stimuli.time_reversal.responses.load import CHUNK, Receptances, contour
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import PointForce
+
+from ...time_reversal.oscillators.oscillators import Oscillators
+from ...time_reversal.plate.modes import Modes, values
+from ...time_reversal.responses.load import CHUNK, Receptances, contour
+from ...time_reversal.screen.screen import Screen
+from ...time_reversal.screen.transducer import PointForce
+from .emission import Emission, Points
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

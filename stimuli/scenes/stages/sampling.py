@@ -21,12 +21,12 @@ from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
-from tactometry.stimuli.scenes.stage import Size
+from ..demand import Demand
+from ..effect import Surroundings
+from ..stage import Size
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.pieces import Pieces, Real
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""

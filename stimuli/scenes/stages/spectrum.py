@@ -9,13 +9,13 @@ from collections.abc import Callable
 from math import log, pi, sin
 from typing import TYPE_CHECKING
 
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.stage import Size
-from tactometry.stimuli.scenes.stages.sampling import samples
+from ..demand import Demand
+from ..stage import Size
+from .sampling import samples
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Real
-    from tactometry.stimuli.perception.detection import Components
+    from ...electrovibration.waveforms.pieces import Real
+    from ...perception.detection import Components
 
 WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 """Coefficients of the four-term Blackman-Harris window."""
@@ -63,7 +63,7 @@ def components_of(padding: int) -> "Callable[[Real, Real], Components]":
     import numpy as np
     from scipy.signal.windows import blackmanharris
 
-    from tactometry.stimuli.perception.detection import Components
+    from ...perception.detection import Components
 
     def found(t_s: "Real", record: "Real") -> "Components":
         x = record[:-1]

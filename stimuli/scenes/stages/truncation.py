@@ -17,8 +17,9 @@ from math import exp, hypot, inf, pi, sqrt
 from typing import Any
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Surroundings
+
+from ..demand import Demand
+from ..effect import Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
 """Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.
@@ -113,7 +114,7 @@ def _turning(scene: Surroundings) -> float:
 
 def _distance_m(scene: Surroundings) -> float:
     """The least distance of what is read from the outline of a transducer, 0 on one."""
-    from tactometry.stimuli.time_reversal.screen.transducer import border
+    from ...time_reversal.screen.transducer import border
 
     surface: Any = scene.surface
     patches: Any = scene.find("patches")

@@ -5,17 +5,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
-from tactometry.stimuli.scenes.effect import Effect
-from tactometry.stimuli.scenes.stage import Stage
-from tactometry.stimuli.scenes.stages.circuit import divider_stage
-from tactometry.stimuli.scenes.stages.sampling import per_sample, record
+
+from ..effect import Effect
+from ..stage import Stage
+from ..stages.circuit import divider_stage
+from ..stages.sampling import per_sample, record
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.electrovibration.attraction.force import ForceForm
-    from tactometry.stimuli.electrovibration.attraction.offset import Waveform
-    from tactometry.stimuli.electrovibration.skin.skin import Skin
-    from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, Real
-    from tactometry.stimuli.scenes.demand import Demand
+    from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.attraction.offset import Waveform
+    from ...electrovibration.skin.skin import Skin
+    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ..demand import Demand
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class Electrovibration:
 
 def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Callable[[], Waveform]":
     """A sine with ramps."""
-    from tactometry.stimuli.electrovibration.waveforms.sine import Sine
+    from ...electrovibration.waveforms.sine import Sine
 
     waveform = Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
     return lambda: waveform
@@ -136,7 +137,7 @@ def of_one_volt() -> "Callable[[Waveform], Pieces]":
 
 def peak() -> Callable[[float], float]:
     """The peak voltage of a level."""
-    from tactometry.stimuli.electrovibration.waveforms.level import peak_voltage_v
+    from ...electrovibration.waveforms.level import peak_voltage_v
 
     return peak_voltage_v
 
@@ -160,7 +161,7 @@ def lossless(
     """A skin whose corneum does not conduct."""
     from math import inf
 
-    from tactometry.stimuli.electrovibration.skin import skin as skins
+    from ...electrovibration.skin import skin as skins
 
     layers = insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity
     dry = skins.Skin(*layers, corneum_resistivity_ohm_m=inf)

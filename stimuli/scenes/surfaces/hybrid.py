@@ -5,11 +5,12 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Effect, Touch
-from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
+
+from ..demand import Demand
+from ..effect import Effect, Touch
+from ..stage import Size, Stage
+from .electrovibration import Electrovibration
+from .time_reversal import TimeReversal
 
 SLIDING = "sliding_"
 """In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""

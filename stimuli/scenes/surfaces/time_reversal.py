@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.demand import Demand
-from tactometry.stimuli.scenes.effect import Effect, Surroundings
-from tactometry.stimuli.scenes.stage import Size, Stage
-from tactometry.stimuli.scenes.stages.truncation import cut_of, n_frequencies, n_modes
+
+from ..demand import Demand
+from ..effect import Effect, Surroundings
+from ..stage import Size, Stage
+from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate.plate import Plate
+    from ...time_reversal.plate.plate import Plate
 
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
@@ -118,7 +119,7 @@ class TimeReversal:
     @property
     def plate(self) -> "Plate":
         """The plate as it is without effects."""
-        from tactometry.stimuli.time_reversal.plate.glass import GLASSES
+        from ...time_reversal.plate.glass import GLASSES
 
         return GLASSES[self.glass].plate(self.length_m, self.width_m, self.thickness_m, "SSSS")
 
@@ -297,7 +298,7 @@ def _check_rest(scene: Demand) -> None:
 
 
 def _check_glass(glass: str) -> None:
-    from tactometry.stimuli.time_reversal.plate.glass import GLASSES
+    from ...time_reversal.plate.glass import GLASSES
 
     require.one_of("TimeReversal.glass", glass, tuple(GLASSES))
 

@@ -23,8 +23,9 @@ from tactometry.arguments.require import (
     positive,
     positive_array,
 )
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band
+
+from ..plate.plate import Plate
+from ..responses.filtering import Band
 
 FloatArray = NDArray[np.float64]
 
@@ -185,7 +186,7 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
 
     Written as the weighted mean of the Airy functions 2 J1(x) / x of both ends, which is regular at r = 0.
     """
-    from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
+    from ..plate.dispersion import wavenumber_rad_per_m
 
     r = np.asarray(radius_m, float)
     k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])

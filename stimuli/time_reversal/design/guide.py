@@ -17,7 +17,13 @@ from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import given, positive
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.design.closed_forms import (
+
+from ..plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
+from ..plate.plate import Plate
+from ..plate.statics import bending_stress_pa
+from ..responses.filtering import Band
+from ..screen.transducer import MOMENT_N_PER_V
+from .closed_forms import (
     Reverberation,
     contrast_limit,
     contrast_whole,
@@ -26,12 +32,7 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.design.low_pass import effective_hz, passed_hz, weighted_width_m
-from tactometry.stimuli.time_reversal.plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa
-from tactometry.stimuli.time_reversal.responses.filtering import Band
-from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
+from .low_pass import effective_hz, passed_hz, weighted_width_m
 
 FloatArray = NDArray[np.float64]
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive
-from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band
+
+from ..plate.dispersion import wavenumber_rad_per_m
+from ..plate.plate import Plate
+from ..responses.filtering import Band
 
 FloatArray = NDArray[np.float64]
 

@@ -15,7 +15,11 @@ from typing import Final
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, positive_array, some
-from tactometry.stimuli.time_reversal.design.guide import (
+
+from ..plate.plate import Plate
+from ..plate.statics import bending_stress_pa, deflection_m
+from ..responses.filtering import Band
+from .guide import (
     FINGER_DIAMETER_M,
     FINGER_FORCE_N,
     STRESS_MAX_PA,
@@ -24,9 +28,6 @@ from tactometry.stimuli.time_reversal.design.guide import (
     Transducers,
     recommend,
 )
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.responses.filtering import Band
 
 SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e-3, 1.6e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
 """Thicknesses in which thin glass is sold; unverified default."""

@@ -7,9 +7,10 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
-from tactometry.stimuli.time_reversal.focusing.quantiser import transitions_per_s
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..focusing.quantiser import transitions_per_s
+from ..screen.screen import Screen
+from .field import modal_amplitudes
 
 FloatArray = NDArray[np.float64]
 

@@ -11,9 +11,10 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.oscillators.oscillators import QUANTITIES
-from tactometry.stimuli.time_reversal.responses.responses import chunks
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..oscillators.oscillators import QUANTITIES
+from ..responses.responses import chunks
+from ..screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
 MAX_GRID: Final = 100_000
@@ -72,7 +73,7 @@ def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_
 @checked
 def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
     """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
-    from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
+    from ..oscillators.propagator import run_impulses
 
     if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):
         raise InvalidParameter(f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0")

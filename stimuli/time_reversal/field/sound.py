@@ -15,10 +15,11 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.responses import chunks
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..oscillators.oscillators import Oscillators
+from ..plate.plate import Plate
+from ..responses.responses import chunks
+from ..screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
 

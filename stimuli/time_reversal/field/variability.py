@@ -13,12 +13,13 @@ from tactometry.arguments.annotations import Matrix
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import whole
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
-from tactometry.stimuli.time_reversal.field.merit import HALF, width_m
-from tactometry.stimuli.time_reversal.finger.finger import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..finger.finger import Emission
+from ..focusing.focusing import drive
+from ..responses.responses import Point, Responses
+from ..screen.screen import Screen
+from .field import modal_amplitudes
+from .merit import HALF, width_m
 
 FloatArray = NDArray[np.float64]
 

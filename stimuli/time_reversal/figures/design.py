@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactometry.stimuli.time_reversal.design.closed_forms import half_wavelength_m
-from tactometry.stimuli.time_reversal.design.guide import STRESS_MAX_PA, Guide, amplitude_over_reversal, contrast_over
-from tactometry.stimuli.time_reversal.design.thickness import Sheet
-from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
+from ..design.closed_forms import half_wavelength_m
+from ..design.guide import STRESS_MAX_PA, Guide, amplitude_over_reversal, contrast_over
+from ..design.thickness import Sheet
+from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 
 def trade_offs(guide: Guide) -> Figure:

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, Pattern
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, PulseWidth, Quantiser, SigmaDelta
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from ..field.sound import NoiseSpectrum
+from ..focusing.pattern import PATTERNS, Pattern
+from ..focusing.quantiser import OneBit, PulseWidth, Quantiser, SigmaDelta
+from ..focusing.sigma_delta import modulate
+from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 FloatArray = NDArray[np.float64]
 

@@ -8,15 +8,16 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import field, grid
-from tactometry.stimuli.time_reversal.field.merit import width_m
-from tactometry.stimuli.time_reversal.figures.style import BLUE, DIVERGING, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.finger.finger import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.responses.decay import schroeder_db, tau_s
-from tactometry.stimuli.time_reversal.responses.filtering import Band
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..field.field import field, grid
+from ..field.merit import width_m
+from ..finger.finger import Emission
+from ..focusing.focusing import drive, emitted, focus_amplitude
+from ..responses.decay import schroeder_db, tau_s
+from ..responses.filtering import Band
+from ..responses.responses import Point, Responses
+from ..screen.screen import Screen
+from .style import BLUE, DIVERGING, ORANGE, colours, label, sheet
 
 FloatArray = NDArray[np.float64]
 

@@ -7,29 +7,29 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
-from tactometry.stimuli.time_reversal.design.guide import Design, Target, Transducers, recommend
-from tactometry.stimuli.time_reversal.design.thickness import recommended, sheets
-from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum, noise
-from tactometry.stimuli.time_reversal.field.variability import (
+from ..design.closed_forms import Reverberation
+from ..design.guide import Design, Target, Transducers, recommend
+from ..design.thickness import recommended, sheets
+from ..field.sound import NoiseSpectrum, noise
+from ..field.variability import (
     amplitude_by_subset_m,
     amplitude_over_count_m,
     contributions_m,
     resolution_per_focus_m,
 )
-from tactometry.stimuli.time_reversal.figures import design, drives, focus, prototype, theory
-from tactometry.stimuli.time_reversal.figures.style import save
-from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import Emission
-from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import Band
-from tactometry.stimuli.time_reversal.responses.responses import Point, impulse_responses
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, TAU_S, Screen
-from tactometry.stimuli.time_reversal.screen.transducer import Disc
+from ..finger.contactor import Contactor
+from ..finger.finger import Emission
+from ..finger.force_loss import force_loss
+from ..focusing.focusing import drive
+from ..focusing.quantiser import OneBit, SigmaDelta
+from ..plate.glass import A4_SCREEN, BOROFLOAT_33
+from ..responses.filtering import Band
+from ..responses.responses import Point, impulse_responses
+from ..screen.attenuation import Attenuation
+from ..screen.screen import A4_PROTOTYPE, TAU_S, Screen
+from ..screen.transducer import Disc
+from . import design, drives, focus, prototype, theory
+from .style import save
 
 FOCUS: Final = (0.121, 0.093)
 P1: Final = (0.205, 0.142)

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
-from tactometry.stimuli.time_reversal.responses.responses import Point
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import Patch
+from ..finger.force_loss import LossRow
+from ..responses.responses import Point
+from ..screen.screen import Screen
+from ..screen.transducer import Patch
+from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 FloatArray = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.design.closed_forms import (
+from ..design.closed_forms import (
     Reverberation,
     analogue_amplitude_ratio,
     contrast_limit,
@@ -15,10 +15,10 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     one_bit_amplitude_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.figures.style import BLACK, BLUE, ORANGE, colours, label, sheet
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.responses.filtering import Band
+from ..plate.plate import Plate
+from ..plate.statics import bending_stress_pa, deflection_m
+from ..responses.filtering import Band
+from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 FloatArray = NDArray[np.float64]
 Measured = Sequence[tuple[float, float]]

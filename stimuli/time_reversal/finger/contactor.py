@@ -10,14 +10,15 @@ from typing import Final
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, one_of, positive
-from tactometry.stimuli.time_reversal.finger.finger import (
+
+from ..plate.plate import Plate
+from ..responses.load import Load
+from .finger import (
     FORCE_EXPONENT,
     REFERENCE_FORCE_N,
     RESISTANCE_N_S_PER_M,
     Finger,
 )
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.load import Load
 
 FINGER_DIAMETER_M: Final = 10e-3
 """Diameter of a fingertip's contact at 2 N."""

@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.design.closed_forms import one_bit_amplitude_ratio
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
-from tactometry.stimuli.time_reversal.responses.load import Attached, Load, loaded_responses
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses, samples_in
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..design.closed_forms import one_bit_amplitude_ratio
+from ..focusing.focusing import drive, focus_amplitude
+from ..focusing.quantiser import Quantiser
+from ..plate.plate import Plate
+from ..responses.filtering import Band, band_limited
+from ..responses.load import Attached, Load, loaded_responses
+from ..responses.responses import Point, Responses, samples_in
+from ..screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some
-from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.responses.responses import Point
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..focusing.focusing import drive, focus_amplitude
+from ..responses.responses import Point
+from ..screen.screen import Screen
+from .contactor import Contactor
+from .finger import Emission
 
 
 @checked

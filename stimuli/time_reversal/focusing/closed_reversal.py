@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, shaped
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.plate.modes import Modes
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+
+from ..oscillators.oscillators import Oscillators
+from ..plate.modes import Modes
+from ..plate.plate import Plate
+from ..screen.attenuation import Attenuation
 
 FloatArray = NDArray[np.float64]
 

@@ -14,8 +14,9 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, Quantiser
-from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+from ..responses.responses import Responses, samples_in
+from .quantiser import OneBit, Quantiser
 
 FloatArray = NDArray[np.float64]
 

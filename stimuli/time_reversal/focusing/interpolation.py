@@ -17,10 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some, within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses
+
+from ..plate.dispersion import wavenumber_rad_per_m
+from ..plate.plate import Plate
+from ..responses.filtering import Band
+from ..responses.responses import Point, Responses
 
 FloatArray = NDArray[np.float64]
 

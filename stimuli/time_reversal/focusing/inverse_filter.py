@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import finite_array, positive, within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.responses.filtering import Band
-from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+from ..responses.filtering import Band
+from ..responses.responses import Responses, samples_in
 
 FloatArray = NDArray[np.float64]
 

@@ -17,9 +17,10 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, not_negative, one_of, positive, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.focusing.focusing import reversed_waveform
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit, Quantiser
-from tactometry.stimuli.time_reversal.responses.responses import MAX_SAMPLES, Responses
+
+from ..responses.responses import MAX_SAMPLES, Responses
+from .focusing import reversed_waveform
+from .quantiser import OneBit, Quantiser
 
 FloatArray = NDArray[np.float64]
 

@@ -82,7 +82,7 @@ class SigmaDelta:
         positive("SigmaDelta", scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
-        from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+        from .sigma_delta import modulate
 
         del rate_hz
         stream = modulate(self.scale * normalised(waveform), self.order)

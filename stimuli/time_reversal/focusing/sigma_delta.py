@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.require import finite_array
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.focusing.quantiser import STATE_LIMIT
+
+from .quantiser import STATE_LIMIT
 
 FloatArray = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, turns
+from .oscillators import Oscillators, turns
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from .oscillators import Oscillators
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative_array, positive, positive_array
-from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+from .plate import Plate
 
 FloatArray = NDArray[np.float64]
 

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from tactometry.arguments.checked import checked
-from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+from .plate import Plate
 
 
 @checked

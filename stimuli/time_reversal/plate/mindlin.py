@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.plate.dispersion import shear_stiffness_n_per_m
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis, orthonormal_legendre
+from ..rectangle.axis import LegendreAxis, orthonormal_legendre
+from .dispersion import shear_stiffness_n_per_m
+from .plate import Plate
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.rectangle.ritz import Block
+    from ..rectangle.ritz import Block
 
 FloatArray = NDArray[np.float64]
 

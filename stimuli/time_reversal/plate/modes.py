@@ -15,15 +15,16 @@ from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, finite_array, positive, shaped
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.dispersion import (
+
+from ..rectangle.axis import Axis, SineAxis
+from .dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.axis import Axis, SineAxis
+from .plate import Plate
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.rectangle.ritz import Block
+    from ..rectangle.ritz import Block
 
 FloatArray = NDArray[np.float64]
 MAX_MODES: Final = 1_000_000
@@ -216,8 +217,8 @@ def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
 
 
 def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzModes:
-    from tactometry.stimuli.time_reversal.plate.mindlin import frequencies_rad_per_s
-    from tactometry.stimuli.time_reversal.rectangle.ritz import solve
+    from ..rectangle.ritz import solve
+    from .mindlin import frequencies_rad_per_s
 
     if shear_factor is None:
         blocks = solve(plate, f_max_hz)

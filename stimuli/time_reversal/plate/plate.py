@@ -13,7 +13,7 @@ from tactometry.arguments.require import not_negative, positive, within
 from tactometry.errors import InvalidParameter
 
 if TYPE_CHECKING:
-    from tactometry.stimuli.time_reversal.plate.modes import Modes
+    from .modes import Modes
 
 FloatArray = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ class Plate:
 
 @lru_cache(maxsize=16)
 def _modes(plate: Plate, f_max_hz: float, shear_factor: float | None) -> "Modes":
-    from tactometry.stimuli.time_reversal.plate.modes import modes_of
+    from .modes import modes_of
 
     modes = modes_of(plate, f_max_hz, shear_factor=shear_factor)
     modes.angular_frequency_rad_per_s.setflags(write=False)

@@ -8,8 +8,9 @@ from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.stimuli.time_reversal.plate.glass import GLASSES
-from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+from .glass import GLASSES
+from .plate import Plate
 
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 

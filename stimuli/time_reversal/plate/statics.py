@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, whole, within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.axis import SineAxis
-from tactometry.stimuli.time_reversal.rectangle.legendre import families, n_rigid
+
+from ..rectangle.axis import SineAxis
+from ..rectangle.legendre import families, n_rigid
+from .plate import Plate
 
 FloatArray = NDArray[np.float64]
 
@@ -116,7 +117,7 @@ def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
 def _ritz(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:
     from scipy.linalg import solve
 
-    from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pencil
+    from ..rectangle.ritz import ellipse, pencil
 
     scale = plate.length_m**3 / (4 * plate.bending_rigidity_n_m * plate.width_m)
     total = np.zeros(len(x))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis, orthonormal_legendre
+from .axis import LegendreAxis, orthonormal_legendre
 
 FloatArray = NDArray[np.float64]
 

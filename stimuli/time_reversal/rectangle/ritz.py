@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.legendre import Family, families, n_rigid
+
+from ..plate.plate import Plate
+from .legendre import Family, families, n_rigid
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

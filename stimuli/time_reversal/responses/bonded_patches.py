@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, whole, within
-from tactometry.stimuli.time_reversal.plate.modes import laplacians
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.load import Attached, Load
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch
+
+from ..plate.modes import laplacians
+from ..plate.plate import Plate
+from ..screen.screen import Screen
+from ..screen.transducer import Disc, Patch
+from .load import Attached, Load
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

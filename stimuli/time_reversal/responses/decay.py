@@ -15,7 +15,8 @@ from tactometry.arguments.annotations import Unbounded, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import between, positive
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+from .responses import Responses
 
 FloatArray = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, within
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+from .responses import Responses
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -22,8 +22,9 @@ from tactometry.arguments.require import positive, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import Npz
-from tactometry.stimuli.time_reversal.oscillators.oscillators import QUANTITIES
-from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+
+from ..oscillators.oscillators import QUANTITIES
+from .responses import Responses, samples_in
 
 FloatArray = NDArray[np.float64]
 

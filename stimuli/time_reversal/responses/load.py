@@ -18,9 +18,10 @@ from tactometry.arguments.annotations import Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, shaped, whole
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses, impulse_responses, values_at
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..oscillators.oscillators import Oscillators
+from ..screen.screen import Screen
+from .responses import Point, Responses, impulse_responses, values_at
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -6,8 +6,9 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive_array
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.decay import Estimate, mean_estimate
+
+from ..plate.plate import Plate
+from .decay import Estimate, mean_estimate
 
 FloatArray = NDArray[np.float64]
 

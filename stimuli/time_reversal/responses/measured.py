@@ -27,8 +27,9 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
 from tactometry.files.samples import Npz, table_of_numbers, wav_of
-from tactometry.stimuli.time_reversal.responses.decay import LEAST_FALL_DB, N_BLOCKS, decay_of
-from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+from .decay import LEAST_FALL_DB, N_BLOCKS, decay_of
+from .responses import Responses
 
 FloatArray = NDArray[np.float64]
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, whole
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.oscillators.oscillators import QUANTITIES, check_sampling
-from tactometry.stimuli.time_reversal.plate.modes import values
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from ..oscillators.oscillators import QUANTITIES, check_sampling
+from ..plate.modes import values
+from ..screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
@@ -124,7 +125,7 @@ def impulse_responses(
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
         )
-    from tactometry.stimuli.time_reversal.oscillators.modal_sum import modal_sums
+    from ..oscillators.modal_sum import modal_sums
 
     weights = _weights(screen, points, f_max_hz)
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))

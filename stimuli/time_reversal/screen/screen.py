@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.plate.modes import Modes
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.transducer import Source, border, modal_forces
+
+from ..oscillators.oscillators import Oscillators
+from ..plate.glass import A4_SCREEN
+from ..plate.modes import Modes
+from ..plate.plate import Plate
+from .attenuation import Attenuation
+from .transducer import Source, border, modal_forces
 
 FloatArray = NDArray[np.float64]
 

@@ -5,7 +5,8 @@ from typing import Final
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import within
-from tactometry.stimuli.time_reversal.screen.screen import Screen
+
+from .screen import Screen
 
 FREQUENCY_SHIFT_PER_K: Final = -5e-5
 """Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""

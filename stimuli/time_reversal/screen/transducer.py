@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, some, whole
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.modes import Modes, laplacians, values
-from tactometry.stimuli.time_reversal.plate.plate import Plate
+
+from ..plate.modes import Modes, laplacians, values
+from ..plate.plate import Plate
 
 FloatArray = NDArray[np.float64]
 

@@ -12,16 +12,17 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.focusing.focusing import emitted
-from tactometry.stimuli.time_reversal.focusing.pattern import (
+
+from ..focusing.focusing import emitted
+from ..focusing.pattern import (
     MODULATIONS,
     PATTERNS,
     Pattern,
     focus_samples,
     pattern_drive,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Quantiser
-from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
+from ..focusing.quantiser import Quantiser
+from ..responses.responses import Responses, samples_in
 
 LEVEL_UNITS: Final = ("m", "dB re 1 um")
 HIGHEST_LEVEL_DB: Final = 400.0

@@ -8,7 +8,8 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import given, positive, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.focusing.pattern import (
+
+from ..focusing.pattern import (
     PATTERNS,
     Envelope,
     Exponential,
@@ -18,11 +19,11 @@ from tactometry.stimuli.time_reversal.focusing.pattern import (
     Sinc,
     Table,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
-from tactometry.stimuli.time_reversal.responses.responses import Responses, samples_in
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+from ..focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
+from ..responses.filtering import Band, band_limited
+from ..responses.responses import Responses, samples_in
+from .family import TimeReversalStimulus
+from .setup import Setup
 
 Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
 EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]

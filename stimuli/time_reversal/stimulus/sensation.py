@@ -14,11 +14,12 @@ from tactometry.arguments.require import not_negative, positive
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
-from tactometry.stimuli.time_reversal.focusing.focusing import emitted
-from tactometry.stimuli.time_reversal.responses.load import Load, Receptances, contour
-from tactometry.stimuli.time_reversal.responses.responses import values_at
-from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+from ..finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
+from ..focusing.focusing import emitted
+from ..responses.load import Load, Receptances, contour
+from ..responses.responses import values_at
+from .setup import Setup
 
 FloatArray = NDArray[np.float64]
 
@@ -193,7 +194,7 @@ def _touch(time_s: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _gain() -> tuple[FloatArray, FloatArray]:
-    from tactometry.stimuli.perception.sensitivity import sensitivity_db
+    from ...perception.sensitivity import sensitivity_db
 
     frequency_hz = np.asarray(np.arange(5.0, TOUCH_HZ, 10.0), float)
     gain: FloatArray = 10 ** (-sensitivity_db(frequency_hz) / 20)

@@ -7,12 +7,13 @@ from typing import Final
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import given, one_of, positive
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33, GLASSES
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.responses.responses import Point, Responses, impulse_responses, samples_in
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.screen import TAU_S, Screen
-from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V, border
+
+from ..plate.glass import BOROFLOAT_33, GLASSES
+from ..plate.plate import Plate
+from ..responses.responses import Point, Responses, impulse_responses, samples_in
+from ..screen.attenuation import Attenuation
+from ..screen.screen import TAU_S, Screen
+from ..screen.transducer import MOMENT_N_PER_V, border
 
 LEARNT_S: Final = 7e-3
 """Length of the responses, twice the default tau; unverified default."""

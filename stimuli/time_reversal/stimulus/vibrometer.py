@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.finger.contactor import FINGER_DIAMETER_M, Contactor
-from tactometry.stimuli.time_reversal.focusing.focusing import emitted
-from tactometry.stimuli.time_reversal.responses.load import Load, Receptances, carried, contour
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses, values_at
-from tactometry.stimuli.time_reversal.stimulus.sensation import Keyed
-from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+from ..finger.contactor import FINGER_DIAMETER_M, Contactor
+from ..focusing.focusing import emitted
+from ..responses.load import Load, Receptances, carried, contour
+from ..responses.responses import impulse_responses, values_at
+from .sensation import Keyed
+from .setup import Setup
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -9,16 +9,16 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import not_negative, positive
-from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.deadline import CLOSE_WITHIN_S, within
-from tactometry.devices.outputs.frame_feed import Course
-from tactometry.devices.outputs.gain import Gain, SignalChain, stated
-from tactometry.devices.outputs.gaps import LONGEST_WORD_S, DryRuns
-from tactometry.devices.outputs.volume import system_volume
-from tactometry.devices.sensors.reader import Block
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.signal import Signal
+from ...arguments.require import not_negative, positive
+from ...errors import DeviceFailed, InvalidParameter
+from ...signal import Signal
+from ..clock_map import ClockMap
+from ..deadline import CLOSE_WITHIN_S, within
+from ..sensors.reader import Block
+from .frame_feed import Course
+from .gain import Gain, SignalChain, stated
+from .gaps import LONGEST_WORD_S, DryRuns
+from .volume import system_volume
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
 FADE_S = 1e-3

@@ -29,8 +29,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
+from ...errors import InvalidParameter
+from ...signal import Signal
 
 MAGIC: Final = b"TACT1BIT"
 VERSION: Final = 1

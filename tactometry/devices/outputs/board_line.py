@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 from typing import Final
 
-from tactometry.errors import DeviceFailed
+from ...errors import DeviceFailed
 
 LOOK_S: Final = 0.005
 """A line that takes nothing is looked at this often."""

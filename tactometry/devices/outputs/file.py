@@ -8,11 +8,11 @@ from typing import IO, ClassVar, Literal
 
 import numpy as np
 
-from tactometry.devices.outputs.gain import Gain, SignalChain
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.files.durable import read_file
-from tactometry.files.samples import Npz, wav_of
-from tactometry.signal import Signal
+from ...errors import DeviceFailed, InvalidParameter
+from ...files.durable import read_file
+from ...files.samples import Npz, wav_of
+from ...signal import Signal
+from .gain import Gain, SignalChain
 
 
 @dataclass(frozen=True)

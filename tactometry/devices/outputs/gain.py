@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import positive
-from tactometry.devices.measured import Measured, check_age
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.signal import Signal
+from ...arguments.require import positive
+from ...errors import DeviceFailed, InvalidParameter
+from ...signal import Signal
+from ..measured import Measured, check_age
 
 FloatArray = NDArray[np.float64]
 

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from tactometry.devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
-from tactometry.devices.outputs.output import NullOutput, Output, check_playable
-from tactometry.errors import LimitExceeded
-from tactometry.safety.limits import Exposure, Limits
-from tactometry.safety.load import Load
-from tactometry.signal import Signal
+from ...errors import LimitExceeded
+from ...safety.limits import Exposure, Limits
+from ...safety.load import Load
+from ...signal import Signal
+from .gaps import LONGEST_WORD_S, TellsGaps
+from .output import NullOutput, Output, check_playable
 
 
 class Driver(Output, Protocol):

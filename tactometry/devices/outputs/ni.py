@@ -15,11 +15,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import positive
-from tactometry.devices.deadline import CLOSE_WITHIN_S, within
-from tactometry.devices.outputs.gain import Gain, SignalChain, stated
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.signal import Signal
+from ...arguments.require import positive
+from ...errors import DeviceFailed, InvalidParameter
+from ...signal import Signal
+from ..deadline import CLOSE_WITHIN_S, within
+from .gain import Gain, SignalChain, stated
 
 FloatArray = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from tactometry.arguments.require import not_negative
-from tactometry.devices.outputs.gain import Gain, SignalChain
-from tactometry.errors import DeviceFailed, LimitExceeded
-from tactometry.safety.limits import Limits
-from tactometry.signal import Signal
+from ...arguments.require import not_negative
+from ...errors import DeviceFailed, LimitExceeded
+from ...safety.limits import Limits
+from ...signal import Signal
+from .gain import Gain, SignalChain
 
 AT_REST_PART = 0.01
 """A signal that begins and ends below this part of its peak needs no ramp."""

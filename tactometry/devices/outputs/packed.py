@@ -8,12 +8,12 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from tactometry.arguments.require import positive
-from tactometry.devices.outputs.bit_stream import decode, encode, stop_stream
-from tactometry.devices.outputs.board_line import BoardLine, Sending, opened
-from tactometry.devices.outputs.gain import Gain, SignalChain, stated
-from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.signal import Signal
+from ...arguments.require import positive
+from ...errors import DeviceFailed, InvalidParameter
+from ...signal import Signal
+from .bit_stream import decode, encode, stop_stream
+from .board_line import BoardLine, Sending, opened
+from .gain import Gain, SignalChain, stated
 
 OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""

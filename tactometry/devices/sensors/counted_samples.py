@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.sensors.reader import Block
+from ..clock_map import ClockMap
+from .reader import Block
 
 SETTLING_S = 0.5
 """Samples of the first while only tell how the clocks are related, and are dropped."""

@@ -7,8 +7,8 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.measured import Measured, check_age
-from tactometry.errors import InvalidParameter
+from ...errors import InvalidParameter
+from ..measured import Measured, check_age
 
 FloatArray = NDArray[np.float64]
 

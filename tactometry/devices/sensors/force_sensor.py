@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from tactometry.devices.sensors.reader import Told
+from .reader import Told
 
 
 class ForceSensor(Told, Protocol):

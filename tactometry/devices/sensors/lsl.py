@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tactometry.arguments.require import positive
-from tactometry.devices.sensors.reader import SAY_S, Block, now_s
-from tactometry.errors import DeviceFailed
+from ...arguments.require import positive
+from ...errors import DeviceFailed
+from .reader import SAY_S, Block, now_s
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5

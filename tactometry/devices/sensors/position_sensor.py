@@ -4,8 +4,8 @@ from typing import Protocol
 
 import numpy as np
 
-from tactometry.devices.sensors.reader import FloatArray, Told
-from tactometry.errors import InvalidParameter
+from ...errors import InvalidParameter
+from .reader import FloatArray, Told
 
 MEAN_S = 0.02
 """Positions are averaged over this time before distances are summed, so that noise is no way (unverified default)."""

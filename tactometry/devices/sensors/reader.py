@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.deadline import CLOSE_WITHIN_S, within
-from tactometry.devices.sensors.arrival import Arrivals
-from tactometry.errors import DeviceFailed
+from ...errors import DeviceFailed
+from ..deadline import CLOSE_WITHIN_S, within
+from .arrival import Arrivals
 
 FloatArray = NDArray[np.float64]
 

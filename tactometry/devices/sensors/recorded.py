@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import positive
-from tactometry.devices.sensors.reader import Block, now_s
-from tactometry.errors import DeviceFailed, TactometryError
-from tactometry.files.durable import read_file
-from tactometry.files.samples import table_of_numbers
+from ...arguments.require import positive
+from ...errors import DeviceFailed, TactometryError
+from ...files.durable import read_file
+from ...files.samples import table_of_numbers
+from .reader import Block, now_s
 
 STEP_S = 0.005
 

@@ -5,11 +5,11 @@ import select
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from tactometry.arguments.require import positive
-from tactometry.devices.sensors.counted_samples import CountedSamples
-from tactometry.devices.sensors.framing import Framing
-from tactometry.devices.sensors.reader import SAY_S, Block, now_s
-from tactometry.errors import DeviceFailed
+from ...arguments.require import positive
+from ...errors import DeviceFailed
+from .counted_samples import CountedSamples
+from .framing import Framing
+from .reader import SAY_S, Block, now_s
 
 LARGEST_READ = 65_536
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.sensors.force_calibration import ForceCalibration
-from tactometry.devices.sensors.reader import Hear, Reader
+from .force_calibration import ForceCalibration
+from .reader import Hear, Reader
 
 FloatArray = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from tactometry.arguments.require import positive
-from tactometry.devices.sensors.reader import Block, now_s
-from tactometry.errors import DeviceFailed
+from ...arguments.require import positive
+from ...errors import DeviceFailed
+from .reader import Block, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
 SYNC, RELATIVE, ABSOLUTE = 0, 2, 3

@@ -12,10 +12,10 @@ import struct
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
-from tactometry.arguments.require import positive
-from tactometry.devices.sensors.counted_samples import CountedSamples
-from tactometry.devices.sensors.reader import SAY_S, Block, now_s
-from tactometry.errors import DeviceFailed, InvalidParameter
+from ...arguments.require import positive
+from ...errors import DeviceFailed, InvalidParameter
+from .counted_samples import CountedSamples
+from .reader import SAY_S, Block, now_s
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)

@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 
-from tactometry.devices.outputs.guarded import Emission
-from tactometry.errors import Stopped
-from tactometry.rigs.experimenter.terminal import HELP, Desk, Order
-from tactometry.rigs.pages.page import Event as Input
-from tactometry.rigs.pages.page import Page, Screen
-from tactometry.rigs.pages.presenter import ending
-from tactometry.session.event import Event, EventLog, Fact, Kind
+from ...devices.outputs.guarded import Emission
+from ...errors import Stopped
+from ...session.event import Event, EventLog, Fact, Kind
+from ..pages.page import Event as Input
+from ..pages.page import Page, Screen
+from ..pages.presenter import ending
+from .terminal import HELP, Desk, Order
 
 EXPERIMENTER = "the experimenter"
 SAFE = "what was recorded is safe: go on with --resume"

@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass
 from typing import Final, Literal, TextIO
 
-from tactometry.errors import InvalidParameter, nearest
+from ...errors import InvalidParameter, nearest
 
 Wish = Literal["pause", "go", "repeat", "note", "stop", "help"]
 WORDS: Final[dict[str, Wish]] = {

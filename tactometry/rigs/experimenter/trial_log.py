@@ -3,11 +3,11 @@
 import time
 from collections.abc import Callable, Mapping
 
-from tactometry.rigs.experimenter.supervisor import Attendant
-from tactometry.rigs.frame_timing import timing_of
-from tactometry.rigs.pages.page import Screen
-from tactometry.session.event import Fact
-from tactometry.trials.trial import Trial
+from ...session.event import Fact
+from ...trials.trial import Trial
+from ..frame_timing import timing_of
+from ..pages.page import Screen
+from .supervisor import Attendant
 
 CLOCK = "_clock_offset_s"
 """How a device's facts say by how much our clock is ahead of its own."""

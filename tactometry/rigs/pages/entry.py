@@ -2,8 +2,8 @@
 
 import math
 
-from tactometry.rigs.pages import layout
-from tactometry.rigs.pages.page import EDGE, INK, QUIET, Answer, Box, Button, Item, Page, Text
+from . import layout
+from .page import EDGE, INK, QUIET, Answer, Box, Button, Item, Page, Text
 
 ROWS = ("789", "456", "123", ".0<")
 POINT, ERASE = ".", "<"

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from tactometry.rigs.pages import layout
-from tactometry.rigs.pages.page import (
+from . import layout
+from .page import (
     ACCENT,
     EDGE,
     GOOD,

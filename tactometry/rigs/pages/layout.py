@@ -4,7 +4,8 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tactometry.rigs.pages.page import (
+from ...scale import value_at
+from .page import (
     ACCENT,
     EDGE,
     GOOD,
@@ -19,7 +20,6 @@ from tactometry.rigs.pages.page import (
     Page,
     Text,
 )
-from tactometry.scale import value_at
 
 BODY = 0.042
 HEADING = 0.056

@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from tactometry.errors import Stopped
-from tactometry.rigs.pages.page import Answer, Closed, Event, KeyDown, Page, Screen
+from ...errors import Stopped
+from .page import Answer, Closed, Event, KeyDown, Page, Screen
 
 S = TypeVar("S")
 Dress = Callable[[Page, float], Page]

@@ -2,11 +2,11 @@
 
 import math
 
-from tactometry.devices.sensors.reader import FloatArray
-from tactometry.gates.force import Compliance, ForceGate, compliance
-from tactometry.rigs.touch.trace import Since, Trace
-from tactometry.safety.limits import FORCE_PEAK_N
-from tactometry.trials.trial import Reason
+from ...devices.sensors.reader import FloatArray
+from ...gates.force import Compliance, ForceGate, compliance
+from ...safety.limits import FORCE_PEAK_N
+from ...trials.trial import Reason
+from .trace import Since, Trace
 
 SILENT_S = 0.1
 """A sensor that says nothing for longer is lost."""

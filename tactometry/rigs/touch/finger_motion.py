@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from tactometry.devices.sensors.reader import FloatArray
-from tactometry.gates.speed import Motion, SpeedGate, motion
-from tactometry.rigs.judgement import side_of
-from tactometry.rigs.touch.trace import Since, Trace
-from tactometry.trials.trial import Reason
+from ...devices.sensors.reader import FloatArray
+from ...gates.speed import Motion, SpeedGate, motion
+from ...trials.trial import Reason
+from ..judgement import side_of
+from .trace import Since, Trace
 
 MOVING_S = 0.1
 """So long must a speed be kept before a stimulus begins: a turn of a fast finger is shorter (unverified default)."""

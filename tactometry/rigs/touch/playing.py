@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.pages.page import Page
-from tactometry.rigs.pages.presenter import Stage
-from tactometry.rigs.touch.watchdog import Pause, vigil
-from tactometry.session.request import Play, Played
-from tactometry.signal import Signal
+from ...devices.sensors.force_sensor import ForceSensor
+from ...session.request import Play, Played
+from ...signal import Signal
+from ..emitter import Emitter
+from ..pages.page import Page
+from ..pages.presenter import Stage
+from .watchdog import Pause, vigil
 
 
 @dataclass(frozen=True)

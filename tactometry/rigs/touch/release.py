@@ -5,8 +5,8 @@ import threading
 
 import numpy as np
 
-from tactometry.devices.sensors.reader import FloatArray
-from tactometry.gates.force import ForceGate
+from ...devices.sensors.reader import FloatArray
+from ...gates.force import ForceGate
 
 
 class Release:

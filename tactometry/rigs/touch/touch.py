@@ -6,25 +6,25 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.devices.sensors.position_sensor import PositionSensor
-from tactometry.gates.force import ForceGate
-from tactometry.gates.speed import SpeedGate
-from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.judgement import broken
-from tactometry.rigs.pages import layout
-from tactometry.rigs.pages.page import Page
-from tactometry.rigs.pages.presenter import Dress, Stage
-from tactometry.rigs.touch.applied_force import Grip
-from tactometry.rigs.touch.finger_motion import MOVING_S, Glide
-from tactometry.rigs.touch.release import Release
-from tactometry.rigs.touch.trace import Trace, speed_m_per_s
-from tactometry.rigs.touch.trigger import Trigger, hearing, quick_turns
-from tactometry.rigs.touch.watchdog import Pause, silence
-from tactometry.safety.limits import FORCE_PEAK_N
-from tactometry.session.request import Press, Slide, Touched
-from tactometry.signal import Signal
-from tactometry.trials.trial import Reason
+from ...devices.sensors.force_sensor import ForceSensor
+from ...devices.sensors.position_sensor import PositionSensor
+from ...gates.force import ForceGate
+from ...gates.speed import SpeedGate
+from ...safety.limits import FORCE_PEAK_N
+from ...session.request import Press, Slide, Touched
+from ...signal import Signal
+from ...trials.trial import Reason
+from ..emitter import Emitter
+from ..judgement import broken
+from ..pages import layout
+from ..pages.page import Page
+from ..pages.presenter import Dress, Stage
+from .applied_force import Grip
+from .finger_motion import MOVING_S, Glide
+from .release import Release
+from .trace import Trace, speed_m_per_s
+from .trigger import Trigger, hearing, quick_turns
+from .watchdog import Pause, silence
 
 TOLD_EVERY_S = 1.0
 

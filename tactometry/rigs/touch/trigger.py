@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from tactometry.devices.deadline import BEGIN_WITHIN_S
-from tactometry.devices.sensors.reader import FloatArray, Hear, Told
+from ...devices.deadline import BEGIN_WITHIN_S
+from ...devices.sensors.reader import FloatArray, Hear, Told
 
 TURN_S = 0.002
 """While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""

@@ -5,12 +5,12 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from tactometry.devices.sensors.force_sensor import ForceSensor
-from tactometry.devices.sensors.reader import FloatArray
-from tactometry.rigs.touch.applied_force import SILENT_S
-from tactometry.rigs.touch.trace import Trace
-from tactometry.rigs.touch.trigger import hearing
-from tactometry.safety.limits import FORCE_PEAK_N
+from ...devices.sensors.force_sensor import ForceSensor
+from ...devices.sensors.reader import FloatArray
+from ...safety.limits import FORCE_PEAK_N
+from .applied_force import SILENT_S
+from .trace import Trace
+from .trigger import hearing
 
 SILENT = "the force sensor is silent"
 Pause = Callable[[str, Callable[[], bool]], None]
