@@ -14,82 +14,34 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-    from .anova.post_hoc import pairs, rank_pairs
-    from .anova.within_subjects import permutation_test, repeated_measures
-    from .attrakdiff.scoring import item_scores, scores
-    from .hierarchical.fitting import fit_hierarchical
-    from .mixed_models.glmm import fit_glmm
-    from .outcomes.group_means import group_table, mean_with_interval
-    from .pipeline import Analysis, analyse
-    from .plan import Plan, read_plan
-    from .reading.column_map import ColumnMap, read_column_map
-    from .reading.trials import Trials, read_trials
-    from .report.page import write_report
-    from .tasks.same_different import differencing_sensitivity, independent_sensitivity
-    from .tasks.signal_detection import (
-        Sensitivity,
-        forced_choice_chance,
-        forced_choice_sensitivity,
-        two_interval_sensitivity,
-        yes_no_sensitivity,
+    from .anova.nonparametric import (
+        aligned_rank_transform as aligned_rank_transform,
+        art_contrasts as art_contrasts,
+        friedman as friedman,
     )
-    from .threshold.fitting import ThresholdFit, fit, fit_many
-    from .threshold.status import Status
+    from .anova.post_hoc import pairs as pairs, rank_pairs as rank_pairs
+    from .anova.within_subjects import permutation_test as permutation_test, repeated_measures as repeated_measures
+    from .attrakdiff.scoring import item_scores as item_scores, scores as scores
+    from .hierarchical.fitting import fit_hierarchical as fit_hierarchical
+    from .mixed_models.glmm import fit_glmm as fit_glmm
+    from .outcomes.group_means import group_table as group_table, mean_with_interval as mean_with_interval
+    from .pipeline import Analysis as Analysis, analyse as analyse
+    from .plan import AnalysisPlan as AnalysisPlan, read_plan as read_plan
+    from .reading.column_map import ColumnMap as ColumnMap, read_column_map as read_column_map
+    from .reading.trials import Trials as Trials, read_trials as read_trials
+    from .report.page import write_report as write_report
+    from .tasks.same_different import (
+        differencing_sensitivity as differencing_sensitivity,
+        independent_sensitivity as independent_sensitivity,
+    )
+    from .tasks.signal_detection import (
+        Sensitivity as Sensitivity,
+        forced_choice_chance as forced_choice_chance,
+        forced_choice_sensitivity as forced_choice_sensitivity,
+        two_interval_sensitivity as two_interval_sensitivity,
+        yes_no_sensitivity as yes_no_sensitivity,
+    )
+    from .threshold.fitting import ThresholdFit as ThresholdFit, fit as fit, fit_many as fit_many
+    from .threshold.status import Status as Status
 
-__all__ = [
-    "Analysis",
-    "ColumnMap",
-    "Plan",
-    "Sensitivity",
-    "Status",
-    "ThresholdFit",
-    "Trials",
-    "aligned_rank_transform",
-    "analyse",
-    "art_contrasts",
-    "differencing_sensitivity",
-    "fit",
-    "fit_glmm",
-    "fit_hierarchical",
-    "fit_many",
-    "forced_choice_chance",
-    "forced_choice_sensitivity",
-    "friedman",
-    "group_table",
-    "independent_sensitivity",
-    "item_scores",
-    "mean_with_interval",
-    "pairs",
-    "permutation_test",
-    "rank_pairs",
-    "read_column_map",
-    "read_plan",
-    "read_trials",
-    "repeated_measures",
-    "scores",
-    "two_interval_sensitivity",
-    "write_report",
-    "yes_no_sensitivity",
-]
-
-_NAMES = {
-    "anova.within_subjects": "permutation_test repeated_measures",
-    "attrakdiff.scoring": "item_scores scores",
-    "reading.column_map": "ColumnMap read_column_map",
-    "tasks.signal_detection": "Sensitivity forced_choice_chance forced_choice_sensitivity two_interval_sensitivity "
-    "yes_no_sensitivity",
-    "mixed_models.glmm": "fit_glmm",
-    "outcomes.group_means": "group_table mean_with_interval",
-    "hierarchical.fitting": "fit_hierarchical",
-    "anova.nonparametric": "aligned_rank_transform art_contrasts friedman",
-    "pipeline": "Analysis analyse",
-    "plan": "Plan read_plan",
-    "anova.post_hoc": "pairs rank_pairs",
-    "report.page": "write_report",
-    "tasks.same_different": "differencing_sensitivity independent_sensitivity",
-    "threshold.status": "Status",
-    "reading.trials": "Trials read_trials",
-    "threshold.fitting": "ThresholdFit fit fit_many",
-}
-__getattr__, __dir__ = exports(__name__, _NAMES)
+__getattr__, __dir__ = exports(__name__, __file__)

@@ -12,9 +12,9 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from .attrakdiff.ratings import Ratings, ratings
 from .outcomes import group_means
 from .outcomes.findings import Outcome
-from .outcomes.hierarchical_outcome import Together, together
+from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
 from .outcomes.outcome import outcome
-from .plan import Plan, plan_of
+from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.origin import Origin, of_one_kind
 from .reading.quality import frames, with_frames
@@ -54,9 +54,9 @@ class Analysis:
     tables: Mapping[str, pd.DataFrame]
     warnings: tuple[str, ...]
     methods: str
-    together: tuple[Together, ...] = ()
+    together: tuple[HierarchicalOutcome, ...] = ()
     forms: tuple[Ratings, ...] = ()
-    plan: Plan = field(default_factory=Plan)
+    plan: AnalysisPlan = field(default_factory=AnalysisPlan)
     origin: Origin = field(default_factory=Origin)
     study: StudyText = field(default_factory=StudyText)
     report: Path | None = None
@@ -119,7 +119,7 @@ def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
     }
 
 
-def _plain_together(each: Together, unit: str) -> dict[str, object]:
+def _plain_together(each: HierarchicalOutcome, unit: str) -> dict[str, object]:
     return {
         "task": each.task,
         "status": None if each.fit is None else each.fit.status.value,
@@ -138,7 +138,7 @@ def analyse(
     within: Sequence[str] | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
-    plan: Plan | None = None,
+    plan: AnalysisPlan | None = None,
     figures: Path | None = None,
     warnings: Sequence[str] = (),
     replay: Replay | None = None,
@@ -159,7 +159,7 @@ def analyse(
         How a foreign table's columns are called.
     level_scale : str, optional
         ``linear``, ``log10`` or ``db``: the axis on which levels are fitted; by default that of the map, else linear.
-    plan : Plan, optional
+    plan : AnalysisPlan, optional
         What is left out, and which differences count as none, stated before the data; by default what the study of
         the data set states in its table ``[analysis]``.
     figures : Path, optional
@@ -198,9 +198,9 @@ def analyse(
     return found if report is None else write_report(found, report, pdf=pdf)
 
 
-def analysed(everything: Trials, plan: Plan | None = None, replay: Replay | None = None) -> Analysis:
+def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
     """All estimates, tables and warnings of a trials table; nothing is written."""
-    plan = plan or Plan()
+    plan = plan or AnalysisPlan()
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
     trials, excluded = applied(everything, plan.exclusion)
@@ -282,7 +282,7 @@ def _missing(choices: Mapping[str, pd.DataFrame], factors: Sequence[str]) -> Ite
             yield from words.missing_cells(choices[task], factors)
 
 
-def _bounds(plan: Plan, task: str) -> Mapping[str, float]:
+def _bounds(plan: AnalysisPlan, task: str) -> Mapping[str, float]:
     """The differences that count as none, which are in the unit of the levels."""
     return {} if task == magnitude.TASK else plan.equivalence
 
@@ -313,7 +313,7 @@ def _growth(trials: Trials) -> dict[str, pd.DataFrame]:
     return {magnitude.GROWTH: table} if len(table) else {}
 
 
-def _together_tables(fits: Sequence[Together]) -> dict[str, pd.DataFrame]:
+def _together_tables(fits: Sequence[HierarchicalOutcome]) -> dict[str, pd.DataFrame]:
     return {name: table for each in fits for name, table in each.tables(each.task).items()}
 
 

@@ -16,7 +16,7 @@ from .tasks.applied_force import Exclusion
 
 
 @dataclass(frozen=True)
-class Plan:
+class AnalysisPlan:
     """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
     threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once. `primary`: the analysis
     that answers (the others are checks); by default a rule chooses it (`analysis.primary`).
@@ -26,7 +26,7 @@ class Plan:
     InvalidParameter
         If a bound is not above 0.
 
-    >>> Plan(equivalence={"force_n": 1.0}).equivalence
+    >>> AnalysisPlan(equivalence={"force_n": 1.0}).equivalence
     {'force_n': 1.0}
     """
 
@@ -50,7 +50,7 @@ class Plan:
                 )
 
 
-def read_plan(path: Path) -> Plan:
+def read_plan(path: Path) -> AnalysisPlan:
     """A plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
 
     Raises
@@ -58,10 +58,10 @@ def read_plan(path: Path) -> Plan:
     InvalidFile
         If it cannot be read, or holds anything else.
     """
-    return read_toml(Plan, path, "a plan of analysis")
+    return read_toml(AnalysisPlan, path, "a plan of analysis")
 
 
-def plan_of(path: Path) -> Plan:
+def plan_of(path: Path) -> AnalysisPlan:
     """The plan that a data set's study states in its table `[analysis]`, with the keys of a plan's file.
 
     Without one, or for a table of trials, the empty plan.
@@ -71,4 +71,4 @@ def plan_of(path: Path) -> Plan:
     InvalidFile
         If the study cannot be read, or its table holds anything else.
     """
-    return stated(path, "analysis", lambda table: build(Plan, as_si(dict(table), "analysis"), "analysis"))
+    return stated(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))

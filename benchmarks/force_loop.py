@@ -4,7 +4,7 @@ Printed for each way in (serial line, LSL, UDP), in one run:
 
 - arrival: from the moment at which the source took a sample to the reader's thread (p50, p99, max);
 - decision: from the moment at which the source took the sample that opens the gate to the decision in the reader's
-  thread, by the same `Grip` and `Trigger` that a touch has (p50, p99, max); the limit is 10 ms at p99;
+  thread, by the same `AppliedForce` and `Trigger` that a touch has (p50, p99, max); the limit is 10 ms at p99;
 - frame: the same for a decision that the drawing loop takes once a frame from all samples, as it was before;
 - peer: the same for PsychoPy's usual way of reading the newest sample in each frame;
 - samples lost, decisions too early by the source's own samples, and frames that were dropped.
@@ -52,10 +52,10 @@ class Gated:
 
     def _arm(self):
         from tactometry.gates.force import ForceGate
-        from tactometry.rigs.touch.applied_force import Grip
+        from tactometry.rigs.touch.applied_force import AppliedForce
         from tactometry.rigs.touch.trigger import Trigger
 
-        self.grip = Grip(ForceGate(1.0, 0.2, HOLD_S))
+        self.grip = AppliedForce(ForceGate(1.0, 0.2, HOLD_S))
         self.trigger = Trigger(lambda: self.grip.open, lambda: not self.grip.open, self._fire, self._arm)
 
     def _fire(self):

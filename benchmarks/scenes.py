@@ -11,7 +11,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from tactometry.experiments.scenes import names, path_of
-from tactometry.stimuli.scenes.effect import Effect, Touch
+from tactometry.stimuli.scenes.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import Plan
@@ -56,7 +56,7 @@ def plan_of(n_effects: int, *, asked: bool) -> Plan:
     chosen = [effect(kind, **values) for kind, values in GROWING[:n_effects]]
     output = "voltage_v" if not asked else "friction_force_n" if n_effects > 3 else "electrostatic_force_n"
     surface = Electrovibration(60.0, duration_s=0.1, ramp_s=0.02)
-    scene = Scene(surface, (effect("force_law", law="sc_layer"), *chosen), (output,), 1e-2, (Touch(1.0, 0.05),))
+    scene = Scene(surface, (effect("force_law", law="sc_layer"), *chosen), (output,), 1e-2, (FingerContact(1.0, 0.05),))
     return scene.resolve()
 
 
@@ -64,7 +64,7 @@ def focus_of(n_effects: int, *, asked: bool) -> Plan:
     """A time-reversal plan: effects on the focus, or effects that the focus does not need."""
     named = FOCUSING[:n_effects] if asked else (FOCUSING[0], *LATER[:n_effects])
     chosen = tuple(effect(kind, **values) for kind, values in named)
-    return Scene(TimeReversal(), chosen, ("peak_m",), 1e-2, (Touch(2.0),)).resolve()
+    return Scene(TimeReversal(), chosen, ("peak_m",), 1e-2, (FingerContact(2.0),)).resolve()
 
 
 def timed(plan: Plan) -> float:
@@ -114,7 +114,7 @@ def unasked() -> None:
     """Print what effects that no output needs add to resolving and running a scene of one second."""
     print("electrovibration, resolve and run: friction alone, and with effects beside it that voltage_v does not need")
     law, friction = effect("force_law", law="sc_layer"), effect("friction")
-    bare = Scene(Electrovibration(240.0), (law, friction), ("voltage_v",), 1e-2, (Touch(1.0, 0.05),))
+    bare = Scene(Electrovibration(240.0), (law, friction), ("voltage_v",), 1e-2, (FingerContact(1.0, 0.05),))
     for name, kinds in UNASKED.items():
         fuller = replace(bare, effects=(*bare.effects, *(effect(kind, **values) for kind, values in kinds)))
         rounds = [(resolved_and_run(bare), resolved_and_run(fuller)) for _ in range(3 * N_ROUNDS)]

@@ -14,7 +14,7 @@ from tactometry.trials.trial import Trial
 
 from .procedures.procedure import Procedure
 from .procedures.shared_learning import answered
-from .tasks.task import Alternative, Outcome, Presentation, Reply, Task
+from .tasks.task import Alternative, Presentation, Reply, Task, TrialOutcome
 from .tasks.touch import Touch
 
 T = TypeVar("T")
@@ -253,7 +253,7 @@ class Standing:
         owed = (asked for asked in self.again if asked.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
-    def after(self, asked: Asked, outcome: Outcome) -> "Standing":
+    def after(self, asked: Asked, outcome: TrialOutcome) -> "Standing":
         """The standing after a presentation."""
         begun_s = outcome.onset_s if self.begun_s is None else self.begun_s
         standing = replace(self, again=tuple(each for each in self.again if each.trial != asked.trial), begun_s=begun_s)
@@ -262,11 +262,11 @@ class Standing:
         late = self.block.longest_s is not None and outcome.onset_s - begun_s > self.block.longest_s
         return replace(standing, tracks=tuple(map(_stopped, standing.tracks)), late=True) if late else standing
 
-    def _kept(self, asked: Asked, outcome: Outcome) -> "Standing":
+    def _kept(self, asked: Asked, outcome: TrialOutcome) -> "Standing":
         standing = self if asked.level is None else self._told(asked, outcome)
         return replace(standing, in_a_row={**self.in_a_row, asked.track: 0}, n_valid=self.n_valid + 1)
 
-    def _told(self, asked: Asked, outcome: Outcome) -> "Standing":
+    def _told(self, asked: Asked, outcome: TrialOutcome) -> "Standing":
         """The standing after a track has learnt what came of its level."""
         track = self.tracks[asked.track]
         if isinstance(track.procedure, FixedOrder):
@@ -293,7 +293,7 @@ class Standing:
         )
 
 
-def _in_order(procedure: FixedOrder, asked: Asked, outcome: Outcome) -> FixedOrder:
+def _in_order(procedure: FixedOrder, asked: Asked, outcome: TrialOutcome) -> FixedOrder:
     """The procedure after an answer; it stays where it is if the level was left out before."""
     then = procedure if asked.attempt > 1 else procedure.skipped()
     return then if outcome.success is None else then.told(outcome.success)
@@ -336,7 +336,7 @@ def _presentation(track: Track, asked: Asked) -> Presentation:
     return Presentation(condition.stimulus, asked.level, condition.touch, condition.alternatives)
 
 
-def _recorded(number: int, asked: Asked, outcome: Outcome, before: Standing, after: Standing) -> Course[None]:
+def _recorded(number: int, asked: Asked, outcome: TrialOutcome, before: Standing, after: Standing) -> Course[None]:
     """The rows of a presentation, the last with what it aborts, and what is said of the answer."""
     block, track = before.block, before.tracks[asked.track]
     *replies, last = outcome.replies or (Reply(),)
@@ -363,7 +363,7 @@ def _aborted(number: int, before: Standing, after: Standing) -> str | None:
     return f"block {number} is aborted{f' ({names})' if names else ''}: {why}"
 
 
-def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: Outcome, reply: Reply) -> Trial:
+def trial_row(block: Block, number: int, asked: Asked, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
     """The row of a reply."""
     felt = outcome.stimulus or next(iter(outcome.touches), None)
     return Trial(

@@ -1,21 +1,27 @@
 """Public names of a package, each imported when it is first asked for."""
 
+import ast
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 
-def exports(package: str, names: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """The `__getattr__` and `__dir__` of `package`, by its modules and the names, parted by spaces, that each holds.
+def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The `__getattr__` and `__dir__` of the face `package`, whose ``__init__.py`` is `file`.
+
+    The face names each thing once, under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
+    checkers and editors take for a re-export; those lines are read here. ``__all__`` is set from them.
 
     Examples
     --------
-    >>> ask, listed = exports("email", {"message": "EmailMessage", "utils": "formatdate parsedate"})
-    >>> ask("EmailMessage").__name__, "formatdate" in listed()
-    ('EmailMessage', True)
+    >>> import tactometry.analysis.threshold
+    >>> tactometry.analysis.threshold.__all__
+    ['Status', 'ThresholdFit', 'fit', 'fit_many']
     """
-    module_of = {name: module for module, held in names.items() for name in held.split()}
+    module_of = dict(_named_under_type_checking(Path(file).read_text(encoding="utf-8")))
+    vars(sys.modules[package])["__all__"] = sorted(module_of)
 
     def ask(name: str) -> Any:
         if name not in module_of:
@@ -28,3 +34,19 @@ def exports(package: str, names: Mapping[str, str]) -> tuple[Callable[[str], Any
         return sorted({*vars(sys.modules[package]), *module_of})
 
     return ask, listed
+
+
+def _named_under_type_checking(source: str) -> list[tuple[str, str]]:
+    """Each name with the module that it is imported from.
+
+    >>> _named_under_type_checking("if TYPE_CHECKING:\\n    from .a.b import C as C, d as d")
+    [('C', 'a.b'), ('d', 'a.b')]
+    """
+    return [
+        (alias.name, line.module or "")
+        for block in ast.parse(source).body
+        if isinstance(block, ast.If) and isinstance(block.test, ast.Name) and block.test.id == "TYPE_CHECKING"
+        for line in block.body
+        if isinstance(line, ast.ImportFrom)
+        for alias in line.names
+    ]

@@ -54,9 +54,9 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Grating,
     PlayedTexture,
-    PositionSensor,
     PulseTrain,
     Sampled,
+    SensorModel,
     Sine,
     Square,
     Step,
@@ -67,7 +67,7 @@ from tactometry.stimuli.electrovibration import (
 )
 from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
 from tactometry.stimuli.hybrid import Hybrid
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
@@ -94,7 +94,7 @@ STIMULI = {
     "sampled": Sampled((0.0, 1.0, -2.0, 0.5, 0.0), rate_hz=100.0, ramp_s=0.0),
     "played_grating": PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.2, 20e3), ramp_s=0.05),
     "played_velvet": PlayedTexture(
-        Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=PositionSensor(latency_s=0.01), ramp_s=0.05
+        Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=SensorModel(latency_s=0.01), ramp_s=0.05
     ),
     "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
     "time_reversal": TimeReversalStimulus(
@@ -119,7 +119,7 @@ SCENES = {
         HybridScreen(Electrovibration(60.0, duration_s=0.05, ramp_s=0.01), small_screen()),
         (*FOCUSED, default("force_law"), *RUBBED),
         ("peak_m", "sliding_t_s", "friction_force_n"),
-        contacts=(Touch(2.0), replace(SLIDING[0], x_m=0.09, y_m=0.06)),
+        contacts=(FingerContact(2.0), replace(SLIDING[0], x_m=0.09, y_m=0.06)),
     ),
 }
 GIVEN = {**LEVEL, **VOLT}

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from tactometry.devices.sensors.reader import Block
+from tactometry.devices.sensors.reader import SampleBlock
 
 STEP_S = 0.002
 
@@ -30,7 +30,7 @@ class Sampled:
         self._n_read = n_due
         samples = [(self.zero_s + time_s, self._value(time_s)) for time_s in times_s.tolist()]
         known = np.array([sample for sample in samples if sample[1] is not None], dtype=float).reshape(-1, 2)
-        return Block(known[:, 0], known[:, 1:]) if len(known) else None
+        return SampleBlock(known[:, 0], known[:, 1:]) if len(known) else None
 
     def close(self):
         if isinstance(self._log, list):

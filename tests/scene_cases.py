@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Effect, Touch
+from tactometry.stimuli.scenes.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -15,7 +15,7 @@ from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.target import resolve
 
-SLIDING = (Touch(2.0, speed_m_per_s=0.05),)
+SLIDING = (FingerContact(2.0, speed_m_per_s=0.05),)
 LEVEL = {"level_db_re_1v": 40.0}
 
 ELECTROVIBRATION: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
@@ -95,7 +95,7 @@ def between_events(t_s, event_s, at_s):
     return ~np.isin(np.searchsorted(t_s, at_s, side="right"), np.searchsorted(t_s, event_s, side="right"))
 
 
-RESTING = (Touch(2.0),)
+RESTING = (FingerContact(2.0),)
 VOLT = {"voltage_v": 30.0}
 
 TIME_REVERSAL: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
@@ -163,7 +163,9 @@ def screens(draw: st.DrawFn, outputs: tuple[str, ...]) -> Scene:
     kinds |= draw(st.sampled_from([set(), {"one_bit"}, {"sigma_delta"}]))
     chosen = [effect(kind, **TIME_REVERSAL[kind][0]) for kind in sorted(kinds)]
     chosen.append(effect("attenuation", tau_s=tau_s))
-    return Scene(surface, tuple(draw(st.permutations(chosen))), outputs, 1e-2, (Touch(draw(st.floats(0.2, 4.0))),))
+    return Scene(
+        surface, tuple(draw(st.permutations(chosen))), outputs, 1e-2, (FingerContact(draw(st.floats(0.2, 4.0))),)
+    )
 
 
 FOCUSED = ("focus_displacement_m", "peak_m", "contact_force_n")
@@ -178,7 +180,7 @@ def hybrids(draw: st.DrawFn) -> Scene:
     plate = rested.surface
     assert isinstance(plate, TimeReversal)
     x_m, y_m = (side * draw(st.floats(0.2, 0.8)) for side in (plate.length_m, plate.width_m))
-    slides = Touch(draw(st.floats(0.2, 4.0)), 0.05, x_m, y_m)
+    slides = FingerContact(draw(st.floats(0.2, 4.0)), 0.05, x_m, y_m)
     borne = FOCUSED if rested.find("load") else FOCUSED[:-1]
     return replace(
         rested,

@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from command_line import call
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
 
 from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope

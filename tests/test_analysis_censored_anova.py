@@ -16,7 +16,7 @@ from test_analysis_mixed_anova import study as of_groups
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.anova.split_plot import mixed_anova
-from tactometry.analysis.anova.strata import Bounded, fit_strata
+from tactometry.analysis.anova.strata import BoundedValues, fit_strata
 from tactometry.analysis.anova.truncated_normal import between
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.censored import censored_model
@@ -107,7 +107,7 @@ def test_the_likelihood_is_that_of_the_integral() -> None:
     y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
     low, high = y.copy(), y.copy()
     low[0, 1], high[0, 2] = -np.inf, np.inf
-    fit = fit_strata(Bounded(low, high, np.zeros(4, dtype=np.int64), (2, 2)))
+    fit = fit_strata(BoundedValues(low, high, np.zeros(4, dtype=np.int64), (2, 2)))
     density = multivariate_normal(fit.means[0], fit.model)
     (first, below, above, last), far = y[0], 12 * np.sqrt(fit.model[0, 0])
     chance = dblquad(

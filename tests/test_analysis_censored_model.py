@@ -19,8 +19,7 @@ from tactometry.analysis.mixed_models.censored import (
     censored_model,
 )
 from tactometry.analysis.mixed_models.held import endless_direction
-from tactometry.analysis.mixed_models.laplace import MixedModel as Clusters
-from tactometry.analysis.mixed_models.laplace import inner_mode
+from tactometry.analysis.mixed_models.laplace import ClusteredModel as Clusters, inner_mode
 from tactometry.analysis.mixed_models.linear import ModelStatus, design_matrix, mixed_model
 from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
 from tactometry.errors import InvalidParameter

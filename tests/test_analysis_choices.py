@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.special import expit, logit
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.stats import norm, t as student
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.trials import Trials

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.plan import Plan, plan_of, read_plan
+from tactometry.analysis.plan import AnalysisPlan, plan_of, read_plan
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.tasks.applied_force import (
     Exclusion,
@@ -147,7 +147,7 @@ def test_a_plan_that_is_none_is_refused(tmp_path, text, message) -> None:
 
 def test_a_bound_names_a_factor() -> None:
     with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor, expected some of force_n"):
-        Plan(equivalence={"force": 1.0}).check(["force_n"])
+        AnalysisPlan(equivalence={"force": 1.0}).check(["force_n"])
 
 
 def test_a_rule_names_the_column_that_it_needs(some) -> None:
@@ -186,7 +186,7 @@ def test_the_plan_of_a_data_sets_study_is_used(tmp_path) -> None:
 
 
 def test_a_plan_that_is_given_stands_instead_of_the_studys(tmp_path) -> None:
-    found = analyse(data_set(tmp_path, STATED), plan=Plan(hierarchical=False))
+    found = analyse(data_set(tmp_path, STATED), plan=AnalysisPlan(hierarchical=False))
     assert set(found.trials.rows["participant"]) == {"P1", "P2"}
 
 

@@ -8,13 +8,11 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.stats import f as fisher
-from scipy.stats import ncf
+from hypothesis import given, settings, strategies as st
+from scipy.stats import f as fisher, ncf
 
 from tactometry.analysis.anova.contrasts import Effect, Sphericity, effects, permutation_p
-from tactometry.analysis.anova.design import Design, DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
 from tactometry.analysis.anova.effect_size import eta_squared, noncentrality
 from tactometry.analysis.anova.within_subjects import effect_row, permutation_test, repeated_measures, singular_note
 from tactometry.errors import InvalidParameter
@@ -30,9 +28,9 @@ def drawn(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
     return (rng.normal(size=(shape[0], n_cells)) @ mixing + rng.normal(size=(shape[0], 1))).reshape(shape)
 
 
-def design_of(values: np.ndarray) -> Design:
+def design_of(values: np.ndarray) -> WithinDesign:
     levels = tuple(tuple(range(k)) for k in values.shape[1:])
-    return Design(values, NAMES[: values.ndim - 1], levels, tuple(range(len(values))))
+    return WithinDesign(values, NAMES[: values.ndim - 1], levels, tuple(range(len(values))))
 
 
 def long_table(values: np.ndarray) -> pd.DataFrame:

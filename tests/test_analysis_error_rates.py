@@ -9,8 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.stats import norm, t as student
 from test_analysis_censored_anova import GIVEN, cut
 from test_analysis_contrasts import long_table
 

@@ -10,8 +10,7 @@ import pytest
 from hard_cases import exact_case
 from scipy.linalg import helmert
 from scipy.special import ndtri
-from scipy.stats import binom, chi2
-from scipy.stats import f as fisher
+from scipy.stats import binom, chi2, f as fisher
 
 from tactometry.analysis.anova.contrasts import epsilons
 from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical

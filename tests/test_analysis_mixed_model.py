@@ -8,11 +8,10 @@ import pandas as pd
 import pytest
 from hard_cases import hard_case
 from test_analysis_anova import PUBLISHED, WITHIN, long_table
-from test_analysis_contrasts import drawn
-from test_analysis_contrasts import long_table as any_table
+from test_analysis_contrasts import drawn, long_table as any_table
 
 from tactometry.analysis.anova.contrasts import effects
-from tactometry.analysis.anova.design import Design
+from tactometry.analysis.anova.design import WithinDesign
 from tactometry.analysis.anova.split_plot import mixed_anova
 from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model
 from tactometry.errors import InvalidParameter
@@ -50,7 +49,7 @@ def test_published_cell_means_model_and_its_closed_form(published) -> None:
     """Balanced: the residual is the mean square of all errors, the variance that of the participants above it."""
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject")
     values = np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
-    design = Design(values, ("force", "freq"), ((0, 1, 2), (0, 1, 2, 3)), tuple(range(8)))
+    design = WithinDesign(values, ("force", "freq"), ((0, 1, 2), (0, 1, 2, 3)), tuple(range(8)))
     errors = sum(effect.ss_error for effect in effects(design)) / (7 * 11)
     subjects = 12 * values.mean(axis=(1, 2)).var(ddof=1)
     assert found.residual_variance == pytest.approx(errors, rel=1e-8)
@@ -61,7 +60,7 @@ def test_published_cell_means_model_and_its_closed_form(published) -> None:
 def test_one_factor_has_the_f_of_the_analysis_of_variance() -> None:
     values = drawn((9, 4), np.random.default_rng())
     row = mixed_model(any_table(values), dependent="y", factors=["force"], subject="subject").terms.iloc[0]
-    design = Design(values, ("force",), (tuple(range(4)),), tuple(range(9)))
+    design = WithinDesign(values, ("force",), (tuple(range(4)),), tuple(range(9)))
     (effect,) = effects(design)
     if effect.ss_error / effect.df[1] < 4 * values.mean(axis=1).var(ddof=1):
         assert row["F"] == pytest.approx(effect.f, rel=1e-6)
@@ -107,7 +106,7 @@ def test_each_term_is_averaged_over_the_others(published) -> None:
     """Of a balanced design: its sum of squares over the error that all effects share."""
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
     values = published["y"].to_numpy().reshape(8, 3, 4)
-    by_contrasts = effects(Design(values, tuple(WITHIN), ((0.5, 1, 2), (60, 120, 240, 480)), tuple(range(8))))
+    by_contrasts = effects(WithinDesign(values, tuple(WITHIN), ((0.5, 1, 2), (60, 120, 240, 480)), tuple(range(8))))
     error = sum(each.ss_error for each in by_contrasts) / sum(each.df[1] for each in by_contrasts)
     expected = [each.ss / each.df[0] / error for each in by_contrasts]
     assert found.loc[[each.name for each in by_contrasts], "F"].to_numpy() == pytest.approx(expected, rel=1e-6)

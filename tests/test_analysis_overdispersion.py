@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.stats import betabinom, binom
 
 from tactometry.analysis.threshold.beta_binomial import log_weight, overdispersed_expansion

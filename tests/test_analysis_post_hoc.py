@@ -10,8 +10,7 @@ from hard_cases import hard_case
 from scipy import stats
 from scipy.stats import f as f_distribution
 from test_analysis_anova import PUBLISHED, WITHIN, long_table
-from test_analysis_contrasts import drawn
-from test_analysis_contrasts import long_table as any_table
+from test_analysis_contrasts import drawn, long_table as any_table
 
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.equivalence import equivalence

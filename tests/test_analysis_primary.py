@@ -15,7 +15,7 @@ from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.plan import Plan
+from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.group_methods import group_methods
 from tactometry.cli.analyse import command, summary_text
 
@@ -307,7 +307,7 @@ def test_an_analysis_that_is_none_is_refused(tmp_path) -> None:
     )
     with_study = tmp_path / "set"
     (with_study / "data").mkdir(parents=True)
-    assert Plan(primary="anova").primary == "anova"
+    assert AnalysisPlan(primary="anova").primary == "anova"
 
 
 def test_methods_describe_only_what_ran(tmp_path) -> None:

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from tactometry.analysis.outcomes.group_means import cross_table, group_table
 from tactometry.analysis.pipeline import Analysis, analyse
-from tactometry.analysis.plan import Plan
+from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import write_report
 from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
@@ -322,7 +322,7 @@ def pressed(study, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def planned(pressed, tmp_path_factory) -> Analysis:
-    plan = Plan(Exclusion(force_in_band_share_min=0.5), {"force_n": 50.0})
+    plan = AnalysisPlan(Exclusion(force_in_band_share_min=0.5), {"force_n": 50.0})
     return analyse(pressed, plan=plan, report=tmp_path_factory.mktemp("planned") / "report.html")
 
 
@@ -411,7 +411,7 @@ def test_the_terminal_shows_scores_and_comparisons(rated) -> None:
 
 def test_a_bound_of_no_factor_is_refused(pressed) -> None:
     with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor"):
-        analyse(pressed, plan=Plan(equivalence={"force": 1.0}))
+        analyse(pressed, plan=AnalysisPlan(equivalence={"force": 1.0}))
 
 
 @pytest.mark.skipif(

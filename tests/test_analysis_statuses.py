@@ -6,8 +6,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.analysis.hierarchical import fitting
 from tactometry.analysis.hierarchical.layout import cells as shrunken

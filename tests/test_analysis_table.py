@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.analysis.threshold.fitting import METHODS, Status, ThresholdFit, fit, fit_many
 from tactometry.errors import InvalidParameter

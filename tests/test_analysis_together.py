@@ -12,7 +12,7 @@ from test_analysis_report import DATA, SHARED
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.plan import Plan
+from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.tasks.cells import Cell, cells
 
@@ -70,7 +70,7 @@ def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
 
 
 def test_a_plan_can_do_without_it(study) -> None:
-    without = analyse(study[0], plan=Plan(hierarchical=False))
+    without = analyse(study[0], plan=AnalysisPlan(hierarchical=False))
     assert without.together == ()
     assert "hierarchical psychometric model" not in without.methods
 

@@ -4,8 +4,7 @@ import re
 
 import pytest
 from command_line import call
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.cli import main
 from tactometry.experiments.study.experiment import wire

@@ -1,8 +1,7 @@
 """Pages as values: what they answer, and that nothing lies outside of the screen."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.rigs.keys import FreshPresses
 from tactometry.rigs.pages import layout

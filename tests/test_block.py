@@ -6,14 +6,13 @@ from dataclasses import replace
 import catalogue
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from memory import Memory
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import Asked, Standing, run_block, turns
-from tactometry.protocols.tasks.task import Outcome, Reply
+from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.request import Show
 from tactometry.session.run import run
 
@@ -165,8 +164,8 @@ def test_the_factors_of_a_block_are_those_that_all_its_tracks_share():
     assert Block(tracks, YesNo()).factors == {"force_n": 1.0}
 
 
-LOST = Outcome((), replies=(Reply(valid=False),))
-KEPT = Outcome((), replies=(Reply(1.0, correct=True),), success=True)
+LOST = TrialOutcome((), replies=(Reply(valid=False),))
+KEPT = TrialOutcome((), replies=(Reply(1.0, correct=True),), success=True)
 
 
 def aborted_after(*came):

@@ -16,14 +16,13 @@ import pytest
 from benches import gain_toml as gain_toml_of
 from command_line import call
 from conftest import SCREEN_PX
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
 from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.cli import main
 from tactometry.devices.outputs.gain import Gain
-from tactometry.devices.sensors.reader import Block, Reader
+from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.bench.calibration import (
@@ -157,7 +156,7 @@ class DeviceUnderTest:
         values = np.pad(piece, ((0, 0), (0, n - piece.shape[1]))).T
         times_s = self._end_s + np.arange(1, n + 1) / self.rate_hz
         self._end_s = float(times_s[-1]) if n else self._end_s
-        return Block(times_s, values)
+        return SampleBlock(times_s, values)
 
     def close(self):
         pass

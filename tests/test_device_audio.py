@@ -19,7 +19,7 @@ from benches import gain_table
 from hard_cases import hard_case
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
-from tactometry.devices.outputs.frame_feed import Course
+from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
 from tactometry.errors import DeviceFailed
 from tactometry.experiments.bench.bench_file import parse_bench
@@ -115,7 +115,7 @@ def test_rounding_never_raises_a_sample():
 
 
 def test_a_stop_falls_to_zero_within_a_block():
-    course = Course(np.full((1000, 2), 1000, "int16"), n_fade=48)
+    course = FrameFeed(np.full((1000, 2), 1000, "int16"), n_fade=48)
     assert np.all(course.take(240) == 1000)
     course.stop()
     last = course.take(240)

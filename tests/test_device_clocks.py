@@ -6,13 +6,12 @@ import time
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.arrival import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals
 from tactometry.devices.sensors.counted_samples import CountedSamples
-from tactometry.devices.sensors.reader import Block, Reader
+from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.errors import DeviceFailed
 
 
@@ -177,7 +176,7 @@ class Told:
     def receive(self):
         time.sleep(2e-3)
         off_s = next(self._off_s, None)
-        return None if off_s is None else Block(np.array([time.perf_counter() + off_s]), np.array([[off_s]]))
+        return None if off_s is None else SampleBlock(np.array([time.perf_counter() + off_s]), np.array([[off_s]]))
 
     def close(self):
         pass

@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples

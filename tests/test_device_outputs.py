@@ -11,8 +11,7 @@ from unittest.mock import create_autospec
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.devices.measured import Measured

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sampled import Sampled
 from test_device_outputs import RATE_HZ, bits, volts
 from test_device_sensors import wait_for

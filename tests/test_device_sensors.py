@@ -21,7 +21,7 @@ from tactometry.devices.sensors.arrival import LATE_S
 from tactometry.devices.sensors.counted_samples import STEP_S
 from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.lsl import LslSettings
-from tactometry.devices.sensors.reader import Block, Listener, Reader
+from tactometry.devices.sensors.reader import Listener, Reader, SampleBlock
 from tactometry.devices.sensors.recorded import RecordedSettings
 from tactometry.devices.sensors.serial_line import SerialSettings
 from tactometry.devices.sensors.streamed import streamed_force, streamed_position
@@ -114,7 +114,7 @@ def collected(sensor, until):
 
 
 def joined(blocks):
-    return Block(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
+    return SampleBlock(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
 
 
 class Listening:
@@ -132,7 +132,7 @@ class Listening:
         """The last value of a sample is when it arrived."""
         if block.times_s.size:
             arrivals_s = np.full(len(block.values), time.perf_counter())
-            self._heard[kind].append(Block(block.times_s, np.column_stack([block.values, arrivals_s])))
+            self._heard[kind].append(SampleBlock(block.times_s, np.column_stack([block.values, arrivals_s])))
 
     def heard(self):
         """(block, facts) of each."""

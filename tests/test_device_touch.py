@@ -5,12 +5,19 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_position
-from tactometry.devices.sensors.touch_screen import ABSOLUTE, EVENT, RELATIVE, SYNC, TRACKING, Finger, TouchSettings
+from tactometry.devices.sensors.touch_screen import (
+    ABSOLUTE,
+    EVENT,
+    RELATIVE,
+    SYNC,
+    TRACKING,
+    TouchSettings,
+    TrackedFinger,
+)
 from tactometry.errors import DeviceFailed
 
 
@@ -70,7 +77,7 @@ def test_a_torn_event_is_put_together(screen):
 
 @given(st.lists(st.tuples(st.integers(-50, 50), st.integers(-50, 50)), min_size=1))
 def test_the_steps_of_a_mouse_add_up(steps):
-    finger = Finger()
+    finger = TrackedFinger()
     for x, y in steps:
         finger = finger.after(RELATIVE, 0, x).after(RELATIVE, 1, y)
     assert finger.values[:2] == tuple(map(sum, zip(*steps, strict=True)))
@@ -81,7 +88,7 @@ def test_the_steps_of_a_mouse_add_up(steps):
 def test_other_events_move_nothing(kind, code, value):
     known = [(ABSOLUTE, 0), (ABSOLUTE, 1), (ABSOLUTE, 53), (ABSOLUTE, 54), (ABSOLUTE, 58), TRACKING]
     if (kind, code) not in [*known, (RELATIVE, 0), (RELATIVE, 1)]:
-        assert Finger().after(kind, code, value) == Finger()
+        assert TrackedFinger().after(kind, code, value) == TrackedFinger()
 
 
 def test_a_device_that_is_not_there_is_named():

@@ -9,11 +9,11 @@ from tactometry.stimuli.electrovibration import (
     Finger,
     Grating,
     Noise,
-    PositionSensor,
     PowerLawArea,
     PulseTrain,
     Region,
     Sampled,
+    SensorModel,
     Sine,
     Skin,
     Step,
@@ -104,7 +104,7 @@ def test_noise_has_no_line_at_0() -> None:
 
 
 def test_a_sensor_knows_nothing_of_the_future() -> None:
-    known_m = PositionSensor(rate_hz=130.0, latency_s=0.003).reported_m(np.arange(1000.0), 1000.0)
+    known_m = SensorModel(rate_hz=130.0, latency_s=0.003).reported_m(np.arange(1000.0), 1000.0)
     assert (known_m <= np.maximum(np.arange(1000.0) - 3, 0) + 1e-9).all()
     assert (np.arange(1000.0) - known_m).max() <= 3 + 1000 / 130 + 1
 

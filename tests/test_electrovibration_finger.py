@@ -4,8 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (

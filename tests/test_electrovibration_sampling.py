@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid

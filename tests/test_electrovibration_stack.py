@@ -5,8 +5,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter

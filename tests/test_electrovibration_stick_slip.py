@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 from tactometry.errors import InvalidParameter

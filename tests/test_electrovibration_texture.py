@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PowerLawArea, Print, TableArea, area_of_prints, power_law_of_prints
 from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS
 from tactometry.stimuli.electrovibration.textures.played_texture import (
     PlayedTexture,
-    PositionSensor,
+    SensorModel,
     lateral_modulation_n,
     straight_path_m,
 )
@@ -130,23 +129,23 @@ def test_a_finger_that_waits_keeps_the_pile_as_it_lies() -> None:
 
 def test_latency_shifts_what_is_felt() -> None:
     region, path = Region(0.01, 0.03), straight_path_m(0.1, 0.4, RATE_HZ)
-    late = PlayedTexture(region, path, sensor=PositionSensor(rate_hz=RATE_HZ, latency_s=0.05)).force_share
+    late = PlayedTexture(region, path, sensor=SensorModel(rate_hz=RATE_HZ, latency_s=0.05)).force_share
     now = PlayedTexture(region, path).force_share
     np.testing.assert_array_equal(late[1000:], now[:-1000])
 
 
 def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
     path, grating = straight_path_m(0.1, 1.0, RATE_HZ), Grating(1e-3, "sinusoidal")
-    sensor = PositionSensor(rate_hz=120.0)
+    sensor = SensorModel(rate_hz=120.0)
     aliased = PlayedTexture(grating, path, sensor=sensor, aliasing="allow").force_share
     assert np.argmax(np.abs(np.fft.rfft(aliased))[1:]) + 1 == 20
     with pytest.raises(InvalidParameter) as caught:
         PlayedTexture(grating, path, sensor=sensor)
     assert str(caught.value) == (
-        "PositionSensor.rate_hz: found 120.0 reports per second, expected more than 200 for a period of 0.001 m at 0.1 "
+        "SensorModel.rate_hz: found 120.0 reports per second, expected more than 200 for a period of 0.001 m at 0.1 "
         "m/s; else the texture aliases: widen it, slow down or report faster"
     )
-    PositionSensor(rate_hz=1000.0).check(1e-3, 0.1)
+    SensorModel(rate_hz=1000.0).check(1e-3, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -166,21 +165,21 @@ def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
 def test_the_finest_period_of_a_texture_sets_the_sensor_that_it_needs(texture: Texture, period_m: float) -> None:
     path = straight_path_m(0.1, 0.1, RATE_HZ)
     needed_hz = 0.0 if period_m is None else 0.2 / period_m
-    PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz * 1.001 + 1e-3))
+    PlayedTexture(texture, path, sensor=SensorModel(rate_hz=needed_hz * 1.001 + 1e-3))
     if period_m is not None:
         with pytest.raises(InvalidParameter, match="else the texture aliases"):
-            PlayedTexture(texture, path, sensor=PositionSensor(rate_hz=needed_hz))
+            PlayedTexture(texture, path, sensor=SensorModel(rate_hz=needed_hz))
 
 
 def test_a_resolution_of_half_a_period_is_refused() -> None:
-    PositionSensor(resolution_m=0.49e-3).check(1e-3, 0.1)
-    with pytest.raises(InvalidParameter, match=r"PositionSensor\.resolution_m"):
-        PositionSensor(resolution_m=0.5e-3).check(1e-3, 0.1)
+    SensorModel(resolution_m=0.49e-3).check(1e-3, 0.1)
+    with pytest.raises(InvalidParameter, match=r"SensorModel\.resolution_m"):
+        SensorModel(resolution_m=0.5e-3).check(1e-3, 0.1)
 
 
 def test_a_grid_finer_than_the_resolution_gives_steps() -> None:
     path = straight_path_m(0.01, 0.1, RATE_HZ)
-    sensor = PositionSensor(rate_hz=RATE_HZ, resolution_m=0.1e-3)
+    sensor = SensorModel(rate_hz=RATE_HZ, resolution_m=0.1e-3)
     known = sensor.reported_m(np.array(path), RATE_HZ)
     assert len(np.unique(known)) == 11
     assert np.abs(known - path).max() <= 0.05e-3 * (1 + 1e-9)

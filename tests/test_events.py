@@ -6,8 +6,7 @@ from itertools import count
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
 
 from tactometry.errors import InvalidFile, InvalidParameter

@@ -16,7 +16,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.experimenter.terminal import Desk, order_of
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, order_of
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
 from tactometry.stimuli.electrovibration import Sine
@@ -35,7 +35,7 @@ class Terminal:
         self._master, slave = os.openpty()
         self._file = os.fdopen(slave, "r+b", buffering=0)
         self.source, self.output = open(slave, closefd=False), open(slave, "w", closefd=False)  # noqa: SIM115
-        self.desk = Desk(self.source, self.output)
+        self.desk = ExperimenterTerminal(self.source, self.output)
         self._seen = b""
 
     def types(self, line):
@@ -366,7 +366,7 @@ def test_without_a_terminal_a_desk_is_silent(tmp_path, capsys):
     path.write_text("stop\n")
     n_threads = threading.active_count()
     with path.open() as source, (tmp_path / "told").open("w") as output:
-        desk = Desk(source, output)
+        desk = ExperimenterTerminal(source, output)
         desk.tell("words")
         assert desk.orders() == []
     assert (tmp_path / "told").read_text() == ""

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.r_table import name, quoted

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.gates.force import ForceGate, compliance

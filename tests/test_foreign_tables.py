@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import call
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from tactometry.gates.force import ForceGate
-from tactometry.rigs.touch.applied_force import SILENT_S, Grip
+from tactometry.rigs.touch.applied_force import SILENT_S, AppliedForce
 
 NOTHING = np.empty(0)
 
 
 @pytest.fixture
 def grip():
-    return Grip(ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.2))
+    return AppliedForce(ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.2))
 
 
 def hold_that_ended(grip, ago_s):

@@ -8,11 +8,11 @@ import pytest
 from memory import Memory
 
 from tactometry.gates.force import Compliance
-from tactometry.gates.speed import Motion
+from tactometry.gates.speed import SpeedCompliance
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
-from tactometry.protocols.tasks.task import Outcome, Reply, reply
+from tactometry.protocols.tasks.task import Reply, TrialOutcome, reply
 from tactometry.rigs.judgement import broken
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.session.request import Adjusted, Chosen, Touched
@@ -70,8 +70,8 @@ def test_the_reason_is_the_side_on_which_the_force_or_the_speed_was():
 
 def test_the_force_is_named_before_the_speed():
     slide = GATED.request("tone", 5.0, None)
-    assert broken(slide, Compliance(2.0, 0.0, 0.0), Motion(0.1, 0.0)) == "too_heavy"
-    assert broken(slide, Compliance(1.0, 0.0, 0.8), Motion(0.1, 0.8)) is None
+    assert broken(slide, Compliance(2.0, 0.0, 0.0), SpeedCompliance(0.1, 0.0)) == "too_heavy"
+    assert broken(slide, Compliance(1.0, 0.0, 0.8), SpeedCompliance(0.1, 0.8)) is None
 
 
 TOUCHED = Touched(1.0, 5.0, "0")
@@ -81,22 +81,22 @@ TORN = replace(TOUCHED, valid=False, invalid_reason="output_gap", n_gaps=2)
 def test_the_gaps_of_all_intervals_are_those_of_their_trial():
     fine = replace(TOUCHED, n_gaps=0)
     answer = reply(Chosen(1, 2.0, 0.5), 1.0)
-    assert Outcome((fine, fine), fine, (answer,)).n_gaps == 0
-    torn = Outcome((fine, TORN), fine, (answer,))
+    assert TrialOutcome((fine, fine), fine, (answer,)).n_gaps == 0
+    torn = TrialOutcome((fine, TORN), fine, (answer,))
     assert (torn.n_gaps, torn.valid, torn.invalid_reason) == (2, False, "output_gap")
-    assert Outcome((TOUCHED,), TOUCHED, (answer,)).n_gaps is None
+    assert TrialOutcome((TOUCHED,), TOUCHED, (answer,)).n_gaps is None
 
 
 @pytest.mark.parametrize(("n_gaps", "reason"), [(None, "experimenter"), (0, "experimenter"), (1, "output_gap")])
 def test_a_level_that_was_set_is_not_valid_for_a_gap_or_as_the_experimenter_wanted(n_gaps, reason):
     answer = reply(Adjusted(5.0, 1.0, 2.0, valid=False, n_gaps=n_gaps), 5.0, correct=True)
-    outcome = Outcome((), None, (answer,))
+    outcome = TrialOutcome((), None, (answer,))
     assert (outcome.valid, outcome.invalid_reason, outcome.n_gaps) == (False, reason, n_gaps)
     assert answer.correct is None
 
 
 def test_what_has_no_reply_and_no_lost_touch_has_no_reason():
-    assert Outcome((), replies=(Reply(1.0),)).invalid_reason is None
+    assert TrialOutcome((), replies=(Reply(1.0),)).invalid_reason is None
 
 
 @pytest.mark.parametrize("reason", REASONS)

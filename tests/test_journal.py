@@ -11,8 +11,7 @@ import catalogue
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from tutorial_session import EXPERIMENT, TOML, journal_of, live
 
 from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse

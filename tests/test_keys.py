@@ -10,7 +10,7 @@ from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.cells import STIMULI, TOUCHES, merged
 from tactometry.experiments.study.key_tables import pages, procedure_tables, study_tables
-from tactometry.experiments.study.keys import Key, Table, keys_of
+from tactometry.experiments.study.keys import Key, KeyTable, keys_of
 from tactometry.experiments.study.procedure_table import PROCEDURES
 from tactometry.experiments.study.study_file import builtin
 from tactometry.experiments.study.task_table import TASKS
@@ -32,7 +32,7 @@ class Gadget:
 
 
 def test_a_key_is_what_its_class_says():
-    assert keys_of(Table(Gadget, {"speed_m_per_s": 1.0})) == (
+    assert keys_of(KeyTable(Gadget, {"speed_m_per_s": 1.0})) == (
         Key("speed_m_per_s", "a number", "m/s", "above 0", ""),
         Key("n", "a whole number", "", "at most 5", "3"),
         Key("inner", "a list of numbers", "", "", "none"),

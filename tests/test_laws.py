@@ -7,8 +7,7 @@ from typing import get_args
 import catalogue
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from memory import Memory
 
 from tactometry.errors import Diverged, InvalidParameter

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter, LimitExceeded

@@ -4,8 +4,7 @@ import itertools
 from collections import Counter
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import counterbalanced, williams_square

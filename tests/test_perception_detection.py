@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.perception import Components, components, sensation_level_db, sensitivity_db

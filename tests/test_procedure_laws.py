@@ -6,8 +6,7 @@ import catalogue
 import numpy as np
 import pytest
 from hard_cases import exact_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 

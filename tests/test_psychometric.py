@@ -7,8 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction, log1mexp

@@ -8,8 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel

@@ -6,8 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter

@@ -5,8 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.questionnaire import Item, load, parse, shipped

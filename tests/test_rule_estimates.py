@@ -8,8 +8,7 @@ from statistics import fmean, stdev
 import pandas as pd
 import pytest
 from command_line import call
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.tasks.rule_estimate import COLUMNS, reversals

@@ -10,8 +10,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.io import wavfile
 
 from tactometry.devices.outputs.file import read_signal

@@ -34,7 +34,7 @@ from tactometry.stimuli.electrovibration import (
     Skin,
     electrostatic_force_n_at,
 )
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -183,7 +183,7 @@ KINKED = (
 
 @pytest.mark.parametrize(("case", "accuracy"), [(JERK, 1e-3), (KINKED, 1e-4)], ids=["jerk", "kinks"])
 def test_the_end_of_a_ramp_and_kinks_beside_a_constant_keep_the_accuracy(case, accuracy):
-    scene = Scene(*case, accuracy, (Touch(0.5, 0.05),))
+    scene = Scene(*case, accuracy, (FingerContact(0.5, 0.05),))
     reference = run(replace(scene, settings={"sampling": {"n_samples": 100_001}}))
     assert error_of(run(scene), reference, "electrostatic_force_n") <= accuracy
 
@@ -192,7 +192,7 @@ def test_the_end_of_a_ramp_and_kinks_beside_a_constant_keep_the_accuracy(case, a
 @settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_random_scenes_keep_their_accuracy(case):
     surface, effects, outputs = case
-    scene = Scene(surface, effects, outputs, 1e-2, (Touch(0.5, 0.05),))
+    scene = Scene(surface, effects, outputs, 1e-2, (FingerContact(0.5, 0.05),))
     finest = finest_of(scene, *((3e-5, 9e-5) if SOAK else (3e-4,)))
     reference = run(finest)
     for accuracy in ACCURACIES if SOAK else ACCURACIES[:3]:
@@ -215,7 +215,7 @@ def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_
     effects = (effect("force_law", law="sc_layer"), default("dry_friction"), default("finger_dynamics"))
     outputs = ("t_s", "slip_events_s", "friction_force_n", "skin_displacement_m")
     surface = Electrovibration(frequency_hz, duration_s=0.2, ramp_s=ramp_s)
-    scene = Scene(surface, effects, outputs, contacts=(Touch(0.5, 0.05),))
+    scene = Scene(surface, effects, outputs, contacts=(FingerContact(0.5, 0.05),))
     reference = run(replace(scene, accuracy=1e-5))
     assert reference["slip_events_s"].size >= 4
     for accuracy in ACCURACIES:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene_cases import LEVEL, VOLT, default, effect, panel, screen
 
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.figures.courses import BESIDE_LOAD, courses, numbers
 from tactometry.stimuli.scenes.figures.focus import focus_sheet
 from tactometry.stimuli.scenes.lifting import loads_n
@@ -26,7 +26,7 @@ def axes_of(figure, words):
 def test_beginnings_of_slip_and_stick_are_marked():
     outputs = ("t_s", "friction_force_n", "voltage_v", "slip_events_s")
     scene = panel(default("dry_friction"), default("finger_dynamics"), outputs=outputs)
-    result, figure = drawn(replace(scene, contacts=(Touch(0.2, speed_m_per_s=0.05),)), LEVEL, courses)
+    result, figure = drawn(replace(scene, contacts=(FingerContact(0.2, speed_m_per_s=0.05),)), LEVEL, courses)
     (rubbed,), (quiet,) = axes_of(figure, "friction force"), axes_of(figure, "voltage")
     events_ms = np.asarray(result.values["slip_events_s"]) * 1e3
     marks = [line.get_xdata()[0] for line in rubbed.lines if len(line.get_xdata()) == 2]

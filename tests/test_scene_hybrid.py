@@ -10,7 +10,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import cache
 from tactometry.stimuli.scenes.cache import cached
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.figures.film import write_film
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.result import computed
@@ -19,7 +19,7 @@ from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
 
 TONE = Electrovibration(60.0, duration_s=0.05, ramp_s=0.01)
-REST, SLIDE = Touch(2.0), Touch(2.0, speed_m_per_s=0.05, x_m=0.09, y_m=0.06)
+REST, SLIDE = FingerContact(2.0), FingerContact(2.0, speed_m_per_s=0.05, x_m=0.09, y_m=0.06)
 GIVEN = {"voltage_v": 30.0, "level_db_re_1v": 40.0}
 FOCUS = (effect("attenuation", tau_s=2e-3), effect("one_bit"), effect("finger_load"))
 FRICTION = (effect("force_law", law="sc_layer"), effect("skin_leakage"), effect("friction"))
@@ -71,7 +71,7 @@ def test_stages_of_both_sides_have_names_of_their_own():
 
 def test_a_finger_that_slides_has_a_place_on_a_hybrid_plate():
     with pytest.raises(InvalidParameter, match=r"contacts\[0\]: .* slides without a place, .*add x_m and y_m"):
-        replace(HYBRID, contacts=(Touch(1.0, 0.05), REST)).resolve()
+        replace(HYBRID, contacts=(FingerContact(1.0, 0.05), REST)).resolve()
 
 
 # --- kept results

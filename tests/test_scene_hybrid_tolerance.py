@@ -21,7 +21,7 @@ from test_scene_time_reversal import error_of
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
@@ -37,7 +37,7 @@ from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
-REST, SLIDE = Touch(2.0), Touch(1.0, 0.05, 0.09, 0.06)
+REST, SLIDE = FingerContact(2.0), FingerContact(1.0, 0.05, 0.09, 0.06)
 EFFECTS = (
     effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3), effect("one_bit"), effect("finger_load"),
     effect("force_law", law="sc_layer"), effect("skin_leakage"), effect("contact_area"), effect("friction"),

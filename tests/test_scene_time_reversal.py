@@ -24,7 +24,7 @@ from scene_cases import (
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes
@@ -313,7 +313,7 @@ def test_a_finger_load_without_contact_is_refused_with_the_cure():
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*\[\[contacts\]\]"):
         Scene(small_screen(), (effect("finger_load"),), ("peak_m",))
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*no speed"):
-        Scene(small_screen(), (effect("finger_load"),), ("peak_m",), contacts=(Touch(1.0, 0.05),))
+        Scene(small_screen(), (effect("finger_load"),), ("peak_m",), contacts=(FingerContact(1.0, 0.05),))
 
 
 @pytest.mark.parametrize(
@@ -370,7 +370,7 @@ def test_an_effect_that_does_not_fit_the_screen_is_refused_with_the_cure(kind, v
 
 
 def test_a_finger_off_the_plate_is_refused():
-    scene = replace(screen(effect("finger_load")), contacts=(Touch(1.0, x_m=0.3, y_m=0.01),))
+    scene = replace(screen(effect("finger_load")), contacts=(FingerContact(1.0, x_m=0.3, y_m=0.01),))
     with pytest.raises(
         InvalidParameter, match=r"contacts\[0\]: found \(0\.3, 0\.01\) m, expected a place on the plate"
     ):
@@ -378,7 +378,7 @@ def test_a_finger_off_the_plate_is_refused():
 
 
 def test_a_finger_that_slides_over_a_focus_is_refused_with_the_cure():
-    slides = replace(screen(), contacts=(Touch(2.0), Touch(2.0, speed_m_per_s=0.05)))
+    slides = replace(screen(), contacts=(FingerContact(2.0), FingerContact(2.0, speed_m_per_s=0.05)))
     message = r"contacts\[1\]: found a finger that slides \(0.05 m/s\) on a plate that focuses, .*'hybrid'"
     with pytest.raises(InvalidParameter, match=message):
         slides.resolve()

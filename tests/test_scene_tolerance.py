@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import SOAK
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from scene_cases import effect, finest_of, refusal, screen, screens, tuned
 from test_scene_time_reversal import LOSSY, error_of, finer, run
 

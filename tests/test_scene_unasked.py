@@ -27,7 +27,7 @@ from scene_cases import (
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import names, path_of
-from tactometry.stimuli.scenes.effect import Touch
+from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene
@@ -61,7 +61,7 @@ BARE = {
         (),
         ("peak_m",),
         0.1,
-        (Touch(2.0), Touch(2.0, 0.05, 0.09, 0.06)),
+        (FingerContact(2.0), FingerContact(2.0, 0.05, 0.09, 0.06)),
     ),
 }
 """Slow tones: there the swing of a finger pad is the fastest thing in the scene."""

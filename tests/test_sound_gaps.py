@@ -15,7 +15,7 @@ from test_device_session import BENCH, needed, study_in  # noqa: F401  # fixture
 from test_window_session import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
-from tactometry.devices.outputs.frame_feed import Course
+from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
 from tactometry.experiments.data_sets.validation import validate
 
@@ -141,7 +141,7 @@ def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
 
 
 def test_a_stimulus_is_torn_from_its_onset_to_its_end():
-    course = Course(np.zeros((1000, 1)), n_fade=1)
+    course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
     assert not course.is_torn_by(0.0, rate_hz=1000.0)
     course.onset_s = 10.0
     course.begun.set()

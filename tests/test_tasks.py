@@ -7,8 +7,7 @@ from dataclasses import replace
 import catalogue
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from memory import Memory
 
 from tactometry.analysis.tasks.interval_bias import interval_bias
@@ -27,7 +26,7 @@ from tactometry.protocols import (
 )
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.rating import filled_in, pages
-from tactometry.protocols.tasks.task import Alternative, Outcome, Presentation
+from tactometry.protocols.tasks.task import Alternative, Presentation, TrialOutcome
 from tactometry.questionnaire import load
 from tactometry.rigs.simulated import ANSWERS
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
@@ -257,7 +256,7 @@ def test_an_item_that_was_left_open_has_an_empty_response():
         course.send(Filled(values, 0.0, 9.0))
     replies = stop.value.value
     assert [reply.response for reply in replies] == list(values)
-    assert Outcome((), replies=replies).valid
+    assert TrialOutcome((), replies=replies).valid
 
 
 def test_a_participant_who_answers_by_the_poles_gets_the_straight_line_scores():

@@ -10,11 +10,11 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener, bonded_loads
-from tactometry.stimuli.time_reversal.responses.load import Load, Receptances, loaded_receptance, loaded_responses
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, Receptances, loaded_receptance, loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch, PointForce, border
+from tactometry.stimuli.time_reversal.screen.transducer import DiscPatch, Patch, PointForce, border
 
 F_MAX_HZ = 2e3
 AT, SEEN = (0.07, 0.05), (0.2, 0.13)
@@ -29,7 +29,7 @@ def dense(loads):
     mass, stiffness = A4_SCREEN.mass_kg * np.eye(n), A4_SCREEN.mass_kg * np.diag(omega**2)
     for load in loads:
         weight = load.weights(SCREEN, F_MAX_HZ)
-        if isinstance(load, Load):
+        if isinstance(load, PlateLoad):
             mass += load.mass_kg * np.outer(weight, weight)
         else:
             stiffness += load.rigidity_n_m3 * np.outer(weight, weight)
@@ -51,7 +51,7 @@ def test_loaded_responses_are_those_of_a_dense_eigenproblem(mass, stiffness):
 
 def test_a_patch_as_large_as_the_wave_is_long_changes_the_first_mode_as_rayleigh_says():
     """For the first mode the quotient (K + dD A lap^2) / (M + m phi^2) holds while the shape stays."""
-    disc = Disc(A4_SCREEN.length_m / 2, A4_SCREEN.width_m / 2, 1e-3)
+    disc = DiscPatch(A4_SCREEN.length_m / 2, A4_SCREEN.width_m / 2, 1e-3)
     loads = bonded_loads(A4_SCREEN, [disc])
     modes = SCREEN.modes(F_MAX_HZ)
     omega = modes.angular_frequency_rad_per_s[0]

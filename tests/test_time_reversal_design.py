@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from conftest import SOAK
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.cli.design import command
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter

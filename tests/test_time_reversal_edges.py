@@ -10,13 +10,13 @@ from tactometry.stimuli.time_reversal import (
     A4_SCREEN,
     Attenuation,
     Band,
-    Disc,
+    DiscPatch,
     Emission,
     Finger,
     FocusTrain,
-    Load,
     Patch,
     Pattern,
+    PlateLoad,
     Responses,
     Screen,
     Setup,
@@ -109,7 +109,7 @@ def test_patches_held_are_told_before_a_design_is_refused():
 
 def test_below_the_first_mode_nothing_moves_and_a_load_changes_nothing():
     sampling = {"rate_hz": 2e3, "duration_s": 5e-3, "f_max_hz": 1.0}
-    found = loaded_responses(SCREEN, [FOCUS], [Load(*FOCUS, 10.0)], **sampling)
+    found = loaded_responses(SCREEN, [FOCUS], [PlateLoad(*FOCUS, 10.0)], **sampling)
     assert not found.samples.any()
 
 
@@ -137,11 +137,11 @@ def test_the_factored_overlap_is_that_of_one_exponential_per_pair(tau_s, reversa
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("patch", [Patch(0.1, 0.1, 0.012, 0.008), Disc(0.1, 0.1, 0.01)])
+@pytest.mark.parametrize("patch", [Patch(0.1, 0.1, 0.012, 0.008), DiscPatch(0.1, 0.1, 0.01)])
 def test_parts_of_a_patch_keep_its_mass_rigidity_and_middle(patch):
     whole, split = bonded_loads(A4_SCREEN, [patch]), bonded_loads(A4_SCREEN, [patch], n_parts=4)
     assert len(split) == 16 * len(whole)
-    masses = [load for load in split if isinstance(load, Load)]
+    masses = [load for load in split if isinstance(load, PlateLoad)]
     assert sum(load.mass_kg for load in masses) == pytest.approx(whole[0].mass_kg, rel=1e-12)
     assert sum(load.rigidity_n_m3 for load in split[16:]) == pytest.approx(whole[1].rigidity_n_m3, rel=1e-12)
     assert np.mean([(load.x_m, load.y_m) for load in masses], axis=0) == pytest.approx([0.1, 0.1], abs=3e-4)

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter
@@ -25,7 +24,7 @@ from tactometry.stimuli.time_reversal.responses.filtering import (
     Band,
     Butterworth,
     Hold,
-    Measured,
+    MeasuredGain,
     band_limited,
     inaudible,
     through,
@@ -268,7 +267,7 @@ def test_any_band_and_position_is_finite_reciprocal_and_focuses(f_min, width, fl
 def test_amplifier_responses():
     f = np.array([0.0, 1e3, 1e4])
     assert np.abs(Butterworth(1e3, 3).at(f)) == pytest.approx([1, math.sqrt(0.5), 1 / math.sqrt(1 + 10**6)])
-    assert Measured((0.0, 2e3), (1.0, 3.0 + 2j)).at(f) == pytest.approx([1.0, 2.0 + 1j, 3.0 + 2j])
+    assert MeasuredGain((0.0, 2e3), (1.0, 3.0 + 2j)).at(f) == pytest.approx([1.0, 2.0 + 1j, 3.0 + 2j])
     assert np.abs(Hold(1e4).at(f)) == pytest.approx([1.0, np.sinc(0.1), 0.0], abs=1e-15)
     impulse = Responses(np.eye(1, 64)[None], 1e5)
     assert through(impulse, Butterworth(2e3)).samples.sum() == pytest.approx(1.0, rel=0.05)

@@ -36,13 +36,13 @@ from tactometry.stimuli.time_reversal import (
     Analogue,
     Attenuation,
     Contactor,
-    Disc,
+    DiscPatch,
     Finger,
     Glass,
-    Load,
     OneBit,
     Patch,
     Pattern,
+    PlateLoad,
     PointForce,
     PulseWidth,
     SigmaDelta,
@@ -54,8 +54,8 @@ from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.responses.decay import Estimate
-from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
+from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
@@ -102,10 +102,11 @@ def constructors() -> Iterator[tuple[str, object]]:
     """Sound instances, whose fields are the arguments of their classes."""
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
-        "design.closed_forms": ROOM, "finger.contactor": Contactor("soft"), "responses.decay": Estimate(1.0, 0.5, 2.0),
+        "design.closed_forms": ROOM, "finger.contactor": Contactor("soft"),
+        "responses.decay": TauEstimate(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN), "finger.finger": (Finger(0.1, 0.1), EMISSION),
         "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
-        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": Load(0.1, 0.1, 10.0),
+        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": PlateLoad(0.1, 0.1, 10.0),
         "focusing.pattern": (
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
@@ -113,10 +114,10 @@ def constructors() -> Iterator[tuple[str, object]]:
         "stimulus.vibrometer": FocusReading(SETUP), "responses.responses": RESPONSES, "screen.screen": SCREEN,
         "stimulus.sensation": TimeReversalSensation(SETUP), "stimulus.setup": SETUP,
         "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
-        "responses.filtering": (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
+        "responses.filtering": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
         "stimulus.family": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         "design.thickness": SHEETS[0],
-        "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01)),
+        "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
 
 

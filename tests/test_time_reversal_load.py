@@ -8,8 +8,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.finger.contactor import Contactor
@@ -29,7 +28,7 @@ from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.load import (
-    Load,
+    PlateLoad,
     Receptances,
     contour,
     loaded_receptance,
@@ -142,7 +141,7 @@ def test_pinned_contacts_that_coincide_are_refused():
 
 
 def test_a_pin_in_the_time_domain_holds_its_point_and_coinciding_pins_are_refused():
-    pin = Load(0.2, 0.13, stiffness_n_per_m=math.inf)
+    pin = PlateLoad(0.2, 0.13, stiffness_n_per_m=math.inf)
     both = loaded_responses(screen(), [(0.2, 0.13), FOCUS], [pin], **SAMPLING)
     held, free = band_limited(both, Band(0.0, 10e3, 500.0)).samples[:, :, 20:-20]
     assert np.abs(held).max() < 2e-3 * np.abs(free).max()
@@ -190,7 +189,7 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
 
     one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
     at = (0.2, 0.13)
-    found = loaded_responses(one, [FOCUS], [Load(*at, 10.0)], rate_hz=60e3, duration_s=2e-3, f_max_hz=4e3)
+    found = loaded_responses(one, [FOCUS], [PlateLoad(*at, 10.0)], rate_hz=60e3, duration_s=2e-3, f_max_hz=4e3)
     modes, oscillators = one.modes(4e3), one.oscillators(4e3)
     fine = 6e6
     step = transition(oscillators, 1 / fine)
@@ -207,13 +206,13 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
 
 def test_loaded_responses_are_causal_and_regular_without_attenuation():
     free = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(math.inf))
-    h = loaded_responses(free, [FOCUS], [Load(0.2, 0.13, 30.0)], **SAMPLING).samples
+    h = loaded_responses(free, [FOCUS], [PlateLoad(0.2, 0.13, 30.0)], **SAMPLING).samples
     assert np.isfinite(h).all()
     assert np.abs(h[:, :, 0]).max() < 1e-4 * np.abs(h).max()
 
 
 def test_reciprocity_with_a_finger_on_the_plate():
-    p, q, load = (0.05, 0.06), (0.22, 0.15), [Load(0.14, 0.1, 10.0, 1e-4, 500.0)]
+    p, q, load = (0.05, 0.06), (0.22, 0.15), [PlateLoad(0.14, 0.1, 10.0, 1e-4, 500.0)]
     there, back = (
         loaded_responses(Screen(A4_SCREEN, (PointForce(*a),), Attenuation(3e-3)), [b], load, **SAMPLING).samples
         for a, b in ((p, q), (q, p))
@@ -223,7 +222,7 @@ def test_reciprocity_with_a_finger_on_the_plate():
 
 def test_a_damper_only_takes_energy():
     free = impulse_responses(screen(), [FOCUS], **SAMPLING).samples
-    loaded = loaded_responses(screen(), [FOCUS], [Load(0.2, 0.13, 20.0)], **SAMPLING).samples
+    loaded = loaded_responses(screen(), [FOCUS], [PlateLoad(0.2, 0.13, 20.0)], **SAMPLING).samples
     assert np.sum(loaded[:, :, 120:] ** 2) < np.sum(free[:, :, 120:] ** 2)
 
 
@@ -354,11 +353,14 @@ def test_contour_leaves_no_wrap_around():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Load(0.1, 0.1, -1.0), "Load.resistance_n_s_per_m: found -1.0"),
-        (lambda: Load(0.1, 0.1, stiffness_n_per_m=math.nan), "Load.stiffness_n_per_m: found nan"),
+        (lambda: PlateLoad(0.1, 0.1, -1.0), "PlateLoad.resistance_n_s_per_m: found -1.0"),
+        (lambda: PlateLoad(0.1, 0.1, stiffness_n_per_m=math.nan), "PlateLoad.stiffness_n_per_m: found nan"),
         (lambda: Finger(0.1, 0.1, -2.0), "Finger.force_n: found -2.0"),
         (lambda: Contactor("wet"), "Contactor.kind: found 'wet', expected one of finger, soft, rigid"),
-        (lambda: loaded_responses(screen(), [FOCUS], [Load(1.0, 0.1)], **SAMPLING), "Load: found (1.0, 0.1) m"),
+        (
+            lambda: loaded_responses(screen(), [FOCUS], [PlateLoad(1.0, 0.1)], **SAMPLING),
+            "PlateLoad: found (1.0, 0.1) m",
+        ),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(call, message):

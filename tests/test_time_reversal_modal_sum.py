@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.stimuli.time_reversal.oscillators import modal_sum
 from tactometry.stimuli.time_reversal.oscillators.modal_sum import FEWEST_MODES, SHORTEST, modal_sums

@@ -5,10 +5,8 @@ import math
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from hypothesis import given
-from hypothesis import strategies as st
-from mpmath import cos as mp_cos
-from mpmath import cosh, exp, mp, mpf, sin, sinh, sqrt
+from hypothesis import given, strategies as st
+from mpmath import cos as mp_cos, cosh, exp, mp, mpf, sin, sinh, sqrt
 
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, unit_phasor
 

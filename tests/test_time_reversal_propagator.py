@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from hard_cases import hard_case
-from mpmath import expm as mp_expm
-from mpmath import matrix, mp, mpf
+from mpmath import expm as mp_expm, matrix, mp, mpf
 
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import linear_input, run_impulses, run_linear, transition

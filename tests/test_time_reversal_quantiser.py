@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.stimuli.time_reversal.focusing.quantiser import (

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.special import j1
 
 from tactometry.errors import InvalidParameter
@@ -19,7 +18,7 @@ from tactometry.stimuli.time_reversal.responses.load import Receptances
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.screen.transducer import Disc, Patch, PointForce, border
+from tactometry.stimuli.time_reversal.screen.transducer import DiscPatch, Patch, PointForce, border
 
 FAST = {"rate_hz": 50e3, "duration_s": 4e-3, "f_max_hz": 5e3}
 
@@ -181,14 +180,14 @@ def test_disc_on_a_supported_plate_is_the_bessel_closed_form():
     radius = 17.5e-3
     centre = values(modes, 0.1, 0.08)[:, 0]
     expected = k**2 * centre * math.pi * radius**2 * 2 * j1(k * radius) / (k * radius)
-    found = Disc(0.1, 0.08, 35e-3, 1.0).modal_force(modes)
+    found = DiscPatch(0.1, 0.08, 35e-3, 1.0).modal_force(modes)
     assert found == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
 def test_small_patch_is_a_disc_of_the_same_area():
     modes = A4_SCREEN.modes(10e3)
     square = Patch(0.1, 0.08, 1e-4, 1e-4, 1.0).modal_force(modes)
-    disc = Disc(0.1, 0.08, 2e-4 / math.sqrt(math.pi), 1.0).modal_force(modes)
+    disc = DiscPatch(0.1, 0.08, 2e-4 / math.sqrt(math.pi), 1.0).modal_force(modes)
     assert square == pytest.approx(disc, rel=1e-5, abs=1e-6 * np.abs(disc).max())
 
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tactometry.config.strict import build
 from tactometry.contact import Contact
@@ -13,12 +12,11 @@ from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
 from tactometry.stimuli.time_reversal.finger.finger import Finger
-from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive
-from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
-from tactometry.stimuli.time_reversal.responses.load import Load, loaded_responses
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, measured
 from tactometry.stimuli.time_reversal.stimulus.sensation import (
@@ -112,7 +110,7 @@ def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, 
 def test_a_pin_holds_the_plate_still():
     drive = train().at(20.0)
     free = TimeReversalSensation(SMALL, criterion="unloaded").displacement_m(drive, Contact(1.0))
-    pinned = loaded_displacement(free, SMALL, Load(*SMALL.focus_m, stiffness_n_per_m=1e20))
+    pinned = loaded_displacement(free, SMALL, PlateLoad(*SMALL.focus_m, stiffness_n_per_m=1e20))
     assert np.abs(pinned).max() < 1e-9 * np.abs(free).max()
 
 

@@ -9,8 +9,7 @@ import time
 import numpy as np
 import pytest
 from conftest import LONGEST_WAIT_S
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed

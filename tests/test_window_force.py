@@ -12,7 +12,7 @@ from hard_cases import exact_case
 from sampled import Sampled
 
 from tactometry.devices.sensors.force_calibration import ForceCalibration
-from tactometry.devices.sensors.reader import Block, Reader
+from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench
@@ -174,7 +174,7 @@ class Fast:
         n_due = int((time.perf_counter() - self._zero_s) * 1000)
         stamps_s = self._zero_s + self._rate * np.arange(self._n_read, n_due) / 1000
         self._n_read = n_due
-        return Block(stamps_s, np.ones((len(stamps_s), 1)))
+        return SampleBlock(stamps_s, np.ones((len(stamps_s), 1)))
 
     def close(self):
         pass

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import Watched
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.experiments.bench.preflight import _period
 from tactometry.rigs.frame_timing import PERIOD_WITHOUT_BLANK_S, Pacer, Rhythm, nominal_rate_hz, rhythm_of, timing_of

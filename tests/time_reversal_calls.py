@@ -42,13 +42,13 @@ from tactometry.stimuli.time_reversal import (
     Analogue,
     Attenuation,
     Contactor,
-    Disc,
+    DiscPatch,
     Finger,
     Glass,
-    Load,
     OneBit,
     Patch,
     Pattern,
+    PlateLoad,
     PointForce,
     PulseWidth,
     SigmaDelta,
@@ -59,8 +59,8 @@ from tactometry.stimuli.time_reversal import (
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.responses.decay import Estimate
-from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, Measured
+from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
+from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
 
@@ -150,7 +150,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
             "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
             "alpha_from_resolutions": {"resolution_m": [1e-2, 2e-2], "f_mean_hz": [2e4, 5e3], "plate": PLATE},
-            "youngs_modulus_pa": {"rigidity_ratio": Estimate(3.0, 2.9, 3.1), "plate": PLATE},
+            "youngs_modulus_pa": {"rigidity_ratio": TauEstimate(3.0, 2.9, 3.1), "plate": PLATE},
         },
         "field.field": {
             "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
@@ -165,7 +165,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Finger.dynamic_stiffness": {"self": Finger(0.1, 0.1), "s": S},
             "Emission.responses": {"self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [Finger(0.1, 0.1)]},
             "amplitude_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [Load(0.2, 0.1, 9.0)], "emission": EMISSION,
+                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
                 "relearn": False,
             },
             "amplitude_ratio_at_focus": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
@@ -236,8 +236,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "read_provenance": {"path": npz},
         },
         "responses.load": {
-            "Load.weights": {"self": Load(0.1, 0.1), "screen": SCREEN, **LOW},
-            "Load.dynamic_stiffness": {"self": Load(0.1, 0.1, 9.0), "s": S},
+            "PlateLoad.weights": {"self": PlateLoad(0.1, 0.1), "screen": SCREEN, **LOW},
+            "PlateLoad.dynamic_stiffness": {"self": PlateLoad(0.1, 0.1, 9.0), "s": S},
             "Receptances.of": {"oscillators": SCREEN.oscillators(1e3), "mass_kg": 0.15, "s": S},
             "Receptances.between": {"self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS},
             "Receptances.correction": {
@@ -251,7 +251,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "loaded_receptance": {
                 "receptances": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
             },
-            "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [Load(0.1, 0.1, 9.0)], **SAMPLING},
+            "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)], **SAMPLING},
             "contour": {"n_samples": 9, "rate_hz": 2e3},
         },
         "design.low_pass": {
@@ -327,7 +327,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
         "stimulus.vibrometer": {
             "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
-            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [Load(0.1, 0.1, 9.0)]},
+            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
         },
         "responses.responses": {
             "Responses.at_point": {"self": RESPONSES, "index": 1},
@@ -349,7 +349,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 }
                 for name in ("sensation_db", "displacement_m")
             },
-            "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": Load(0.1, 0.1, 9.0)},
+            "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},
             "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},
         },
@@ -366,7 +366,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "responses.filtering": {
             **{
                 f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
-                for gain in (BAND, Butterworth(500.0), Measured((1.0, 2.0), (1.0, 1j)), Hold(1e3))
+                for gain in (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3))
             },
             "through": {**heard, "gain": Hold(2e3)},
             "band_limited": {**heard, "band": BAND},
@@ -390,7 +390,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "screen.transducer": {
             **{
                 f"{type(source).__name__}.{name}": {"self": source, **arguments}
-                for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), Disc(0.1, 0.1, 0.01))
+                for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01))
                 for name, arguments in {
                     "modal_force": {"modes": MODAL},
                     "check": {"plate": PLATE, "name": "source"},

@@ -5,10 +5,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .split_plot import mixed_anova
-    from .within_subjects import permutation_test, repeated_measures
+    from .split_plot import mixed_anova as mixed_anova
+    from .within_subjects import permutation_test as permutation_test, repeated_measures as repeated_measures
 
-__all__ = ["mixed_anova", "permutation_test", "repeated_measures"]
-
-_NAMES = {"split_plot": "mixed_anova", "within_subjects": "permutation_test repeated_measures"}
-__getattr__, __dir__ = exports(__name__, _NAMES)
+__getattr__, __dir__ = exports(__name__, __file__)

@@ -20,7 +20,7 @@ from .design import (
     size_of,
 )
 from .split_plot import groups_of
-from .strata import Bounded
+from .strata import BoundedValues
 
 MIN_KNOWN = 2
 """Known values that each condition needs (in each group)."""
@@ -31,7 +31,7 @@ class BoundedDesign:
     """`data` is in units of `scale` about `centre`. `levels` are those of the `factors`, `groups` those of participants
     (one, without a name, where there are none). `n_censored` values are bounds, `n_missing` are not known at all."""
 
-    data: Bounded
+    data: BoundedValues
     factors: tuple[str, ...]
     levels: tuple[tuple[object, ...], ...]
     between: str | None
@@ -78,7 +78,7 @@ def bounded_design(
     groups = None if between is None else groups_of(table, levels[0], subject, between)
     of = np.zeros(len(levels[0]), dtype=np.int64) if groups is None else groups.of
     ends = _laid(ends_of(table, dependent, low, high), [codes for codes, _ in coded], levels, table, keys)
-    data = Bounded(*ends, of, tuple(len(part) for part in levels[1:]))
+    data = BoundedValues(*ends, of, tuple(len(part) for part in levels[1:]))
     n_missing = int((np.isinf(data.low) & np.isinf(data.high)).sum())
     design = BoundedDesign(
         data,

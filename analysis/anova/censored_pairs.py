@@ -21,7 +21,7 @@ LEAST_SD = 1e-7
 
 
 @dataclass(frozen=True)
-class Contrast:
+class CellContrast:
     """A difference with its standard error and degrees of freedom, and the standard deviation of the participants'
     differences, all in the unit of the values."""
 
@@ -41,7 +41,7 @@ class Compared:
 
     names: tuple[object, object]
     by: object
-    difference: Contrast
+    difference: CellContrast
 
 
 def censored_pairs(
@@ -126,7 +126,7 @@ def _averages(found: CensoredAnova, by: str | None) -> list[tuple[object, Array]
     ]
 
 
-def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> Contrast:
+def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> CellContrast:
     """Of conditions in one group, or in the plain mean of all groups."""
     fit, n_groups = found.fit, len(found.fit.means)
     of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
@@ -135,7 +135,7 @@ def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> Contrast:
     variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
     kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
     error = float(np.sqrt(variance * own / model))
-    return Contrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own)))
+    return CellContrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own)))
 
 
 def _row(each: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:

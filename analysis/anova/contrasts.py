@@ -10,12 +10,11 @@ from itertools import combinations, product
 
 import numpy as np
 from scipy.linalg import helmert
-from scipy.stats import chi2
-from scipy.stats import f as fisher
+from scipy.stats import chi2, f as fisher
 
 from tactometry.errors import InvalidParameter
 
-from .design import Array, Design
+from .design import Array, WithinDesign
 
 MOST_EXACT = 14
 """Up to so many participants every change of signs is tried."""
@@ -110,11 +109,11 @@ class Effect:
         return sphericity(errors.T @ errors / df, df, self.n_conditions)
 
 
-def effects(design: Design) -> list[Effect]:
+def effects(design: WithinDesign) -> list[Effect]:
     """Main effects first, then the interactions.
 
     >>> values = np.array([[1.0, 2, 4], [2, 2, 5], [1, 3, 3]])
-    >>> (found,) = effects(Design(values, ("force_n",), ((0.5, 1, 2),), ("a", "b", "c")))
+    >>> (found,) = effects(WithinDesign(values, ("force_n",), ((0.5, 1, 2),), ("a", "b", "c")))
     >>> found.name, found.df, round(found.f, 3)
     ('force_n', (2, 4), 8.909)
     """
@@ -123,7 +122,7 @@ def effects(design: Design) -> list[Effect]:
     return [_effect(design, part) for part in chosen]
 
 
-def _effect(design: Design, part: tuple[int, ...]) -> Effect:
+def _effect(design: WithinDesign, part: tuple[int, ...]) -> Effect:
     scores = design.cells @ contrasts(design.values.shape[1:], part).T
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
@@ -131,7 +130,7 @@ def _effect(design: Design, part: tuple[int, ...]) -> Effect:
     return Effect(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
 
 
-def participant_scores(design: Design) -> Array:
+def participant_scores(design: WithinDesign) -> Array:
     """One score per participant, whose sum of squares about the mean is that of the participants."""
     scores: Array = design.cells.sum(axis=1) / np.sqrt(design.cells.shape[1])
     return scores

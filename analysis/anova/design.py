@@ -44,7 +44,7 @@ class UndefinedStatistic(InvalidParameter):
 
 
 @dataclass(frozen=True)
-class Design:
+class WithinDesign:
     """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
 
     `notes` say what a reader must know of how they came about; differences of `rounding` are none.
@@ -69,7 +69,7 @@ class Design:
 
 def within_design(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, where: str, most: int = 3
-) -> Design:
+) -> WithinDesign:
     """The design of a table in long form: a row per value; several values of one cell are averaged, which a note says.
 
     Raises
@@ -100,7 +100,7 @@ def within_design(
     y, size = data[dependent].to_numpy(), size_of(data[dependent].to_numpy())
     values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
-    return Design(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
+    return WithinDesign(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
 
 
 def codes_of(data: pd.DataFrame, name: str) -> tuple[NDArray[np.int64], Sequence[object]]:

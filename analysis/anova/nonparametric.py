@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 from tactometry.errors import InvalidParameter, nearest
 
 from .contrasts import Effect, effects
-from .design import Array, Design, DesignStatus, UndefinedStatistic, spread, within_design
+from .design import Array, DesignStatus, UndefinedStatistic, WithinDesign, spread, within_design
 from .post_hoc import pairs
 
 DIGITS = 9
@@ -103,7 +103,7 @@ def art_contrasts(
     return pairs(long, dependent="rank", factor="condition", subject="participant")
 
 
-def _ranked_row(design: Design, effect: Effect) -> dict[str, object]:
+def _ranked_row(design: WithinDesign, effect: Effect) -> dict[str, object]:
     aligned = _rounded(design.values - design.values.mean(axis=0, keepdims=True) + _estimate(design, effect.factors))
     ranked = _named(replace(design, values=_ranks(aligned)), effect.name)
     stripped = [each.f for each in effects(replace(design, values=aligned)) if each.name != effect.name]
@@ -120,11 +120,11 @@ def _ranked_row(design: Design, effect: Effect) -> dict[str, object]:
     }
 
 
-def _named(design: Design, name: str) -> Effect:
+def _named(design: WithinDesign, name: str) -> Effect:
     return next(effect for effect in effects(design) if effect.name == name)
 
 
-def _estimate(design: Design, factors: Sequence[str]) -> Array:
+def _estimate(design: WithinDesign, factors: Sequence[str]) -> Array:
     """The effect's own part of the cell means: sums and differences of marginal means."""
     means = design.values.mean(axis=0, keepdims=True)
     places = [place for place, name in enumerate(design.factors, 1) if name in factors]

@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import nctdtr
-from scipy.stats import t as student
-from scipy.stats import wilcoxon
+from scipy.stats import t as student, wilcoxon
 
 from tactometry.errors import InvalidParameter, nearest
 
-from .design import RELATIVE_ZERO, Array, Design, size_of, within_design
+from .design import RELATIVE_ZERO, Array, WithinDesign, size_of, within_design
 
 CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0
@@ -141,7 +140,7 @@ def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[P
     return [pair if pair.names[0] == reference else pair.turned() for pair in kept]
 
 
-def _pairs_at(design: Design, place: int) -> list[Pair]:
+def _pairs_at(design: WithinDesign, place: int) -> list[Pair]:
     by = design.levels[1][place] if len(design.factors) > 1 else None
     size, levels = size_of(design.values), design.levels[0]
     values = (design.values if by is None else design.values[..., place]) / size

@@ -29,7 +29,7 @@ LOG_TWO_PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)
-class Bounded:
+class BoundedValues:
     """Values of shape (participant, cell), each between `low` and `high`: known where they are equal, missing where
     both are infinite. `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
     """
@@ -79,7 +79,7 @@ class StrataFit:
     row, and then the logarithms of the variances; `moments` (group, cell, cell), the covariance of each group's values
     with n - 1 degrees of freedom, as far as they are known."""
 
-    data: Bounded
+    data: BoundedValues
     means: Array
     variances: Array
     covariance: Array
@@ -121,7 +121,7 @@ class StrataFit:
         return min(own / self.inflation, float(self.df))
 
 
-def fit_strata(data: Bounded) -> StrataFit:
+def fit_strata(data: BoundedValues) -> StrataFit:
     """The fit of values of about unit size.
 
     Raises
@@ -149,7 +149,7 @@ def _change(new: tuple[Array, Array], old: tuple[Array, Array]) -> float:
     return max(float(np.abs(new[0] - old[0]).max() / size), float(np.abs(np.log(new[1] / old[1])).max()))
 
 
-def _start(data: Bounded) -> tuple[Array, Array]:
+def _start(data: BoundedValues) -> tuple[Array, Array]:
     """From the known values and, in place of the others, their bounds or the mean of the cell."""
     ends = np.where(np.isfinite(data.low), data.low, data.high)
     known = np.where(data.known, data.low, np.nan)
@@ -157,7 +157,7 @@ def _start(data: Bounded) -> tuple[Array, Array]:
     return _maximised(data, [Points(row[None], np.ones(1)) for row in held])
 
 
-def _maximised(data: Bounded, points: Sequence[Points]) -> tuple[Array, Array]:
+def _maximised(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
     """Means and variances of the completed values."""
     expected = np.stack([each.mean() for each in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)
@@ -167,7 +167,7 @@ def _maximised(data: Bounded, points: Sequence[Points]) -> tuple[Array, Array]:
     return means, np.maximum(variances, LEAST_VARIANCE * variances.max())
 
 
-def _second_moments(data: Bounded, points: Sequence[Points], means: Array) -> Array:
+def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array) -> Array:
     """Sums over the participants of each group (group, cell, cell) of squares and products about the means."""
     found = np.zeros((len(means), *[means.shape[1]] * 2))
     for each, place in zip(points, data.group, strict=True):
@@ -176,7 +176,7 @@ def _second_moments(data: Bounded, points: Sequence[Points], means: Array) -> Ar
     return found
 
 
-def _points(data: Bounded, means: Array, variances: Array) -> tuple[list[Points], float]:
+def _points(data: BoundedValues, means: Array, variances: Array) -> tuple[list[Points], float]:
     """Of each participant, given what is known; and the log-likelihood."""
     covariance = data.matrix(variances)
     found = [
@@ -202,7 +202,7 @@ def _of_one(low: Array, high: Array, mean: Array, covariance: Array) -> tuple[Po
     return Points(values, found.weights), log_density + found.log_chance
 
 
-def _information(data: Bounded, points: Sequence[Points], means: Array, variances: Array) -> Array:
+def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
     """The negative Hessian of the log-likelihood along means and log variances: that of completed values, less the
     variance of their gradient where they are not known."""
     n_cells = means.shape[1]
@@ -214,7 +214,7 @@ def _information(data: Bounded, points: Sequence[Points], means: Array, variance
     return whole
 
 
-def _information_of_one(data: Bounded, away: Array, weights: Array, variances: Array) -> Array:
+def _information_of_one(data: BoundedValues, away: Array, weights: Array, variances: Array) -> Array:
     n, inverse = away.shape[1], data.matrix(1 / variances)
     inside = [away @ own.T @ own / variance for own, variance in zip(data.strata, variances, strict=True)]
     halves = np.stack([0.5 * np.sum(part * away, axis=1) for part in inside], axis=1)

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from .contrasts import MOST_EXACT, Tested, effects, participant_scores
-from .contrasts import permutation_p as _permutation_p
-from .design import Array, Design, DesignStatus, size_of, spread, within_design
+from .contrasts import MOST_EXACT, Tested, effects, participant_scores, permutation_p as _permutation_p
+from .design import Array, DesignStatus, WithinDesign, size_of, spread, within_design
 from .effect_size import INTERVAL, eta_squared
 
 MAX_FACTORS = 3
@@ -116,12 +115,12 @@ def permutation_test(
     )
 
 
-def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, subject: str) -> Design:
+def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, subject: str) -> WithinDesign:
     factors = [within] if isinstance(within, str) else list(within)
     return within_design(table, dependent=dependent, within=factors, subject=subject, where="repeated_measures")
 
 
-def scaled_design(design: Design, dependent: str) -> tuple[Design, float]:
+def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:
     """About zero and of unit spread, so that neither offset nor unit costs digits."""
     scale = spread(design.cells, dependent)
     unit = size_of(design.values)
@@ -185,7 +184,7 @@ def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]
     }
 
 
-def told(result: pd.DataFrame, design: Design, found: Sequence[Tested]) -> pd.DataFrame:
+def told(result: pd.DataFrame, design: WithinDesign, found: Sequence[Tested]) -> pd.DataFrame:
     """The table with notes, number of participants and status in its `attrs`."""
     singular = [singular_note(each, design.n) for each in found if each.has_error and each.sphericity.singular]
     exact = [

@@ -5,9 +5,6 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .scoring import item_scores, scores
+    from .scoring import item_scores as item_scores, scores as scores
 
-__all__ = ["item_scores", "scores"]
-
-_NAMES = {"scoring": "item_scores scores"}
-__getattr__, __dir__ = exports(__name__, _NAMES)
+__getattr__, __dir__ = exports(__name__, __file__)

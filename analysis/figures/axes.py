@@ -19,14 +19,14 @@ RATE_LABEL = {"yes_no": "Rate of “yes”", "forced_choice": "Rate correct", "c
 
 
 @dataclass(frozen=True)
-class Axis:
+class FactorAxis:
     """Which factor runs along x, which ones make the series; both may be missing."""
 
     along: str | None
     series: tuple[str, ...]
 
     @classmethod
-    def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "Axis":
+    def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "FactorAxis":
         """The numeric factor with most levels along x, the others as series."""
         numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
         along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
@@ -99,7 +99,7 @@ def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dic
 
 def panels(
     table: pd.DataFrame,
-    axis: Axis,
+    axis: FactorAxis,
     draw: "Callable[[Axes, pd.DataFrame], None]",
     *,
     labels: tuple[str, str],

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ..outcomes.group_means import HIGH, LOW
-from .axes import RATE_LABEL, Axis, means_with_intervals, panels, place, series, shift
+from .axes import RATE_LABEL, FactorAxis, means_with_intervals, panels, place, series, shift
 from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 BESIDE = 0.4
@@ -36,7 +36,7 @@ def threshold_figure(
     where `group` has such (`within_low`, `within_high`), with the one between them as a thin line behind it. Single
     participants are faint dots, and open triangles where `individuals` have a bound (`LOW`, `HIGH`), `targets` dashed
     lines. `from_zero` lets the axis of values begin at 0."""
-    axis = Axis.of(group, factors)
+    axis = FactorAxis.of(group, factors)
     with house_style():
         figure = new_figure(6.6, 3.6)
         axes = figure.add_subplot()
@@ -66,7 +66,7 @@ def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
 
 
 def _draw_means(
-    axes: "Axes", part: pd.DataFrame, axis: Axis, where: dict[object, float], name: str, n_series: int
+    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: dict[object, float], name: str, n_series: int
 ) -> None:
     style = look(n_series)
     x = np.array([where[v] for v in (part[axis.along] if axis.along else ["all"] * len(part))])
@@ -74,7 +74,7 @@ def _draw_means(
 
 
 def _draw_individuals(
-    axes: "Axes", part: pd.DataFrame, axis: Axis, where: dict[object, float], dependent: str, colour: str
+    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: dict[object, float], dependent: str, colour: str
 ) -> None:
     """Values as dots, bounds as open triangles."""
     kinds: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -92,7 +92,7 @@ def _draw_individuals(
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Detection rate against level, one panel per series (force), one line per value of the main factor
     (frequency)."""
-    axis = Axis.of(rates, factors)
+    axis = FactorAxis.of(rates, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
         lines = series(panel, [axis.along] if axis.along else [])
@@ -106,7 +106,7 @@ def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     """Mean detection rate (all levels) against the main factor, a line per series."""
-    axis = Axis.of(rates, factors)
+    axis = FactorAxis.of(rates, factors)
     with house_style():
         figure = new_figure(6.6, 3.0)
         axes = figure.add_subplot()

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from .axes import Axis, panels, series
+from .axes import FactorAxis, panels, series
 from .style import Drawing, shades
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """A panel per series, a line per value of the main factor; the numbers on a logarithmic axis, and the levels unless
     they are in decibels."""
-    axis = Axis.of(growth, factors)
+    axis = FactorAxis.of(growth, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
         lines = series(panel, [axis.along] if axis.along else [])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from .axes import Axis, place, series
+from .axes import FactorAxis, place, series
 from .style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     """Mean loss (%) with its interval against the main factor (force): a panel per level of the factor with the fewest
     (place), a line per condition of the others (contactor)."""
-    axis = Axis.of(group, factors)
+    axis = FactorAxis.of(group, factors)
     panel_by = min(axis.series, key=lambda name: group[name].nunique()) if len(axis.series) > 1 else None
     panels = series(group, [panel_by] if panel_by else [])
     lines = [name for name in axis.series if name != panel_by]
@@ -33,7 +33,7 @@ def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
         return drawn(figure)
 
 
-def _draw_panel(axes: "Axes", panel: pd.DataFrame, axis: Axis, lines: Sequence[str]) -> None:
+def _draw_panel(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis, lines: Sequence[str]) -> None:
     where = place(axes, panel[axis.along] if axis.along else ["all"], axis.along)
     for n, (name, part) in enumerate(series(panel, lines)):
         x = [where[v] for v in (part[axis.along] if axis.along else ["all"] * len(part))]

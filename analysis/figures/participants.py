@@ -11,7 +11,7 @@ from statsmodels.stats.proportion import proportion_confint
 from ..tasks.cells import Estimate
 from ..threshold.status import Status
 from ..wording.labels import condition_name
-from .axes import RATE_LABEL, Axis, panels, series
+from .axes import RATE_LABEL, FactorAxis, panels, series
 from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 if TYPE_CHECKING:
@@ -84,12 +84,12 @@ def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
     """Staircases of one participant: level against trial, a panel per series (force), a line per value of the
     main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
     out."""
-    axis = Axis.of(rows, factors)
+    axis = FactorAxis.of(rows, factors)
     labels = "Trial of the track", f"Level ({unit})" if unit else "Level"
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
 
 
-def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: Axis) -> None:
+def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis) -> None:
     tracks = [name for name in (axis.along, "track", "session") if name and name in panel.columns]
     parts = series(panel, [axis.along] if axis.along else [])
     for (name, part), colour in zip(parts, shades(len(parts)), strict=True):

@@ -5,10 +5,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .fitting import fit_hierarchical
-    from .result import HierarchicalFit
+    from .fitting import fit_hierarchical as fit_hierarchical
+    from .result import HierarchicalFit as HierarchicalFit
 
-__all__ = ["HierarchicalFit", "fit_hierarchical"]
-
-_NAMES = {"fitting": "fit_hierarchical", "result": "HierarchicalFit"}
-__getattr__, __dir__ = exports(__name__, _NAMES)
+__getattr__, __dir__ = exports(__name__, __file__)

@@ -19,22 +19,22 @@ from numpy.typing import ArrayLike
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
-from ..mixed_models.laplace import MixedFit, MixedModel, maximise
+from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
 from ..threshold.counts import Array, checked
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .layout import (
     CONDITION_COLUMNS,
     Layout,
-    Place,
+    ParameterPlace,
     cells,
     condition_table,
     means,
     participant_table,
     reaches,
 )
-from .model import CORRELATED_FROM, Study, mixed_model, rate_of, start
-from .result import NOTES, Contrast, Effect, GroupStatus, HierarchicalFit
+from .model import CORRELATED_FROM, StudyCounts, mixed_model, rate_of, start
+from .result import NOTES, Contrast, FactorEffect, GroupStatus, HierarchicalFit
 from .starts import Alone, fitted_alone
 
 ZERO_SD = 1e-3
@@ -170,7 +170,7 @@ def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
     )
 
 
-def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> HierarchicalFit:
+def _fitted(layout: Layout, study: StudyCounts, alone: Alone, interval: float) -> HierarchicalFit:
     told = study.only(alone.told)
     if not told.n_conditions:
         return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
@@ -184,7 +184,7 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
     n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
     inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
     estimates = means(told, found, inflation), cells(model, found)
-    place, own = (Place.of(parts, alone.told, study.n_conditions) for parts in estimates)
+    place, own = (ParameterPlace.of(parts, alone.told, study.n_conditions) for parts in estimates)
     angles = zip(study.shared, model.parts(found.parameters)[1], strict=True)
     rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
     components, correlation = _components(told, model, found, layout.spread)
@@ -205,7 +205,7 @@ def _fitted(layout: Layout, study: Study, alone: Alone, interval: float) -> Hier
     )
 
 
-def _maximised(model: MixedModel, at: Array) -> MixedFit:
+def _maximised(model: ClusteredModel, at: Array) -> MixedFit:
     """From scales as they are, then smaller and larger ones, until one start converges."""
     n = len(model.basis)
     for factor in START_FACTORS:
@@ -220,7 +220,7 @@ def _converged(found: MixedFit) -> bool:
 
 
 def _means_of_all(
-    layout: Layout, study: Study, told: Study, alone: Alone, found: MixedFit, inflation: float
+    layout: Layout, study: StudyCounts, told: StudyCounts, alone: Alone, found: MixedFit, inflation: float
 ) -> tuple[Array, Array, tuple[int, ...]]:
     """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
     group = np.zeros(study.n_conditions, dtype=np.int64)
@@ -235,10 +235,10 @@ def _means_of_all(
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
-def _untold(layout: Layout, study: Study, alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
+def _untold(layout: Layout, study: StudyCounts, alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
     """Statuses and bounds without a model."""
     nothing, n = np.zeros(0, dtype=np.int64), study.n_conditions
-    place, own = (Place.of([np.zeros((0, *rest))] * 4, nothing, n) for rest in ((), (study.n_participants,)))
+    place, own = (ParameterPlace.of([np.zeros((0, *rest))] * 4, nothing, n) for rest in ((), (study.n_participants,)))
     return replace(
         _no_data(tuple(layout.conditions.columns), interval),
         conditions=condition_table(layout, study, place, alone, 0.0),
@@ -249,7 +249,7 @@ def _untold(layout: Layout, study: Study, alone: Alone, status: GroupStatus, int
     )
 
 
-def _status(study: Study, model: MixedModel, found: MixedFit) -> GroupStatus:
+def _status(study: StudyCounts, model: ClusteredModel, found: MixedFit) -> GroupStatus:
     if not _converged(found):
         return GroupStatus.NOT_CONVERGED
     if study.n_participants == 1:
@@ -262,7 +262,7 @@ def _status(study: Study, model: MixedModel, found: MixedFit) -> GroupStatus:
 
 
 def _components(
-    study: Study, model: MixedModel, found: MixedFit, spread: float
+    study: StudyCounts, model: ClusteredModel, found: MixedFit, spread: float
 ) -> tuple[Mapping[str, float], float | None]:
     """Standard deviations in the unit of the levels (of logarithms for widths), and the correlation."""
     theta = model.parts(found.parameters)[2]
@@ -280,4 +280,4 @@ def _components(
     return MappingProxyType(named), float(covariance[0, 1] / (sd[0] * sd[1])) if correlated else None
 
 
-__all__ = ["Contrast", "Effect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]
+__all__ = ["Contrast", "FactorEffect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]

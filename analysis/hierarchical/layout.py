@@ -11,11 +11,11 @@ from scipy.stats import t as t_distribution
 
 from tactometry.psychometric import Shape
 
-from ..mixed_models.laplace import MixedFit, MixedModel, inner_mode, precision_of
+from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
 from ..threshold.counts import Array, normalised
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
-from .model import Study
+from .model import StudyCounts
 from .starts import Alone
 
 CONDITION_COLUMNS = (
@@ -79,8 +79,8 @@ class Layout:
         each = own_catch.reshape(2, *layout[:2])
         return cls(codes, conditions, kinds, u, k, n, each, centre, spread, on_log_levels)
 
-    def study(self, shape: Shape, asymptotes: tuple[float | None, float | None], catch: tuple[int, int]) -> Study:
-        return Study(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch, self.catch)
+    def study(self, shape: Shape, asymptotes: tuple[float | None, float | None], catch: tuple[int, int]) -> StudyCounts:
+        return StudyCounts(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch, self.catch)
 
     def level(self, u: Array) -> Array:
         """In the unit of the levels."""
@@ -110,7 +110,7 @@ def _stacked(cell: NDArray[np.int64], n_cells: int, columns: tuple[Array, Array,
 
 
 @dataclass(frozen=True)
-class Place:
+class ParameterPlace:
     """Thresholds (in ranges of the levels) and log widths with standard errors, each (n_conditions, ...); NaN for a
     condition without a threshold."""
 
@@ -120,15 +120,15 @@ class Place:
     log_width_se: Array
 
     @classmethod
-    def of(cls, parts: Sequence[Array], told: NDArray[np.int64], n_conditions: int) -> "Place":
+    def of(cls, parts: Sequence[Array], told: NDArray[np.int64], n_conditions: int) -> "ParameterPlace":
         whole = [np.full((n_conditions, *part.shape[1:]), np.nan) for part in parts]
         for each, part in zip(whole, parts, strict=True):
             each[told] = part
         return cls(*whole)
 
-    def by_participant(self) -> "Place":
+    def by_participant(self) -> "ParameterPlace":
         """Of cells (n_conditions, n_participants), in one row after the other of each participant."""
-        return Place(
+        return ParameterPlace(
             self.threshold.T.ravel(), self.threshold_se.T.ravel(), self.log_width.T.ravel(), self.log_width_se.T.ravel()
         )
 
@@ -137,14 +137,14 @@ class Place:
         return np.asarray(self.threshold[..., None] + reach * self.threshold_se[..., None] * np.array([-1.0, 1.0]))
 
 
-def means(study: Study, found: MixedFit, inflation: float) -> tuple[Array, ...]:
+def means(study: StudyCounts, found: MixedFit, inflation: float) -> tuple[Array, ...]:
     """Of the conditions: thresholds and log widths, each with standard errors."""
     c, group = study.n_conditions, study.n_conditions + study.width_group
     se = inflation * np.sqrt(np.diagonal(found.covariance))
     return found.parameters[:c], se[:c], found.parameters[group], se[group]
 
 
-def cells(model: MixedModel, found: MixedFit) -> tuple[Array, ...]:
+def cells(model: ClusteredModel, found: MixedFit) -> tuple[Array, ...]:
     """Of the cells, shrunken: the variance is that of the effects at all parameters of the group, plus that which these
     bring: means, rates and variances (Kass and Steffey 1989, J. Am. Stat. Assoc. 84, 717-726).
     """
@@ -164,7 +164,7 @@ def cells(model: MixedModel, found: MixedFit) -> tuple[Array, ...]:
     return eta[..., THRESHOLD], se[..., THRESHOLD], eta[..., LOG_WIDTH], se[..., LOG_WIDTH]
 
 
-def _along_scales(model: MixedModel, found: MixedFit, n_free: int) -> Array:
+def _along_scales(model: ClusteredModel, found: MixedFit, n_free: int) -> Array:
     """How the points of the cells move with each scale, (n_clusters, n_slots, 2, n_theta), by central differences."""
     moved = np.zeros((*found.inner.points.shape[:2], 2, len(found.parameters) - n_free))
     for j in range(moved.shape[-1]):
@@ -177,7 +177,9 @@ def _along_scales(model: MixedModel, found: MixedFit, n_free: int) -> Array:
     return moved
 
 
-def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
+def condition_table(
+    layout: Layout, study: StudyCounts, place: ParameterPlace, alone: Alone, reach: float
+) -> pd.DataFrame:
     """Of the means; where no participant tells a threshold, its status alone: bounds of participants bound no mean."""
     low, high, _ = study.ranges()
     status = [_placed(*each) for each in zip(alone.statuses(), place.threshold, low, high, strict=True)]
@@ -188,7 +190,9 @@ def condition_table(layout: Layout, study: Study, place: Place, alone: Alone, re
     return pd.concat([layout.conditions, table], axis=1)
 
 
-def participant_table(layout: Layout, study: Study, place: Place, alone: Alone, reach: float) -> pd.DataFrame:
+def participant_table(
+    layout: Layout, study: StudyCounts, place: ParameterPlace, alone: Alone, reach: float
+) -> pd.DataFrame:
     """Of the cells, by participant, with the verdict that the cell's own answers have: where they hold no threshold
     there is none, but their own bound; others are drawn to the group."""
     rows = place.by_participant()
@@ -211,7 +215,7 @@ def _placed(status: Status, threshold: float, low: float, high: float) -> Status
     return Status.BELOW if threshold < low else Status.ABOVE if threshold > high else status
 
 
-def _table(layout: Layout, place: Place, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
+def _table(layout: Layout, place: ParameterPlace, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
     told = np.array([each not in WITHOUT_NUMBER for each in status]) & ~np.isnan(place.threshold)
     has = [told | np.array([each == side for each in status]) for side in (Status.ABOVE, Status.BELOW)]
     with np.errstate(over="ignore"):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
-from ..mixed_models.laplace import MixedModel
+from ..mixed_models.laplace import ClusteredModel
 from ..threshold.counts import Array, Counts
 from ..threshold.likelihood import (
     GUESS,
@@ -32,7 +32,7 @@ START_RATE = 0.03
 
 
 @dataclass(frozen=True)
-class Study:
+class StudyCounts:
     """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
 
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
@@ -73,7 +73,7 @@ class Study:
         rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
         return [place for place, rate in rates if rate is None]
 
-    def only(self, conditions: NDArray[np.int64]) -> "Study":
+    def only(self, conditions: NDArray[np.int64]) -> "StudyCounts":
         """Of some conditions."""
         u, k, n = (part[:, conditions] for part in (self.u, self.n_yes, self.n_trials))
         group = np.unique(self.width_group[conditions], return_inverse=True)[1]
@@ -102,7 +102,7 @@ def turned(probability: float) -> float:
     return float(np.arcsin(np.sqrt(probability / LARGEST_RATE)))
 
 
-def mixed_model(study: Study) -> MixedModel:
+def mixed_model(study: StudyCounts) -> ClusteredModel:
     """Threshold of participant p in condition c: mean of c + effect of p + deviation of the cell; the log width:
     mean of its group + effect of p (+ deviation of the cell where there are several groups)."""
     several = study.n_participants > 1 and study.n_conditions > 1
@@ -118,7 +118,7 @@ def mixed_model(study: Study) -> MixedModel:
         deviations[:, np.arange(c), place, np.arange(c)] = 1.0
         columns.append(deviations)
     random, cells = np.concatenate(columns, axis=3) * present[..., None], _Cells.of(study)
-    return MixedModel(
+    return ClusteredModel(
         cells.log_likelihood,
         fixed * present[..., None],
         random,
@@ -129,7 +129,7 @@ def mixed_model(study: Study) -> MixedModel:
     )
 
 
-def _basis(study: Study, size: int) -> Array:
+def _basis(study: StudyCounts, size: int) -> Array:
     """Of Lambda: lower triangle of threshold and width (without their correlation for few participants), then a
     multiple of the unit matrix for each kind of deviation."""
     if study.n_participants == 1:
@@ -146,7 +146,7 @@ def _basis(study: Study, size: int) -> Array:
     return np.concatenate([basis, np.reshape(parts, (-1, size, size))])
 
 
-def start_scales(model: MixedModel) -> Array:
+def start_scales(model: ClusteredModel) -> Array:
     """theta at the start."""
     diagonals = np.diagonal(model.basis, axis1=1, axis2=2)
     kinds = [0, 1, *[2 + k // max(1, model.fixed.shape[1]) for k in range(model.basis.shape[1] - 2)]]
@@ -157,11 +157,11 @@ def start_scales(model: MixedModel) -> Array:
 class _Cells:
     """The answers of all cells, with rates by angles: value and derivatives along threshold, log width, angles."""
 
-    study: Study
+    study: StudyCounts
     counts: Counts
 
     @classmethod
-    def of(cls, study: Study) -> "_Cells":
+    def of(cls, study: StudyCounts) -> "_Cells":
         n_units = study.n_participants * study.n_conditions
         u, k, n = (part.reshape(n_units, -1) for part in (study.u, study.n_yes, study.n_trials))
         nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
@@ -197,7 +197,7 @@ class _Cells:
         return chance_information(self.study.shape, self.counts, self.theta(points)).reshape(*points.shape[:2], 2, 2)
 
 
-def _prior(study: Study) -> Callable[[Array], tuple[float, Array]]:
+def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
     """psignifit's priors, on the means of the conditions and the shared rates; the width's is flat in its logarithm."""
     low, high, gap = study.ranges()
     reach = np.where(high > low, high - low, 1.0)
@@ -223,7 +223,7 @@ def _prior(study: Study) -> Callable[[Array], tuple[float, Array]]:
     return log_prior
 
 
-def start(study: Study, model: MixedModel, thresholds: Array, log_widths: Array) -> Array:
+def start(study: StudyCounts, model: ClusteredModel, thresholds: Array, log_widths: Array) -> Array:
     """Parameters (n_parameters,) from a threshold and a log width of each condition."""
     low, high, gap = study.ranges()
     inside = np.clip(thresholds, low - 0.2 * (high - low), high + 0.2 * (high - low))

@@ -9,9 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
-from scipy.stats import t as t_distribution
+from scipy.stats import chi2, f as f_distribution, t as t_distribution
 
 from tactometry.errors import InvalidParameter
 
@@ -54,7 +52,7 @@ class Contrast:
 
 
 @dataclass(frozen=True)
-class Effect:
+class FactorEffect:
     """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it. With
     infinite `df_error` it is no F but a chi-square over its degrees of freedom."""
 
@@ -131,7 +129,7 @@ class HierarchicalFit:
         p = 2 * float(t_distribution.sf(abs(t), df))
         return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
 
-    def effect(self, *factors: str, of: str = "threshold") -> Effect:
+    def effect(self, *factors: str, of: str = "threshold") -> FactorEffect:
         """Wald's test of a main effect, or of the interaction of several factors, in a complete factorial.
 
         The error has df (n - 1) degrees of freedom, as in the repeated-measures analysis: the model has one variance
@@ -155,9 +153,9 @@ class HierarchicalFit:
         differences, df = rows @ self.means, len(rows)
         f = float(differences @ np.linalg.solve(rows @ self.covariance @ rows.T, differences)) / df
         if not self.components.get(f"{of}_cell"):
-            return Effect(f, df, np.inf, float(chi2.sf(df * f, df)))
+            return FactorEffect(f, df, np.inf, float(chi2.sf(df * f, df)))
         df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
-        return Effect(f, df, df_error, float(f_distribution.sf(f, epsilon * df, epsilon * df_error)), epsilon)
+        return FactorEffect(f, df, df_error, float(f_distribution.sf(f, epsilon * df, epsilon * df_error)), epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
         """Chi and Muller's, of the participants who have an estimate in every condition; the least there is without

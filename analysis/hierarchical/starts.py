@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..threshold.counts import Array
 from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
-from .model import Study
+from .model import StudyCounts
 
 TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
@@ -53,7 +53,7 @@ class Alone:
         """The upper bound of each condition's width, from its answers together; NaN for none."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
-    def start(self, study: Study) -> tuple[Array, Array]:
+    def start(self, study: StudyCounts) -> tuple[Array, Array]:
         """A threshold and a log width of each condition that is told; `study` has these alone."""
         low, high, _ = study.ranges()
         middle, ends = (low + high) / 2, {Status.BELOW: low, Status.ABOVE: high}
@@ -72,7 +72,7 @@ def is_told(one: ThresholdFit) -> bool:
     return one.status in TOLD and one.threshold is not None
 
 
-def fitted_alone(study: Study, shape: str) -> Alone:
+def fitted_alone(study: StudyCounts, shape: str) -> Alone:
     """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
     n, c = study.n_participants, study.n_conditions
     counts = [np.moveaxis(part, 1, 0) for part in (study.u, study.n_yes, study.n_trials)]
@@ -84,7 +84,7 @@ def fitted_alone(study: Study, shape: str) -> Alone:
     )
 
 
-def _fits(study: Study, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:
+def _fits(study: StudyCounts, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:
     return fit_many(
         *counts,
         shape=shape,

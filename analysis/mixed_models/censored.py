@@ -22,8 +22,7 @@ from ..threshold.counts import Array, Bools
 from ..threshold.likelihood import Expansion
 from .glmm import clustered
 from .held import endless_direction, leaves_no_error
-from .laplace import MixedFit, maximise
-from .laplace import MixedModel as Clusters
+from .laplace import ClusteredModel as Clusters, MixedFit, maximise
 from .linear import (
     ALIKE,
     Counts,

@@ -21,7 +21,7 @@ from tactometry.psychometric import SHAPES, Shape
 from ..threshold.chances import by_point, expected_information
 from ..threshold.counts import Array, checked
 from ..threshold.likelihood import Expansion
-from .laplace import MixedFit, MixedModel, maximise
+from .laplace import ClusteredModel, MixedFit, maximise
 from .quadrature import maximise_by_quadrature
 
 LINKS = MappingProxyType({"probit": "normal", "logit": "logistic"})
@@ -198,7 +198,7 @@ class _Design:
             found = maximise_by_quadrature(model, found, n_nodes)
         return self._estimate(model, found)
 
-    def _model(self, shape: Shape, asymptotes: tuple[float, float], *, expected: bool) -> MixedModel:
+    def _model(self, shape: Shape, asymptotes: tuple[float, float], *, expected: bool) -> ClusteredModel:
         places = [self.names.index(name) for name in self.random]
         guess, lapse = (np.array([rate]) for rate in asymptotes)
         yes, no = (count[..., None] for count in self.answers)
@@ -214,11 +214,11 @@ class _Design:
         basis = triangular_basis(len(places) if len(self.participants) > 1 else 0, len(places))
         if not self.correlated:
             basis = basis[basis.trace(axis1=1, axis2=2) > 0]
-        return MixedModel(
+        return ClusteredModel(
             log_likelihood, fixed, fixed[..., places], basis, information=information if expected else None
         )
 
-    def _estimate(self, model: MixedModel, found: MixedFit) -> MixedEstimate:
+    def _estimate(self, model: ClusteredModel, found: MixedFit) -> MixedEstimate:
         beta, _, theta = model.parts(found.parameters)
         covariance, n = found.covariance[: len(beta), : len(beta)], len(self.random)
         modes = found.inner.effects @ model.scale(theta).T / self._random_scale()
@@ -243,7 +243,7 @@ class _Design:
             NOTES[status],
         )
 
-    def _status(self, model: MixedModel, found: MixedFit, covariance: Array) -> MixedStatus:
+    def _status(self, model: ClusteredModel, found: MixedFit, covariance: Array) -> MixedStatus:
         theta = model.parts(found.parameters)[2]
         if not np.isfinite(covariance).all() or np.diagonal(covariance).max() > WIDEST_SE**2:
             return MixedStatus.SEPARATED

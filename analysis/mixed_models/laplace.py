@@ -31,7 +31,7 @@ ILL = -1e12
 
 
 @dataclass(frozen=True)
-class MixedModel:
+class ClusteredModel:
     """Clusters by slots of units; a slot that is not used has X = Z = 0 and a log-likelihood of 0.
 
     Parameters
@@ -117,7 +117,7 @@ class MixedFit:
     inner: Inner
 
 
-def inner_mode(model: MixedModel, parameters: Array, start: Array | None = None) -> Inner:
+def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = None) -> Inner:
     """Damped Newton steps of all clusters at once, each with its own damping."""
     beta, shared, theta = model.parts(parameters)
     loads, offset = model.random @ model.scale(theta), model.fixed @ beta
@@ -141,7 +141,7 @@ def _diagonal(matrix: Array) -> Array:
     return np.asarray(np.abs(np.diagonal(matrix, axis1=1, axis2=2)).max(axis=1))
 
 
-def _at(model: MixedModel, offset: Array, loads: Array, effects: Array, shared: Array) -> Inner:
+def _at(model: ClusteredModel, offset: Array, loads: Array, effects: Array, shared: Array) -> Inner:
     points = model.points(offset, loads, effects, shared)
     at, d = model.log_likelihood(points), offset.shape[-1]
     precision = precision_of(loads, -at.hessian[..., :d, :d])
@@ -184,7 +184,7 @@ def _merged(better: NDArray[np.bool_], there: Inner, here: Inner) -> Inner:
     return Inner(loads=here.loads, at=at, **fields)
 
 
-def log_marginal(model: MixedModel, parameters: Array, inner: Inner) -> tuple[float, Array]:
+def log_marginal(model: ClusteredModel, parameters: Array, inner: Inner) -> tuple[float, Array]:
     """Laplace's log marginal likelihood (plus the log prior), and its gradient."""
     d = inner.loads.shape[2]
     bends = [_bend(model, inner, axis) for axis in range(d + model.n_shared)]
@@ -214,7 +214,7 @@ def log_marginal(model: MixedModel, parameters: Array, inner: Inner) -> tuple[fl
     return with_prior(model, parameters, value, gradient)
 
 
-def with_prior(model: MixedModel, parameters: Array, value: float, gradient: Array) -> tuple[float, Array]:
+def with_prior(model: ClusteredModel, parameters: Array, value: float, gradient: Array) -> tuple[float, Array]:
     """A log marginal and its gradient, plus those of the log prior; `ILL` for what is no number."""
     n = model.n_fixed + model.n_shared
     if model.log_prior is not None:
@@ -223,14 +223,14 @@ def with_prior(model: MixedModel, parameters: Array, value: float, gradient: Arr
     return (value if np.isfinite(value) else ILL), gradient
 
 
-def _bend(model: MixedModel, inner: Inner, axis: int) -> Array:
+def _bend(model: ClusteredModel, inner: Inner, axis: int) -> Array:
     """The derivative of the curvature of each unit along one of its predictors or shared parameters."""
     step = DIFFERENCE * np.eye(inner.points.shape[-1])[axis]
     up, down = (model.curvature(inner.points + side * step) for side in (1, -1))
     return np.asarray((up - down) / (2 * DIFFERENCE))
 
 
-Marginal = Callable[[MixedModel, Array, Inner], tuple[float, Array]]
+Marginal = Callable[[ClusteredModel, Array, Inner], tuple[float, Array]]
 
 
 class _Objective:
@@ -240,7 +240,7 @@ class _Objective:
     which the answers have no chance.
     """
 
-    def __init__(self, model: MixedModel, marginal: Marginal) -> None:
+    def __init__(self, model: ClusteredModel, marginal: Marginal) -> None:
         self._model, self._marginal = model, marginal
         self.effects: Array | None = None
 
@@ -256,7 +256,7 @@ class _Objective:
         return -value, -gradient
 
 
-def maximise(model: MixedModel, start: Array, marginal: Marginal = log_marginal) -> MixedFit:
+def maximise(model: ClusteredModel, start: Array, marginal: Marginal = log_marginal) -> MixedFit:
     """Quasi-Newton steps (BFGS, from the start's inverse Hessian), then Newton's, from `start` (n_parameters,).
 
     `marginal` gives the log marginal likelihood and its gradient at parameters and their inner mode.

@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
-from scipy.stats import f as fisher
-from scipy.stats import t as student
+from scipy.stats import f as fisher, t as student
 
 from tactometry.errors import InvalidParameter
 

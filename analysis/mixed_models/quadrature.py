@@ -9,11 +9,11 @@ import numpy as np
 
 from ..threshold.counts import Array
 from ..threshold.likelihood import Expansion
-from .laplace import Inner, MixedFit, MixedModel, maximise, with_prior
+from .laplace import ClusteredModel, Inner, MixedFit, maximise, with_prior
 
 
 def log_marginal_by_quadrature(
-    model: MixedModel, parameters: Array, inner: Inner, *, n_nodes: int
+    model: ClusteredModel, parameters: Array, inner: Inner, *, n_nodes: int
 ) -> tuple[float, Array]:
     """With `n_nodes` along each random effect (n_nodes ** n_random evaluations of every unit), and its gradient: the
     mean of the complete data's, over the random effects given the answers (Fisher's identity)."""
@@ -36,7 +36,7 @@ def log_marginal_by_quadrature(
     return with_prior(model, parameters, value, gradient)
 
 
-def _slope(model: MixedModel, at: Expansion, effects: Array) -> Array:
+def _slope(model: ClusteredModel, at: Expansion, effects: Array) -> Array:
     """The gradient (n_clusters, n_parameters) of the answers' log-likelihood at some random effects."""
     d = model.fixed.shape[2]
     by_eta = at.gradient[..., :d]
@@ -51,6 +51,6 @@ def _slope(model: MixedModel, at: Expansion, effects: Array) -> Array:
     )
 
 
-def maximise_by_quadrature(model: MixedModel, start: MixedFit, n_nodes: int) -> MixedFit:
+def maximise_by_quadrature(model: ClusteredModel, start: MixedFit, n_nodes: int) -> MixedFit:
     """From Laplace's maximum."""
     return maximise(model, start.parameters, partial(log_marginal_by_quadrature, n_nodes=n_nodes))

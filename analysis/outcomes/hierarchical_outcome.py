@@ -10,7 +10,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
-from ..hierarchical.fitting import Effect, GroupStatus, HierarchicalFit, fit_hierarchical
+from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
 from ..report import apa
 from ..tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
 from ..threshold.status import Status
@@ -27,7 +27,7 @@ HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
 
 
 @dataclass(frozen=True)
-class Together:
+class HierarchicalOutcome:
     """A task's hierarchical fit: `conditions` and `participants` as tables (for comparisons with `jnd`), `effects` by
     quantity and factors; or None with the reason in `note`."""
 
@@ -36,7 +36,7 @@ class Together:
     note: str
     conditions: pd.DataFrame
     participants: pd.DataFrame
-    effects: Mapping[str, Effect] = field(default_factory=dict)
+    effects: Mapping[str, FactorEffect] = field(default_factory=dict)
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""
@@ -51,7 +51,7 @@ class Together:
         return [*tested, *_variance_sentences(self.fit, unit), *([self.note] if self.note else [])]
 
 
-def _statistic(one: Effect) -> str:
+def _statistic(one: FactorEffect) -> str:
     if np.isinf(one.df_error):
         return f"chi-square({one.df}) = {one.df * one.f:.2f} (participants' deviations by condition have no variance)"
     return apa.f_text(one.f, one.df, one.df_error, one.epsilon)
@@ -72,7 +72,7 @@ def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
     return [*found, *([", ".join(told)] if told else [])]
 
 
-def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> Together | None:
+def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants."""
     task = found[0].task
     if len({cell.participant for cell in found}) < 2:
@@ -108,11 +108,11 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
     return _told(task, fit, varied, table)
 
 
-def _without(task: str, note: str) -> Together:
-    return Together(task, None, note, pd.DataFrame(), pd.DataFrame())
+def _without(task: str, note: str) -> HierarchicalOutcome:
+    return HierarchicalOutcome(task, None, note, pd.DataFrame(), pd.DataFrame())
 
 
-def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> Together:
+def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     own = (fit.conditions, fit.participants)
     if fit.status not in HAS_FIT:
         return _without(task, f"no hierarchical fit: {fit.note}")
@@ -120,7 +120,7 @@ def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.Data
     has_widths = task == "comparison" and fit.conditions["width"].notna().any()
     effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
-    return Together(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)
+    return HierarchicalOutcome(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)
 
 
 def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
@@ -131,14 +131,14 @@ def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
 
 def _effects(
     fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame, quantities: Sequence[str]
-) -> tuple[dict[str, Effect], str]:
+) -> tuple[dict[str, FactorEffect], str]:
     """Main effects and interactions within participants, and why there are none."""
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
     parts = [part for r in range(1, len(varied) + 1) for part in combinations(varied, r)]
     several, notes = len(quantities) > 1, []
-    found: dict[str, Effect] = {}
+    found: dict[str, FactorEffect] = {}
     for of in quantities:
         where = f" on the {QUANTITIES[of]}" if several else ""
         try:

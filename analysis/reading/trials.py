@@ -18,7 +18,7 @@ from tactometry.files.durable import listed
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED
-from tactometry.trials.row_rules import RESPONSES, TASKS, Rule, rows_text
+from tactometry.trials.row_rules import RESPONSES, TASKS, CellRule, rows_text
 
 from .arrow_text import plain_numbers
 from .column_map import ColumnMap, translated, trials_of
@@ -324,7 +324,7 @@ def _check_answers(table: pd.DataFrame, file: Path) -> None:
         _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
 
 
-def _fits(rule: Rule, text: str) -> bool:
+def _fits(rule: CellRule, text: str) -> bool:
     """Other programs write a whole number as 1.0."""
     return "_" not in text and rule.holds(text.removesuffix(".0"))
 

@@ -13,12 +13,10 @@ from ..figures.axes import RATE_LABEL
 from ..figures.style import Drawing
 from ..outcomes.findings import FORCE, Outcome
 from ..outcomes.group_means import HIGH, LOW, MAX_LEVELS, bounds_of
-from ..outcomes.hierarchical_outcome import Together
+from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..pipeline import Analysis
 from ..tasks.cells import Estimate
-from ..tasks.magnitude import DEPENDENT as EXPONENT
-from ..tasks.magnitude import GROWTH
-from ..tasks.magnitude import TASK as MAGNITUDE
+from ..tasks.magnitude import DEPENDENT as EXPONENT, GROWTH, TASK as MAGNITUDE
 from .captions import figure_text, means_of
 
 NAMES = {
@@ -128,7 +126,7 @@ def _loss_figure(found: Analysis) -> Figure:
     return Figure("loss", loss.loss_figure(own, found.trials.factors), text, "loss", Place.LOSS)
 
 
-def _together_figure(found: Analysis, each: Together) -> Figure:
+def _together_figure(found: Analysis, each: HierarchicalOutcome) -> Figure:
     name = NAMES["pse" if each.task == "comparison" else "threshold"]
     factors = [factor for factor in found.trials.factors if factor in each.conditions.columns]
     columns = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}

@@ -11,7 +11,7 @@ from ..wording.numbers import cell_text
 
 
 @dataclass(frozen=True)
-class Grid:
+class TextGrid:
     """A table as text."""
 
     header: tuple[str, ...]
@@ -21,7 +21,7 @@ class Grid:
     def is_text(self) -> tuple[bool, ...]:
         """For each column whether it holds words: the first does, and each with a cell without a digit.
 
-        >>> Grid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
+        >>> TextGrid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
         (True, False, True)
         """
         cells = zip(*self.rows, strict=True) if self.rows else ((),) * len(self.header)
@@ -29,15 +29,15 @@ class Grid:
         return (True, *worded[1:])
 
 
-def grid(table: pd.DataFrame, factors: Sequence[str]) -> Grid:
+def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
     """Values of factors as they were stated, other numbers with three significant digits.
 
     >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
-    Grid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
+    TextGrid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
     """
     columns = [[_text(value, is_level=name in factors) for value in table[name]] for name in table.columns]
     heads = tuple(header_of(str(name), factors) for name in table.columns)
-    return Grid(heads, tuple(zip(*columns, strict=True)) if columns else ())
+    return TextGrid(heads, tuple(zip(*columns, strict=True)) if columns else ())
 
 
 def _text(value: object, *, is_level: bool) -> str:

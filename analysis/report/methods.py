@@ -8,7 +8,7 @@ import pandas as pd
 
 from ..attrakdiff.ratings import Ratings, unanswered
 from ..outcomes.findings import Outcome
-from ..plan import Plan
+from ..plan import AnalysisPlan
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials
 from ..tasks.cells import FITTED_TASKS
@@ -212,7 +212,7 @@ def methods(
     table: pd.DataFrame,
     n_choices: int,
     forms: Sequence[Ratings] = (),
-    plan: Plan | None = None,
+    plan: AnalysisPlan | None = None,
     *,
     is_hierarchical: bool = False,
     choices: Sequence[str] = (),
@@ -220,7 +220,7 @@ def methods(
     procedures: Collection[str] = (),
 ) -> str:
     """A paragraph for the methods section: what ran, with versions."""
-    plan = plan or Plan()
+    plan = plan or AnalysisPlan()
     parts = [*_fit_methods(table, n_choices), *_rule_methods(table, procedures)]
     parts += [HIERARCHICAL] if is_hierarchical else []
     parts += [CHOICES[name] for name in choices]
@@ -236,7 +236,7 @@ def references(methods: str) -> list[str]:
     return sorted(work for work in REFERENCES if work.partition(",")[0] in methods)
 
 
-def _plan_methods(plan: Plan, tested: Collection[str]) -> list[str]:
+def _plan_methods(plan: AnalysisPlan, tested: Collection[str]) -> list[str]:
     stated = plan.exclusion.stated()
     parts = []
     if stated:

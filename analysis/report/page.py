@@ -14,7 +14,7 @@ from tactometry.files.safe_text import file_text
 from ..attrakdiff.ratings import Ratings
 from ..outcomes.findings import Outcome
 from ..outcomes.group_means import cross_table
-from ..outcomes.hierarchical_outcome import Together
+from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..pipeline import Analysis
 from ..wording.decibels import as_amplitudes, is_decibel
 from ..wording.labels import in_words, split_unit
@@ -23,7 +23,7 @@ from .apa import p_text
 from .captions import means_sentence
 from .choice_text import choice_table
 from .figure_list import NAMES, Figure, Place, figures_of
-from .grid import Grid, grid
+from .grid import TextGrid, grid
 from .pdf import print_pdf
 from .table_files import write_tables
 
@@ -132,7 +132,7 @@ def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
     }
 
 
-def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, Grid] | None:
+def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, TextGrid] | None:
     """The group table in the unit that decibels refer to, with this unit; None without decibels or a mean."""
     unit = outcome.unit(found.unit)
     if not is_decibel(unit) or outcome.group["mean"].isna().all():
@@ -142,7 +142,7 @@ def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, Grid] | None:
     return f"{unit.partition(' re 1 ')[2]}{peak}", grid(cross, found.trials.factors)
 
 
-def _grids(found: Analysis) -> dict[str, Grid | None]:
+def _grids(found: Analysis) -> dict[str, TextGrid | None]:
     """The tables that stand alone; None where there is none."""
     tables, factors = dict(found.tables), found.trials.factors
     tables |= {name: cross_table(tables[name], factors) for name in ("loss", "force") if name in tables}
@@ -211,16 +211,16 @@ def title_of(found: Analysis) -> str:
     return f"{title} (simulated)" if found.origin.is_simulated else title
 
 
-def _cross_grid(each: Together, found: Analysis) -> Grid | None:
+def _cross_grid(each: HierarchicalOutcome, found: Analysis) -> TextGrid | None:
     if each.fit is None:
         return None
     return grid(cross_table(each.conditions, each.fit.factors), found.trials.factors)
 
 
-def _summary_grid(form: Ratings) -> Grid:
+def _summary_grid(form: Ratings) -> TextGrid:
     """Conditions down, dimensions across, each as mean with interval."""
     cross = form.cross()
-    return Grid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
+    return TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
 
 
 GOODNESS_COLUMNS = {
@@ -235,7 +235,7 @@ EFFECT_COLUMNS = {
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
 
-def _effects_grid(outcome: Outcome, factors: Sequence[str]) -> Grid | None:
+def _effects_grid(outcome: Outcome, factors: Sequence[str]) -> TextGrid | None:
     if outcome.effects is None:
         return None
     effects = outcome.effects[outcome.effects["F"].notna()]

@@ -5,11 +5,8 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .fitting import fit, fit_many
-    from .result import ThresholdFit
-    from .status import Status
+    from .fitting import fit as fit, fit_many as fit_many
+    from .result import ThresholdFit as ThresholdFit
+    from .status import Status as Status
 
-__all__ = ["Status", "ThresholdFit", "fit", "fit_many"]
-
-_NAMES = {"fitting": "fit fit_many", "result": "ThresholdFit", "status": "Status"}
-__getattr__, __dir__ = exports(__name__, _NAMES)
+__getattr__, __dir__ = exports(__name__, __file__)

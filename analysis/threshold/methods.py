@@ -28,7 +28,7 @@ from .status import (
     stand_as_after_a_track,
     statuses,
 )
-from .step import Step, best_step
+from .step import StepFit, best_step
 
 Statuses = NDArray[np.object_]
 ON_LIKELIHOOD = ("ml", "profile")
@@ -43,7 +43,7 @@ WIDEST_LOG_SD = 1.5
 
 
 @dataclass(frozen=True)
-class Point:
+class PointEstimate:
     """Estimates (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width; the
     overdispersion (n_sets,) or None."""
 
@@ -52,11 +52,11 @@ class Point:
     width: Array
     eta: Array | None
 
-    def where(self, chosen: Bools, other: "Point") -> "Point":
+    def where(self, chosen: Bools, other: "PointEstimate") -> "PointEstimate":
         """This one, and another in some sets."""
         pairs = ((self.theta, other.theta), (self.threshold, other.threshold), (self.width, other.width))
         theta, threshold, width = (np.where(chosen[:, None], theirs, own) for own, theirs in pairs)
-        return Point(theta, threshold, width, self.eta)
+        return PointEstimate(theta, threshold, width, self.eta)
 
 
 @dataclass(frozen=True)
@@ -112,23 +112,25 @@ class Fitting:
         found.put(chosen, each, np.ones(len(chosen), dtype=bool))
         return found
 
-    def _of_posterior(self, mode: Mode, found: Marginals, step: Step, eta: Array | None = None) -> Point:
+    def _of_posterior(self, mode: Mode, found: Marginals, step: StepFit, eta: Array | None = None) -> PointEstimate:
         """The mode, median or mean. Of a step the mode is a whole stretch, whose middle is taken; where the mode lies
         on an edge of the priors or outside of its own interval, the median stands for it."""
         median, theta = found.mean.copy(), _with_width(mode.theta)
         median[:, [THRESHOLD, LOG_WIDTH]] = found.median
         if self.estimate == "mean":
-            return Point(found.mean, found.threshold, found.width, None if eta is None else found.overdispersion)
+            return PointEstimate(
+                found.mean, found.threshold, found.width, None if eta is None else found.overdispersion
+            )
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
         is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], found.threshold)
         is_wide = _within(theta[:, LOG_WIDTH], found.width)
         is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
         theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
-        return Point(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
+        return PointEstimate(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
 
     def _of_curvature(
         self, own: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None
-    ) -> Point:
+    ) -> PointEstimate:
         """The mode with Wald's intervals; where a set `rests` on it, the threshold's by profile or bootstrap if these
         are asked for."""
         z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
@@ -138,7 +140,7 @@ class Fitting:
         chosen = np.flatnonzero(rests)
         if self.method in ("profile", "bootstrap") and len(chosen):
             threshold[chosen] = self._refined(chosen, own[chosen], n_resamples, rng)
-        return Point(_with_width(own.theta), threshold, width, eta)
+        return PointEstimate(_with_width(own.theta), threshold, width, eta)
 
     def _refined(
         self, chosen: NDArray[np.int64], own: Mode, n_resamples: int, rng: np.random.Generator | None
@@ -176,7 +178,7 @@ class _Told:
     of: Fitting
     status: Statuses
     shares: Array
-    point: Point
+    point: PointEstimate
     mode: Mode
     found: Marginals
     deviance: Array

@@ -13,7 +13,7 @@ from .chances import weighted
 from .counts import Array, Counts
 from .likelihood import saturated_log_likelihood
 from .prior import Prior
-from .step import Step
+from .step import StepFit
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""
@@ -65,7 +65,7 @@ def stand_as_after_a_track(counts: Counts) -> NDArray[np.bool_]:
     return np.asarray(uneven | ((n_levels > FEW) & (n < 2 * n_levels)))
 
 
-def statuses(counts: Counts, prior: Prior, shares: Array, step: Step) -> list[Status]:
+def statuses(counts: Counts, prior: Prior, shares: Array, step: StepFit) -> list[Status]:
     """The status of each data set, the first that applies of: no data, one level, falling, all yes, the threshold
     outside of the levels' reach or not to be told, one step, two levels; `shares` are those of `verdict_shares`."""
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)

@@ -18,7 +18,7 @@ TOLERATED = 1.0
 
 
 @dataclass(frozen=True)
-class Step:
+class StepFit:
     """The best step function, its place on the scale of `Counts.u`.
 
     `is_best`: no curve fits better. `is_between`: moreover the step lies between two levels, or does so at
@@ -30,7 +30,7 @@ class Step:
     place: Array
 
 
-def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> Step:
+def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> StepFit:
     """The step with the asymptotes of the likeliest curve, and any rate at one level at most.
 
     Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between
@@ -46,7 +46,7 @@ def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> Step:
     last = counts.u.shape[1] - 1
     middle = (counts.u[rows, np.maximum(gap - 1, 0)] + counts.u[rows, np.minimum(gap, last)]) / 2
     place = np.where(is_between, middle, counts.u[rows, at_level.argmax(axis=1)])
-    return Step(is_best, is_best & is_between, place)
+    return StepFit(is_best, is_best & is_between, place)
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:

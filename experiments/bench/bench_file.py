@@ -29,7 +29,7 @@ RAMP_S = 0.005
 
 
 @dataclass(frozen=True)
-class Screen:
+class DisplayTable:
     """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured."""
 
     fullscreen: bool = True
@@ -41,14 +41,16 @@ class Screen:
     def __post_init__(self) -> None:
         for name in ("width_px", "height_px"):
             if getattr(self, name) < 320:
-                raise InvalidParameter(f"Screen.{name}: found {getattr(self, name)}, expected at least 320 pixels")
+                raise InvalidParameter(
+                    f"DisplayTable.{name}: found {getattr(self, name)}, expected at least 320 pixels"
+                )
         if self.language not in languages():
             raise InvalidParameter(
-                f"Screen.language: found {self.language!r}, expected one of {', '.join(languages())}"
+                f"DisplayTable.language: found {self.language!r}, expected one of {', '.join(languages())}"
                 f"{nearest(self.language, languages())}"
             )
         if self.height_m is not None and not 0 < self.height_m < 10:
-            raise InvalidParameter(f"Screen.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
+            raise InvalidParameter(f"DisplayTable.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ class Devices:
 class BenchFile:
     """One bench. Its limits stand beside those of the study: the tighter one holds."""
 
-    screen: Screen = field(default_factory=Screen)
+    screen: DisplayTable = field(default_factory=DisplayTable)
     output: OutputPart = field(default_factory=OutputPart)
     limits: Limits | None = None
     sensors: Mapping[str, SensorPart] = field(default_factory=dict)
@@ -310,8 +312,8 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     return BenchFile(**{key: _PARTS[key](table[key], key) for key in table})
 
 
-def _screen(table: dict[str, Any], path: str) -> Screen:
-    return build(Screen, table, path)
+def _screen(table: dict[str, Any], path: str) -> DisplayTable:
+    return build(DisplayTable, table, path)
 
 
 def _limits(table: dict[str, Any], path: str) -> Limits:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.devices.outputs.gain import Gain
-from tactometry.devices.sensors.reader import Block, Listener, Reader
+from tactometry.devices.sensors.reader import Listener, Reader, SampleBlock
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.pages.layout import bar_page
-from tactometry.rigs.pages.page import Event, Screen
-from tactometry.rigs.pages.presenter import Stage, ending
+from tactometry.rigs.pages.page import Display, Input
+from tactometry.rigs.pages.presenter import Presenter, ending
 from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
@@ -139,7 +139,7 @@ def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
     return fit
 
 
-def show_bar(screen: Screen) -> None:
+def show_bar(screen: Display) -> None:
     """Show the bar that is to be measured until a key is pressed or the screen is touched.
 
     Raises
@@ -148,10 +148,10 @@ def show_bar(screen: Screen) -> None:
         If Escape was pressed, or the window closed.
     """
     page = bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), screen.aspect, BAR_PART)
-    Stage(screen, _give_up).converse(None, lambda state: page, lambda state, answer: (state, True))
+    Presenter(screen, _give_up).converse(None, lambda state: page, lambda state, answer: (state, True))
 
 
-def _give_up(events: tuple[Event, ...]) -> bool:
+def _give_up(events: tuple[Input, ...]) -> bool:
     why = ending(events)
     if why is not None:
         raise Stopped(f"{why}; nothing was measured")
@@ -215,7 +215,7 @@ def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
     return float(np.concatenate([first.values, listener.read(source.n_channels).values])[:, channel].mean())
 
 
-def _first(reader: Reader, listener: Listener) -> Block:
+def _first(reader: Reader, listener: Listener) -> SampleBlock:
     """The first samples; a board may begin a while after its line was opened."""
     end_s = time.perf_counter() + FIRST_SAMPLE_WITHIN_S
     while time.perf_counter() < end_s:

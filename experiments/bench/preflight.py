@@ -16,22 +16,21 @@ import numpy as np
 
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import with_ramps
-from tactometry.devices.sensors.reader import Block, Reader
+from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.devices.sensors.streamed import StreamedSensor
 from tactometry.errors import TactometryError
 from tactometry.gates.force import ForceGate
 from tactometry.rigs.bench import Facts
 from tactometry.rigs.frame_timing import timing_of
 from tactometry.rigs.pages.layout import marker_page, message_page
-from tactometry.rigs.pages.page import KeyDown, Page
-from tactometry.rigs.pages.page import Screen as Display
+from tactometry.rigs.pages.page import Display, KeyDown, Page
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
-from .bench_file import BenchFile, Screen
+from .bench_file import BenchFile, DisplayTable
 from .learnt_stimuli import bank_of
 
 LISTEN_S = 2.0
@@ -179,7 +178,7 @@ def _recorder(folder: Path) -> Iterator[Callable[[], None]]:
         yield record
 
 
-def _display(screen: Screen, folder: Path) -> Iterator[Finding]:
+def _display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
     from tactometry.rigs.window import Window
 
     window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
@@ -236,7 +235,7 @@ def _pressed(screen: Display, language: str, folder: Path) -> Finding:
     return Finding("display", "key to record", words, limit, median_s <= KEY_TO_RECORD_AT_MOST_S)
 
 
-def _shown(screen: Screen, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
+def _shown(screen: DisplayTable, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
     size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
     yield Finding("display", "size", size, fine=True)
     height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"
@@ -292,7 +291,7 @@ def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
     yield from _stream(part, reader, blocks, ages_s)
 
 
-def _stream(part: str, reader: Reader, blocks: list[Block], ages_s: list[float]) -> Iterator[Finding]:
+def _stream(part: str, reader: Reader, blocks: list[SampleBlock], ages_s: list[float]) -> Iterator[Finding]:
     times_s = np.concatenate([block.times_s for block in blocks]) if blocks else np.empty(0)
     if times_s.size < 2:
         yield Finding(part, "samples", f"{times_s.size} in {LISTEN_S:g} s", "a sensor that sends", False, device=True)

@@ -47,7 +47,7 @@ PLACES = (
 
 
 @dataclass(frozen=True)
-class Task:
+class SimulatedTask:
     """What is asked: the participant's guess rate, the one the fit is told (None: free), and catch trials per trial."""
 
     name: str
@@ -57,19 +57,19 @@ class Task:
 
 
 TASKS = (
-    Task("yes/no", FALSE_ALARM_RATE, None),
-    Task("yes/no, catch trials", FALSE_ALARM_RATE, None, 0.25),
-    *(Task(f"{m}AFC", 1 / m, 1 / m) for m in (2, 3, 4)),
+    SimulatedTask("yes/no", FALSE_ALARM_RATE, None),
+    SimulatedTask("yes/no, catch trials", FALSE_ALARM_RATE, None, 0.25),
+    *(SimulatedTask(f"{m}AFC", 1 / m, 1 / m) for m in (2, 3, 4)),
 )
 
 
-def constant(task: Task) -> ConstantStimuli:
+def constant(task: SimulatedTask) -> ConstantStimuli:
     del task
     return ConstantStimuli(CONSTANT_DB, math.ceil(N_TRIALS[-1] / len(CONSTANT_DB)))
 
 
-def up_down(n_down: int) -> Callable[[Task], Staircase]:
-    def made(task: Task) -> Staircase:
+def up_down(n_down: int) -> Callable[[SimulatedTask], Staircase]:
+    def made(task: SimulatedTask) -> Staircase:
         del task
         return Staircase(
             *(36.0, STEPS_DB, LOW_DB, HIGH_DB), n_down=n_down, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS
@@ -78,7 +78,7 @@ def up_down(n_down: int) -> Callable[[Task], Staircase]:
     return made
 
 
-def weighted(task: Task) -> WeightedStaircase:
+def weighted(task: SimulatedTask) -> WeightedStaircase:
     """Aimed at 0.75."""
     del task
     ups, downs = (tuple(part * step for step in STEPS_DB) for part in (1.5, 0.5))
@@ -87,13 +87,13 @@ def weighted(task: Task) -> WeightedStaircase:
     )
 
 
-def quest(task: Task) -> Quest:
+def quest(task: SimulatedTask) -> Quest:
     target = 1 - (1 - task.guess_rate) / math.e
     return Quest(20.0, 10.0, LOW_DB, HIGH_DB, 0.5, target=target, guess_rate=task.guess_rate, n_trials=ENDLESS)
 
 
-def quest_plus(aim: str) -> Callable[[Task], QuestPlus]:
-    def made(task: Task) -> QuestPlus:
+def quest_plus(aim: str) -> Callable[[SimulatedTask], QuestPlus]:
+    def made(task: SimulatedTask) -> QuestPlus:
         levels_db = tuple(np.arange(LOW_DB, HIGH_DB + 1).tolist())
         grid = ParameterGrid(levels_db, (4.0, 6.0, 9.0, 13.5, 20.0), (task.guess_rate,), (0.0, 0.02, 0.05))
         return QuestPlus(levels_db, grid, ENDLESS, aim=aim)  # type: ignore[arg-type]
@@ -101,7 +101,7 @@ def quest_plus(aim: str) -> Callable[[Task], QuestPlus]:
     return made
 
 
-PROCEDURES: Mapping[str, Callable[[Task], Procedure]] = {
+PROCEDURES: Mapping[str, Callable[[SimulatedTask], Procedure]] = {
     "constant stimuli": constant,
     "1 up 1 down": up_down(1),
     "1 up 2 down": up_down(2),
@@ -142,7 +142,7 @@ def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Ar
 
 def tracks(
     procedure: str,
-    task: Task,
+    task: SimulatedTask,
     place: str,
     n_sets: int,
     rng: np.random.Generator,
@@ -166,7 +166,7 @@ def tracks(
     return Tracks(thresholds_db, levels_db, answers)
 
 
-def fits(found: Tracks, task: Task, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
+def fits(found: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
     """Of the first trials of each track, as an analysis fits them."""
     n_catch = round(task.catch * n_trials)
     return fit_many(
@@ -187,14 +187,16 @@ AT_CHANCE = ("1 up 1 down", "2AFC")
 
 
 def settings(
-    procedures: Sequence[str] = tuple(PROCEDURES), tasks: Sequence[Task] = TASKS, places: Sequence[str] = PLACES
-) -> list[tuple[str, Task, str]]:
+    procedures: Sequence[str] = tuple(PROCEDURES),
+    tasks: Sequence[SimulatedTask] = TASKS,
+    places: Sequence[str] = PLACES,
+) -> list[tuple[str, SimulatedTask, str]]:
     """Each procedure with each task and place."""
     return [each for each in product(procedures, tasks, places) if (each[0], each[1].name) != AT_CHANCE]
 
 
 def census(
-    chosen: Sequence[tuple[str, Task, str]],
+    chosen: Sequence[tuple[str, SimulatedTask, str]],
     n_sets: int,
     rng: np.random.Generator,
     *,

@@ -16,7 +16,7 @@ from tactometry.records.data_set import cell
 from tactometry.records.description import KEYWORD
 from tactometry.trials.columns import Column
 
-from .source import Row, Source, pretty, separated
+from .source import ExportedDataSet, Row, pretty, separated
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")
@@ -30,7 +30,7 @@ TERMS = ("https://www.cognitiveatlas.org", "http://www.cogpo.org")
 """Of the task, which no ontology names: their front pages."""
 
 
-def bids_files(source: Source, authors: Sequence[str] = ()) -> dict[str, bytes]:
+def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str, bytes]:
     """Every file of the BIDS data set, by its path; the same data give the same bytes.
 
     Raises
@@ -61,7 +61,7 @@ def _label(text: str) -> str:
     return "".join(letter for letter in text if letter.isalnum() and letter.isascii()) or "trials"
 
 
-def _heading(source: Source, authors: Sequence[str]) -> dict[str, bytes]:
+def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes]:
     description = {
         "Name": source.title,
         "BIDSVersion": BIDS_VERSION,
@@ -85,7 +85,7 @@ def _heading(source: Source, authors: Sequence[str]) -> dict[str, bytes]:
     return found
 
 
-def _sessions(source: Source, code: str) -> bytes:
+def _sessions(source: ExportedDataSet, code: str) -> bytes:
     """Sessions with the time of their first answer, where it is known."""
     rows = []
     for participant, session, part in source.sessions():
@@ -95,7 +95,7 @@ def _sessions(source: Source, code: str) -> bytes:
     return separated(["session_id", "acq_time"], rows, "\t")
 
 
-def _readme(source: Source) -> str:
+def _readme(source: ExportedDataSet) -> str:
     names = ", ".join(source.factors) or "none"
     whose = f"{source.origin.line}\n\n" if source.origin.is_simulated else ""
     did = "simulated" if source.origin.is_simulated else "recorded"
@@ -109,7 +109,9 @@ def _readme(source: Source) -> str:
     )
 
 
-def _table(stem: str, rows: Sequence[Row], source: Source, description: str, *, timed: bool) -> dict[str, bytes]:
+def _table(
+    stem: str, rows: Sequence[Row], source: ExportedDataSet, description: str, *, timed: bool
+) -> dict[str, bytes]:
     """A TSV file with its sidecar; none without rows."""
     if not rows:
         return {}
@@ -157,7 +159,7 @@ def _sidecar(
 LEVELS = ("level", "level_delivered", "level_measured", "standard_level")
 
 
-def _phenotypes(source: Source) -> dict[str, bytes]:
+def _phenotypes(source: ExportedDataSet) -> dict[str, bytes]:
     """Scores of each questionnaire: a row per participant, a column per condition (and session) and dimension."""
     files: dict[str, bytes] = {}
     for name, form in source.forms.items():
@@ -166,7 +168,7 @@ def _phenotypes(source: Source) -> dict[str, bytes]:
     return files
 
 
-def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: Source) -> dict[str, bytes]:
+def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: ExportedDataSet) -> dict[str, bytes]:
     factors = [name for name in ("session", *source.factors) if name in answers and answers[name].nunique() > 1]
     scored = scores(answers, questionnaire=form, within=factors)
     long = scored.melt(["participant", *factors], list(form.dimensions), "dimension", "score")

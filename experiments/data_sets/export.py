@@ -9,9 +9,9 @@ from .bids import bids_files
 from .psychds import psychds_files
 from .psychopy_csv import psychopy_files
 from .r_table import r_files
-from .source import Source, read_source, write_files
+from .source import ExportedDataSet, read_source, write_files
 
-FORMS: Mapping[str, Callable[[Source], dict[str, bytes]]] = {
+FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
     "psych-ds": psychds_files,
     "psychopy": psychopy_files,
     "r": r_files,

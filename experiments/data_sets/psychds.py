@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
 
-from .source import Source, pretty, separated
+from .source import ExportedDataSet, pretty, separated
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 
 
-def psychds_files(source: Source) -> dict[str, bytes]:
+def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
     """Every file, by its path; the same data give the same bytes."""
     names = [column.name for column in source.columns]
     study = (source.text("study") or "trials").replace("-", "")
@@ -29,7 +29,7 @@ def psychds_files(source: Source) -> dict[str, bytes]:
     return files
 
 
-def _description(source: Source) -> Mapping[str, object]:
+def _description(source: ExportedDataSet) -> Mapping[str, object]:
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",

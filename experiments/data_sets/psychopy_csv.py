@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from tactometry.files.safe_text import cell_text
 
-from .source import Row, Source, separated
+from .source import ExportedDataSet, Row, separated
 
 RENAMED = {
     "study": "expName",
@@ -25,7 +25,7 @@ LAST = ("participant", "session", "study", "timestamp_utc")
 """PsychoPy writes what it knows of the whole session into the last columns."""
 
 
-def psychopy_files(source: Source) -> dict[str, bytes]:
+def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
     """Every file, by its path; the same data give the same bytes. Numbers of blocks and trials start at 0 there."""
     names = [column.name for column in source.columns]
     ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]

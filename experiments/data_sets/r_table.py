@@ -11,7 +11,7 @@ from tactometry.analysis.reading.trials import parsed
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 
-from .source import Source, separated
+from .source import ExportedDataSet, separated
 
 TEXT = (
     "participant",
@@ -65,7 +65,7 @@ MODELS = {
 """A model for each task: `times` crosses the level with the factors, `plus` are the factors alone."""
 
 
-def r_files(source: Source) -> dict[str, bytes]:
+def r_files(source: ExportedDataSet) -> dict[str, bytes]:
     """`trials.csv` and `trials.R`; the same data give the same bytes."""
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
@@ -96,7 +96,7 @@ def _escaped(text: str, quote: str) -> str:
     return "".join(signs.get(sign, sign if sign.isprintable() else f"\\u{{{ord(sign):x}}}") for sign in text)
 
 
-def _script(source: Source, names: Sequence[str]) -> str:
+def _script(source: ExportedDataSet, names: Sequence[str]) -> str:
     texts = {one for one in names if one in TEXT or (one in source.factors and not _is_number(source, one))}
     kinds = ",\n      ".join(
         f'{quoted(cell_text(one))} = "{"character" if one in texts else "numeric"}"' for one in names
@@ -124,7 +124,7 @@ def _form(form: Questionnaire) -> str:
     )
 
 
-def _models(source: Source) -> Iterator[str]:
+def _models(source: ExportedDataSet) -> Iterator[str]:
     """A model for each task but questionnaires, and one for each of these."""
     scored = source.used["procedure"].isin(source.forms) if source.forms else pd.Series(False, source.used.index)
     for task in source.tasks():
@@ -138,7 +138,7 @@ def _models(source: Source) -> Iterator[str]:
         yield _filled(CONTINUOUS if is_continuous else ORDINAL, rows, source, name(form.name))
 
 
-def _filled(model: str, rows: pd.DataFrame, source: Source, data: str) -> str:
+def _filled(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
     varied = [name(cell_text(one)) for one in source.factors if rows[one].nunique() > 1]
     answers = parsed(rows["response"]).max() if "{n_choices}" in model else 2
     return model.format(
@@ -149,7 +149,7 @@ def _filled(model: str, rows: pd.DataFrame, source: Source, data: str) -> str:
     )
 
 
-def _is_number(source: Source, name: str) -> bool:
+def _is_number(source: ExportedDataSet, name: str) -> bool:
     try:
         return bool([float(text) for row in source.rows if (text := row.get(name))])
     except ValueError:

@@ -23,7 +23,7 @@ from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
 from tactometry.records.data_set import cell
 
 from ..study.cells import tables
-from ..study.procedure_table import Rule, rule_of
+from ..study.procedure_table import ReadyProcedure, rule_of
 from ..study.study_file import Study, parse
 
 NOT_REPLAYED = {
@@ -48,7 +48,7 @@ class _Replay:
     """The rules of a study; what several blocks share is built once."""
 
     study: Study
-    rules: dict[str, Rule] = field(default_factory=dict)
+    rules: dict[str, ReadyProcedure] = field(default_factory=dict)
 
     def __call__(self, block: pd.DataFrame) -> Mapping[str, RuleEstimate]:
         names = [str(name) for name in dict.fromkeys(block["track"])]
@@ -63,7 +63,7 @@ class _Replay:
             return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
         return {name: _estimate(procedure) for name, procedure in zip(names, procedures, strict=True)}
 
-    def _rule(self, block: pd.DataFrame) -> Rule | None:
+    def _rule(self, block: pd.DataFrame) -> ReadyProcedure | None:
         """That of the first cell, which is the rule of the block; None if it is no block of this study."""
         first, levels = block.iloc[0], self.study.factors
         factors: dict[str, float | str] = {}
@@ -75,7 +75,7 @@ class _Replay:
         rule = self._built(tables(self.study, factors)["procedure"])
         return rule if set(block["procedure"]) == {rule.procedure.name} else None
 
-    def _built(self, table: Mapping[str, Any]) -> Rule:
+    def _built(self, table: Mapping[str, Any]) -> ReadyProcedure:
         key = repr(table)
         if key not in self.rules:
             self.rules[key] = rule_of(table)
@@ -91,7 +91,7 @@ def _text(value: Any) -> str:
     return value if isinstance(value, str) else cell(float(value))
 
 
-def _told(rule: Rule, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
+def _told(rule: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     """The tracks' procedures after all answers of the block."""
     procedures = rule.for_tracks(names, np.random.default_rng(0))
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):

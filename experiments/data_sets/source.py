@@ -26,7 +26,7 @@ Row = Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Source:
+class ExportedDataSet:
     """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
 
     `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered;
@@ -54,7 +54,7 @@ class Source:
     def form(self, row: Row) -> str:
         """The questionnaire that a row belongs to: an answer, or a touch that led to none; empty if to none.
 
-        >>> Source((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
+        >>> ExportedDataSet((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
         ''
         """
         name = row.get("procedure", "") if row.get("task") == "rating" else ""
@@ -63,7 +63,7 @@ class Source:
     def text(self, name: str) -> str:
         """The one value of a column; empty if there are several or none.
 
-        >>> Source(({"study": "a"}, {"study": "a"}), (), (), "", "").text("study")
+        >>> ExportedDataSet(({"study": "a"}, {"study": "a"}), (), (), "", "").text("study")
         'a'
         """
         values = {row.get(name, "") for row in self.rows}
@@ -76,7 +76,7 @@ def _whose(row: Row) -> tuple[str, str]:
     return row["participant"], str(int(float(session))) if session else "1"
 
 
-def read_source(path: Path) -> Source:
+def read_source(path: Path) -> ExportedDataSet:
     """The rows of a data set's folder or of one trials file, after the checks of `read_trials`.
 
     Raises
@@ -100,7 +100,7 @@ def read_source(path: Path) -> Source:
     names = [str(name) for name in fullest.columns if name != "row"]
     told = _description(path)
     title = str(told.get("name") or path.stem)
-    return Source(
+    return ExportedDataSet(
         rows=tuple(row for table in tables for row in _rows(table, names)),
         columns=tuple(_column(name, told) for name in names),
         factors=trials.factors,

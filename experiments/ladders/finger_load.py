@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal import Finger, Load, PointForce, Screen, loaded_responses
+from tactometry.stimuli.time_reversal import Finger, PlateLoad, PointForce, Screen, loaded_responses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -35,13 +35,13 @@ def problem() -> Problem:
     )
 
 
-def _corrected(load: Load, factor: int) -> Real:
+def _corrected(load: PlateLoad, factor: int) -> Real:
     rate_hz = COARSEST_HZ * factor
     found = loaded_responses(SCREEN, [HEARD_M], [load], rate_hz=rate_hz, duration_s=DURATION_S, f_max_hz=F_MAX_HZ)
     return np.asarray(found.samples[0][:, ::factor] * rate_hz)
 
 
-def _exponentials(load: Load) -> Real:
+def _exponentials(load: PlateLoad) -> Real:
     """Powers of the exponential of all modes at once, coupled by the finger."""
     from scipy.linalg import expm
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactometry.analysis.hierarchical.layout import Layout
 from tactometry.analysis.hierarchical.model import mixed_model
-from tactometry.analysis.mixed_models.laplace import MixedModel, inner_mode
+from tactometry.analysis.mixed_models.laplace import ClusteredModel, inner_mode
 from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
 from tactometry.psychometric import shape_named
 
@@ -38,7 +38,7 @@ def problem() -> Problem:
     )
 
 
-def _model() -> MixedModel:
+def _model() -> ClusteredModel:
     n, n_levels = N_YES.shape
     names = np.repeat([f"P{place}" for place in range(n)], n_levels)
     answers = np.tile(LEVELS, n), N_YES.ravel().astype(float), np.full(N_YES.size, float(N_TRIALS))
@@ -46,7 +46,7 @@ def _model() -> MixedModel:
     return mixed_model(layout.study(shape_named("logistic"), (0.0, LAPSE_RATE), (0, 0)))
 
 
-def _log_likelihood(model: MixedModel, n_nodes: int) -> float:
+def _log_likelihood(model: ClusteredModel, n_nodes: int) -> float:
     group = np.array(GROUP)
     return log_marginal_by_quadrature(model, group, inner_mode(model, group), n_nodes=n_nodes)[0]
 

@@ -14,8 +14,8 @@ from tactometry.stimuli.time_reversal import (
     Attenuation,
     Band,
     Finger,
-    Load,
     OneBit,
+    PlateLoad,
     Screen,
     band_limited,
     border,
@@ -53,7 +53,7 @@ def hybrid_screen() -> Problem:
     return _problem("hybrid-screen", (Finger(0.121, 0.093, 2.0).load(), Finger(0.22, 0.15, 1.5).load()), 5e-4)
 
 
-def _problem(name: str, loads: Sequence[Load], uncertainty: float) -> Problem:
+def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Problem:
     found = load_scene(path_of(name))
     at_s = np.arange(-round(AROUND_S * FINER * _surface(found).rate_hz), 1) / (FINER * _surface(found).rate_hz)
     return Problem(
@@ -78,7 +78,7 @@ def _run(found: SceneFile, at_s: Real, accuracy: float) -> Real:
     return np.asarray(np.interp(at_s, values["t_s"], values["focus_displacement_m"]))
 
 
-def _in_time(found: SceneFile, loads: Sequence[Load], n: int) -> Real:
+def _in_time(found: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     """The drive is learnt and emitted sample by sample."""
     surface, (screen, cutoff_hz) = _surface(found), _screen(found)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)

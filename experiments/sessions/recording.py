@@ -11,7 +11,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols.block import Track
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
-from tactometry.records.description import Design
+from tactometry.records.description import StudyDescription
 from tactometry.records.head import Head
 from tactometry.records.open_session import OpenSession
 from tactometry.records.sittings import differences
@@ -160,7 +160,7 @@ def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
     return head.seed
 
 
-def _head(design: Design, who: Who, seed: int, kind: RigKind, rig: Rig, keeper: OpenSession) -> Head:
+def _head(design: StudyDescription, who: Who, seed: int, kind: RigKind, rig: Rig, keeper: OpenSession) -> Head:
     started = None if kind.simulated_time else datetime.now(UTC).isoformat(timespec="milliseconds")
     return Head(
         study=design.study,

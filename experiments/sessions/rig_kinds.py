@@ -49,7 +49,7 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from tactometry.rigs.experimenter.terminal import Desk
+    from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
     from tactometry.rigs.open_bench import open_bench
 
     from .recording import RigKind
@@ -75,7 +75,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             release=bench.release,
             device_facts=outfit.facts,
             log=log,
-            desk=Desk(sys.stdin, sys.stderr),
+            desk=ExperimenterTerminal(sys.stdin, sys.stderr),
         )
 
     return RigKind("bench", make)

@@ -13,7 +13,7 @@ from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.target import resolve
 
-from .procedure_table import Rule, kind_of, rule_of, without
+from .procedure_table import ReadyProcedure, kind_of, rule_of, without
 from .study_file import VARIED, Study
 
 Factors = Mapping[str, float | str]
@@ -66,12 +66,12 @@ TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "sli
 
 
 @dataclass(frozen=True)
-class Cell:
+class WiredCell:
     """A cell that is wired: its condition, its stimulus, its procedure, and the model of what is felt."""
 
     condition: Condition
     stimulus: Stimulus
-    rule: Rule
+    rule: ReadyProcedure
     sensation: Sensation
 
 
@@ -104,7 +104,7 @@ class Wiring:
         self._study = study
         self._sensations: dict[str, Sensation] = {}
 
-    def cell(self, factors: Factors) -> Cell:
+    def cell(self, factors: Factors) -> WiredCell:
         """A cell of the design.
 
         Raises
@@ -130,7 +130,9 @@ class Wiring:
         named = {**of_stimulus, **{name: level for name, level in factors.items() if name in self._study.variants}}
         name = ", ".join([of["stimulus"]["kind"], *(f"{key}={cell_text(level)}" for key, level in named.items())])
         condition = Condition(dict(factors), name, stimulus.level_unit, touch, speed_m_per_s)
-        return Cell(condition, stimulus, rule_of(of["procedure"]), self._sensation(kind, of["sensation"], stimulus))
+        return WiredCell(
+            condition, stimulus, rule_of(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
+        )
 
     def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}

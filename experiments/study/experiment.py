@@ -15,14 +15,14 @@ from tactometry.protocols.session import Part, session
 from tactometry.protocols.tasks.adjustment import AdjustmentTask
 from tactometry.protocols.tasks.task import Task
 from tactometry.questionnaire import own
-from tactometry.records.description import Design
+from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Sensation, SimulatedRig
 from tactometry.session.request import Play
 from tactometry.session.run import Course
 from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
 
-from .cells import Cell, Wiring
+from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
 from .random_streams import stream
 from .session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
@@ -39,7 +39,7 @@ class Experiment:
 
     study: Study
     asking: Asking
-    cells: Mapping[Key, Cell]
+    cells: Mapping[Key, WiredCell]
 
     @property
     def task(self) -> Task:
@@ -88,11 +88,13 @@ class Experiment:
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
         )
 
-    def design(self, study_toml: bytes) -> Design:
+    def design(self, study_toml: bytes) -> StudyDescription:
         """What the files of a data set say of this study."""
         study = self.study
         factors = [_factor_column(name) for name in study.factors]
-        return Design(study.name, study.title, study.description, table_columns(factors, self._optional()), study_toml)
+        return StudyDescription(
+            study.name, study.title, study.description, table_columns(factors, self._optional()), study_toml
+        )
 
     def _optional(self) -> list[str]:
         """The columns that apply, of those that not every study has."""
@@ -143,7 +145,7 @@ def wire(study: Study, where: str) -> Experiment:
     return experiment
 
 
-def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, Cell]]:
+def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
     """The cells of the design, wired, each of which is asked in so many tracks, until they are too much for anybody."""
     wiring, n_trials = Wiring(study), 0.0
     for factors in all_cells(study):
@@ -161,7 +163,7 @@ def _repeated(study: Study, asked: Asking) -> float:
     return (n_levels - 1) / 2 if asked.kind == "preference" else 1 / n_levels
 
 
-def _levels(experiment: Experiment, cell: Cell) -> Iterator[tuple[str, float]]:
+def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[str, float]]:
     """The highest levels that a session may ask for, with the table that says so."""
     yield "procedure", cell.rule.highest
     practice = practice_of(experiment.study.practice)
@@ -195,7 +197,7 @@ def _check_levels(experiment: Experiment) -> None:
                 _check_level(experiment, cell.stimulus, where, level)
 
 
-def _check_starts(cells: Iterable[Cell], task: AdjustmentTask) -> None:
+def _check_starts(cells: Iterable[WiredCell], task: AdjustmentTask) -> None:
     for cell in cells:
         low, high = cell.rule.bounds
         if not task.low <= low <= high <= task.high:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from tactometry.analysis.plan import Plan
+from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.tasks.applied_force import Exclusion
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -24,9 +24,9 @@ from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from tactometry.target import resolve
 
 from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
-from .keys import Key, Table, keys_of
+from .keys import Key, KeyTable, keys_of
 from .procedure_table import PROCEDURES
-from .study_file import Inquiry, PlanTable, Study
+from .study_file import InquiryTable, PlanTable, Study
 from .task_table import TASKS, Presenting
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
@@ -77,38 +77,38 @@ _IN_LEVELS = (
 )  # fmt: skip
 
 
-def study_tables() -> Iterator[tuple[str, Table]]:
+def study_tables() -> Iterator[tuple[str, KeyTable]]:
     """The tables of a study file but `[procedure]`, by a heading."""
-    yield "The file itself", Table(Study, _TOP)
+    yield "The file itself", KeyTable(Study, _TOP)
     yield from ((f"`[stimulus]`, `kind = {_named(kinds)}`", table) for kinds, table in _stimuli())
-    yield "`[stimulus.setup]`", Table(Setup)
+    yield "`[stimulus.setup]`", KeyTable(Setup)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
-    yield "`[task]`, every kind", Table(Presenting)
+    yield "`[task]`, every kind", KeyTable(Presenting)
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
-    yield "`[practice]`", Table(Practice, {"levels": [30.0]}, ("responses",), in_levels=_IN_LEVELS)
-    yield "`[plan]`", Table(PlanTable)
-    yield "`[inquiries.NAME]`", Table(Inquiry, {"form": "sus"})
-    yield "`[forms.NAME]`", Table(Questionnaire, _FORM, given={"name": "own"})
-    yield "`[[forms.NAME.items]]`", Table(Item, _ITEM)
-    yield "`[forms.NAME.dimensions.NAME]`", Table(Dimension, {"min_answered": 1})
-    yield "`[limits]`", Table(Limits, {"voltage_peak_v": 100.0})
-    yield "`[sensation]`, electrovibration", Table(resolve(ELECTROVIBRATION))
-    yield "`[sensation.skin]`", Table(Skin)
-    yield "`[sensation.skin.tissue]`", Table(Layer, {"thickness_m": 5e-3})
-    yield "`[sensation.friction]`", Table(CoulombFriction)
-    yield "`[sensation.lag]`", Table(FrictionLag)
-    yield "`[sensation.polarity]`", Table(Polarity, {"positive_share": 0.5})
+    yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, ("responses",), in_levels=_IN_LEVELS)
+    yield "`[plan]`", KeyTable(PlanTable)
+    yield "`[inquiries.NAME]`", KeyTable(InquiryTable, {"form": "sus"})
+    yield "`[forms.NAME]`", KeyTable(Questionnaire, _FORM, given={"name": "own"})
+    yield "`[[forms.NAME.items]]`", KeyTable(Item, _ITEM)
+    yield "`[forms.NAME.dimensions.NAME]`", KeyTable(Dimension, {"min_answered": 1})
+    yield "`[limits]`", KeyTable(Limits, {"voltage_peak_v": 100.0})
+    yield "`[sensation]`, electrovibration", KeyTable(resolve(ELECTROVIBRATION))
+    yield "`[sensation.skin]`", KeyTable(Skin)
+    yield "`[sensation.skin.tissue]`", KeyTable(Layer, {"thickness_m": 5e-3})
+    yield "`[sensation.friction]`", KeyTable(CoulombFriction)
+    yield "`[sensation.lag]`", KeyTable(FrictionLag)
+    yield "`[sensation.polarity]`", KeyTable(Polarity, {"positive_share": 0.5})
     yield from ((f"`[sensation]`, `{kind}`", _felt(kind)) for kind in ("focus", "measured_focus", "hybrid"))
-    yield "`[observer]`", Table(SignalDetectionObserver)
-    yield "`[finger]`", Table(SimulatedFinger)
-    yield "`[analysis]`", Table(Plan)
-    yield "`[analysis.exclusion]`", Table(Exclusion)
+    yield "`[observer]`", KeyTable(SignalDetectionObserver)
+    yield "`[finger]`", KeyTable(SimulatedFinger)
+    yield "`[analysis]`", KeyTable(AnalysisPlan)
+    yield "`[analysis.exclusion]`", KeyTable(Exclusion)
 
 
-def procedure_tables() -> Iterator[tuple[str, Table]]:
+def procedure_tables() -> Iterator[tuple[str, KeyTable]]:
     """The table `[procedure]` of each kind."""
     for kind, read in PROCEDURES.items():
-        table = Table(read.table, _PROCEDURES[kind], read.state, made=read.made, in_levels=_IN_LEVELS)
+        table = KeyTable(read.table, _PROCEDURES[kind], read.state, made=read.made, in_levels=_IN_LEVELS)
         yield f'`kind = "{kind}"`', table
 
 
@@ -118,7 +118,7 @@ def texts() -> Mapping[str, str]:
     return {**shipped.messages, **shipped.labels}
 
 
-def written(page: str, tables: Iterable[tuple[str, Table]], behind: str = "") -> str:
+def written(page: str, tables: Iterable[tuple[str, KeyTable]], behind: str = "") -> str:
     """A page with its tables of keys anew, between the marks."""
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
@@ -135,28 +135,28 @@ def pages() -> dict[Path, str]:
     }
 
 
-def _stimuli() -> Iterator[tuple[list[str], Table]]:
+def _stimuli() -> Iterator[tuple[list[str], KeyTable]]:
     """Kinds that one class reads stand together."""
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
         examples = {"focus": _FOCUS, "hybrid": _BOTH, **_STIMULI}
-        yield kinds, Table(resolve(target), examples.get(kinds[0], {}))
+        yield kinds, KeyTable(resolve(target), examples.get(kinds[0], {}))
 
 
-def _touch(kind: str) -> Table:
-    return Table(TOUCHES[kind], _TOUCHES[kind], given={"duration_s": 0.5})
+def _touch(kind: str) -> KeyTable:
+    return KeyTable(TOUCHES[kind], _TOUCHES[kind], given={"duration_s": 0.5})
 
 
-def _tasks() -> Iterator[tuple[str, Table]]:
+def _tasks() -> Iterator[tuple[str, KeyTable]]:
     """Those kinds that have keys of their own."""
     for kind, reads in TASKS.items():
-        table = Table(reads, _TASKS.get(kind, {}), in_levels=_IN_LEVELS)
+        table = KeyTable(reads, _TASKS.get(kind, {}), in_levels=_IN_LEVELS)
         if keys_of(table):
             yield kind, table
 
 
-def _felt(kind: str) -> Table:
-    return Table(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
+def _felt(kind: str) -> KeyTable:
+    return KeyTable(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
 
 
 def _named(kinds: Iterable[str]) -> str:

@@ -37,7 +37,7 @@ OF_EXAMPLE = (
 
 
 @dataclass(frozen=True)
-class Table:
+class KeyTable:
     """A table of a file: the class that reads it, fields that no file sets, and values that it takes.
 
     Parameters
@@ -78,11 +78,11 @@ class Key:
         return not self.otherwise
 
 
-def keys_of(table: Table) -> tuple[Key, ...]:
+def keys_of(table: KeyTable) -> tuple[Key, ...]:
     """The keys that a file may set, those that must be there first.
 
     >>> from tactometry.protocols import ForcedChoice
-    >>> keys_of(Table(ForcedChoice))
+    >>> keys_of(KeyTable(ForcedChoice))
     (Key(name='n_intervals', holds='a whole number', unit='', within='2, 3 or 4', otherwise='2'),)
     """
     hints = typing.get_type_hints(table.reads)
@@ -91,7 +91,7 @@ def keys_of(table: Table) -> tuple[Key, ...]:
     return tuple(sorted(found, key=lambda key: not key.required))
 
 
-def _key(table: Table, one: dataclasses.Field[Any], hint: Any) -> Key:
+def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
     unit = "of the level" if one.name in table.in_levels else unit_in(one.name)
     return Key(one.name, words_of(hint), unit, ", ".join(_refused(table, one.name, hint)), _otherwise(one))
 
@@ -107,7 +107,7 @@ def _in_python_only(hint: Any) -> bool:
     return any(getattr(part, "_is_protocol", False) for part in _parts(hint))
 
 
-def _refused(table: Table, name: str, hint: Any) -> Iterator[str]:
+def _refused(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
     """What the class expects of a key, as it says itself when it is given something else; each said once."""
     said: list[str] = []
     for probe in (probe for part in _parts(hint) for probe in _probes(part)):
@@ -125,7 +125,7 @@ def _probes(part: Any) -> tuple[object, ...]:
     return PROBES.get(part, ())
 
 
-def _expected(table: Table, name: str, probe: object) -> str:
+def _expected(table: KeyTable, name: str, probe: object) -> str:
     """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
     try:
         table.made(build(table.reads, {**table.example, name: probe}, ASKED, table.hidden, **table.given))

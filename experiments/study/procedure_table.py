@@ -63,7 +63,7 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Rule:
+class ReadyProcedure:
     """A procedure before its first answer; `shared` tells whether interleaved tracks learn from each other."""
 
     procedure: Procedure
@@ -105,7 +105,7 @@ class Rule:
         return int(procedure.n_trials)
 
 
-def rule_of(table: Mapping[str, Any]) -> Rule:
+def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     """The table `procedure`, built.
 
     Raises
@@ -124,9 +124,9 @@ def rule_of(table: Mapping[str, Any]) -> Rule:
         raise InvalidParameter(
             f"procedure.shared: found {shared!r} with {table['kind']}, expected it with quest_plus or psi only"
         )
-    return Rule(procedure, shared)
+    return ReadyProcedure(procedure, shared)
 
 
-def practice_of(table: Mapping[str, Any]) -> Rule | None:
+def practice_of(table: Mapping[str, Any]) -> ReadyProcedure | None:
     """The table `practice`, built; None without one."""
-    return Rule(build(Practice, table, "practice", hidden=("responses",))) if table else None
+    return ReadyProcedure(build(Practice, table, "practice", hidden=("responses",))) if table else None

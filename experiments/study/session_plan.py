@@ -13,7 +13,7 @@ from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
 from tactometry.records.data_set import cell as cell_text
 
-from .cells import Cell
+from .cells import WiredCell
 from .procedure_table import practice_of
 from .random_streams import stream
 from .study_file import Levels, Study
@@ -80,7 +80,7 @@ class Sitting:
 
     study: Study
     asking: Asking
-    cells: Mapping[Key, Cell]
+    cells: Mapping[Key, WiredCell]
     rng: np.random.Generator
 
     def parts(self, factors: Sequence[Factors]) -> tuple[Part, ...]:
@@ -133,7 +133,7 @@ class Sitting:
             longest_s=shown.longest_s,
         )
 
-    def _cell(self, factors: Factors) -> Cell:
+    def _cell(self, factors: Factors) -> WiredCell:
         over = self.asking.over
         full = factors if over is None else {**factors, over: self.study.factors[over][0]}
         return self.cells[key_of(full)]

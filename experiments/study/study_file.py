@@ -67,7 +67,7 @@ class PlanTable:
 
 
 @dataclass(frozen=True)
-class Inquiry:
+class InquiryTable:
     """A questionnaire on its own, after each block or at the end of the session."""
 
     form: str
@@ -76,7 +76,7 @@ class Inquiry:
 
     def __post_init__(self) -> None:
         if self.after not in ("block", "session"):
-            raise InvalidParameter(f"Inquiry.after: found {self.after!r}, expected one of block, session")
+            raise InvalidParameter(f"InquiryTable.after: found {self.after!r}, expected one of block, session")
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Study:
 
     `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
     tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own; `analysis` is a
-    plan of analysis (`tactometry.analysis.plan.Plan`), stated before the data.
+    plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
     """
 
     name: str
@@ -103,7 +103,7 @@ class Study:
     nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
     variants: dict[str, dict[str, dict[str, dict[str, Any]]]] = field(default_factory=dict)
     practice: dict[str, Any] = field(default_factory=dict)
-    inquiries: dict[str, Inquiry] = field(default_factory=dict)
+    inquiries: dict[str, InquiryTable] = field(default_factory=dict)
     forms: dict[str, dict[str, Any]] = field(default_factory=dict)
     sensation: dict[str, Any] = field(default_factory=dict)
     observer: SignalDetectionObserver = field(default_factory=SignalDetectionObserver)
@@ -133,10 +133,10 @@ class Study:
 
 
 def _check_analysis(study: Study) -> None:
-    from tactometry.analysis.plan import Plan
+    from tactometry.analysis.plan import AnalysisPlan
 
     try:
-        build(Plan, study.analysis, "analysis").check(list(study.factors))
+        build(AnalysisPlan, study.analysis, "analysis").check(list(study.factors))
     except InvalidParameter as wrong:
         raise InvalidParameter(f"{'' if str(wrong).startswith('analysis') else 'analysis.'}{wrong}") from None
 

@@ -13,7 +13,7 @@ from .procedure import Ending, checked_response, finite_level, refuse_finished
 COUNTS: Final = ("n_down", "n_reversals", "n_trials", "n_at_bound")
 
 
-class Bounded(Protocol):
+class BoundedTrack(Protocol):
     """What every staircase states."""
 
     @property
@@ -26,7 +26,7 @@ class Bounded(Protocol):
     def high(self) -> float: ...
 
 
-def check_rule(rule: Bounded, counts: Sequence[str], **schedules: tuple[float, ...]) -> None:
+def check_rule(rule: BoundedTrack, counts: Sequence[str], **schedules: tuple[float, ...]) -> None:
     """Refuse bounds, a start, counts (by their names) or steps that make no staircase; the sentence opens with the
     class of `rule`."""
     owner = type(rule).__name__

@@ -9,7 +9,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.session.request import Adjust, Adjusted, Play, Slide
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class AdjustmentTask:
                 f"({self.high - self.low:g})"
             )
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
         assert shown.level is not None
         touch = shown.touch.request(shown.stimulus, shown.level, None)
@@ -51,4 +51,4 @@ class AdjustmentTask:
         adjusted: Adjusted = yield Adjust(
             shown.stimulus, shown.level, self.step, self.low, self.high, force_n, speed_m_per_s
         )
-        return Outcome((), None, (reply(adjusted, adjusted.level),))
+        return TrialOutcome((), None, (reply(adjusted, adjusted.level),))

@@ -9,7 +9,7 @@ from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,15 @@ class ForcedChoice:
         if self.n_intervals not in (2, 3, 4):
             raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals!r:.60}, expected 2, 3 or 4")
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         intervals = tuple(range(1, self.n_intervals + 1))
         target = int(rng.integers(1, self.n_intervals + 1))
         levels = [shown.level if interval == target else None for interval in intervals]
         touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
         stimulus = nth(touches, target)
         if not touches[-1].valid:
-            return Outcome(touches, stimulus, target=target)
+            return TrialOutcome(touches, stimulus, target=target)
         choice: Chosen = yield Choose("which_interval", intervals, tuple(map(str, intervals)))
         correct = choice.option == target
         told = reply(choice, choice.option, correct=correct)
-        return Outcome(touches, stimulus, (told,), success=correct, target=target)
+        return TrialOutcome(touches, stimulus, (told,), success=correct, target=target)

@@ -7,7 +7,7 @@ import numpy as np
 from tactometry.session.request import Choose, Chosen, Touched
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -20,12 +20,12 @@ class Localisation:
     name = "localisation"
     takes_catch_trials = False
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, len(shown.alternatives) + 1))
         chosen = shown.alternatives[target - 1]
         touch: Touched = yield shown.touch.request(chosen.stimulus, shown.level, None)
         if not touch.valid:
-            return Outcome((touch,), touch, target=target, factors=chosen.factors)
+            return TrialOutcome((touch,), touch, target=target, factors=chosen.factors)
         choice: Chosen = yield Choose(
             "which_place",
             tuple(range(1, len(shown.alternatives) + 1)),
@@ -34,4 +34,4 @@ class Localisation:
         )
         correct = choice.option == target
         answered = (reply(choice, choice.option, correct=correct),)
-        return Outcome((touch,), touch, answered, correct, target, factors=chosen.factors)
+        return TrialOutcome((touch,), touch, answered, correct, target, factors=chosen.factors)

@@ -8,7 +8,7 @@ from tactometry.arguments.require import positive
 from tactometry.session.request import Enter, Rated
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, Reply, reply, touched
+from .task import Presentation, Reply, TrialOutcome, reply, touched
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Magnitude:
         if self.high is not None:
             positive("Magnitude", high=self.high)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
 
         def heard(rated: Rated) -> tuple[Reply, bool]:

@@ -10,7 +10,7 @@ from tactometry.arguments.require import one_of
 from tactometry.session.request import Enter, Rated, Touched
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 QUESTION: Final = "vibrometer_nm"
 LevelUnit = Literal["dB re 1 um", "m"]
@@ -42,14 +42,14 @@ class Measurement:
     def __post_init__(self) -> None:
         one_of("Measurement.level_unit", self.level_unit, get_args(LevelUnit))
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
         touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
         if not touch.valid:
-            return Outcome((touch,), touch)
+            return TrialOutcome((touch,), touch)
         read: Rated = yield Enter(QUESTION, 0.0)
         found = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
-        return Outcome((touch,), touch, (found,))
+        return TrialOutcome((touch,), touch, (found,))
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:

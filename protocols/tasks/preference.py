@@ -8,7 +8,7 @@ from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class Preference:
     name = "preference"
     takes_catch_trials = False
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         first, second = (shown.alternatives[int(n)] for n in rng.permutation(2))
         touches = yield from felt_in_turn(shown.touch, [first.stimulus, second.stimulus], [shown.level, shown.level])
         if not touches[-1].valid:
-            return Outcome(touches, touches[0])
+            return TrialOutcome(touches, touches[0])
         choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
         answered = reply(choice, choice.option, item=first.label, item_b=second.label)
-        return Outcome(touches, touches[0], (answered,))
+        return TrialOutcome(touches, touches[0], (answered,))

@@ -10,7 +10,7 @@ from tactometry.questionnaire import Item, Questionnaire
 from tactometry.session.request import Fill, Filled, Question, Touched
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, Reply, reply
+from .task import Presentation, Reply, TrialOutcome, reply
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
 
@@ -65,11 +65,11 @@ class Rating:
         of_kind("Rating", Questionnaire, form=self.form)
         whole("Rating", lowest=1, n_touches=self.n_touches)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         touches: list[Touched] = []
         while len(touches) < self.n_touches and all(touch.valid for touch in touches):
             touches.append((yield shown.touch.request(shown.stimulus, shown.level, None)))
         if not touches[-1].valid:
-            return Outcome(tuple(touches), touches[-1], rule=self.form.name)
+            return TrialOutcome(tuple(touches), touches[-1], rule=self.form.name)
         replies = yield from filled_in(self.form, rng, shuffled=self.shuffled)
-        return Outcome(tuple(touches), touches[-1], replies, rule=self.form.name)
+        return TrialOutcome(tuple(touches), touches[-1], replies, rule=self.form.name)

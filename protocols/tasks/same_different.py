@@ -9,7 +9,7 @@ from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth
-from .task import Outcome, Presentation, reply
+from .task import Presentation, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -32,15 +32,15 @@ class SameDifferent:
     def __post_init__(self) -> None:
         finite("SameDifferent", standard_level=self.standard_level)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, 3))
         compared = self.standard_level if shown.level is None else shown.level
         levels = [compared if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 2, levels)
-        told = Outcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        told = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
         if not touches[-1].valid:
             return told
         choice: Chosen = yield Choose("same_different", (0, 1), ("same", "different"))
         correct = choice.option == (shown.level is not None)
         answered = (reply(choice, choice.option, correct=correct),)
-        return Outcome(touches, told.stimulus, answered, correct, target, self.standard_level)
+        return TrialOutcome(touches, told.stimulus, answered, correct, target, self.standard_level)

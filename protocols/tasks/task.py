@@ -75,7 +75,7 @@ def reply(
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """What came of one presentation, a row for each reply.
 
     `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told (None: nothing);
@@ -120,14 +120,16 @@ class Outcome:
         return onsets_s[0]
 
 
-def touched(shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tuple[Reply, bool]]) -> Course[Outcome]:
+def touched(
+    shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tuple[Reply, bool]]
+) -> Course[TrialOutcome]:
     """One stimulus (or none), then, if its touch was valid, a question: `heard` makes a reply of the answer, and says
     whether it is a success to the procedure."""
     touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
     if not touch.valid:
-        return Outcome((touch,), touch)
+        return TrialOutcome((touch,), touch)
     said, success = heard((yield ask))
-    return Outcome((touch,), touch, (said,), success=success)
+    return TrialOutcome((touch,), touch, (said,), success=success)
 
 
 @runtime_checkable
@@ -140,4 +142,4 @@ class Task(Protocol):
     @property
     def takes_catch_trials(self) -> bool: ...
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]: ...
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]: ...

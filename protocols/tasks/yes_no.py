@@ -7,7 +7,7 @@ import numpy as np
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
-from .task import Outcome, Presentation, Reply, reply, touched
+from .task import Presentation, Reply, TrialOutcome, reply, touched
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class YesNo:
     name = "yes_no"
     takes_catch_trials = True
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[Outcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
 
         def heard(choice: Chosen) -> tuple[Reply, bool]:

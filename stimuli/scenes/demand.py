@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from .effect import Effect, Surface, Touch
+from .effect import Effect, FingerContact, Surface
 
 Answer = TypeVar("Answer")
 
@@ -22,7 +22,7 @@ class Demand:
     effects : tuple of Effect
         In their order, those alone that an output needs.
     outputs : tuple of str
-    contacts : tuple of Touch
+    contacts : tuple of FingerContact
     error : float
         The relative error that a stage may add.
     """
@@ -30,7 +30,7 @@ class Demand:
     surface: Surface
     effects: tuple[Effect, ...]
     outputs: tuple[str, ...]
-    contacts: tuple[Touch, ...]
+    contacts: tuple[FingerContact, ...]
     error: float
     _known: dict[Callable[..., Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 

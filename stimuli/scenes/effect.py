@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Touch:
+class FingerContact:
     """A finger on the surface.
 
     Parameters
@@ -25,7 +25,7 @@ class Touch:
     x_m, y_m : float or None
         Where it rests; None is at the focus.
 
-    >>> Touch(1.0, speed_m_per_s=0.05).slides
+    >>> FingerContact(1.0, speed_m_per_s=0.05).slides
     True
     """
 
@@ -37,12 +37,12 @@ class Touch:
     def __post_init__(self) -> None:
         if not 0 < self.force_n < float("inf"):
             raise InvalidParameter(
-                f"Touch.force_n: found {self.force_n}, expected a finite number above 0; without a finger leave the "
-                "contact out"
+                f"FingerContact.force_n: found {self.force_n}, expected a finite number above 0; without a finger "
+                "leave the contact out"
             )
         if not 0 <= self.speed_m_per_s < float("inf"):
             raise InvalidParameter(
-                f"Touch.speed_m_per_s: found {self.speed_m_per_s}, expected a finite number, at least 0"
+                f"FingerContact.speed_m_per_s: found {self.speed_m_per_s}, expected a finite number, at least 0"
             )
 
     @property
@@ -57,7 +57,7 @@ class Surroundings(Protocol):
     def surface(self) -> "Surface": ...
 
     @property
-    def contacts(self) -> tuple[Touch, ...]: ...
+    def contacts(self) -> tuple[FingerContact, ...]: ...
 
     @property
     def outputs(self) -> tuple[str, ...]: ...

@@ -11,7 +11,7 @@ from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.target import resolve
 
-from .effect import Effect, Surface, Touch
+from .effect import Effect, FingerContact, Surface
 from .effects import EFFECTS
 from .scene import Scene
 from .stage import Setting
@@ -76,7 +76,7 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
 
 def _scene(tables: _Tables) -> Scene:
     surface, effects = _kind_of(tables.surface, SURFACES, "surface"), _all_of(tables.effects)
-    contacts = tuple(build(Touch, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
+    contacts = tuple(build(FingerContact, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
     try:
         return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, _settings(tables))
     except InvalidParameter as error:

@@ -9,7 +9,7 @@ from tactometry.errors import InvalidParameter, nearest
 from .chain import needed
 from .compatibility import check_effects
 from .demand import Demand
-from .effect import Effect, Surface, Touch
+from .effect import Effect, FingerContact, Surface
 from .plan import Plan
 from .result import unit_of
 from .stage import Setting, Stage
@@ -30,7 +30,7 @@ class Scene:
         Names of the quantities that are asked for.
     accuracy : float
         Relative error of the outputs that is tolerated, above 0 and at most 1.
-    contacts : tuple of Touch
+    contacts : tuple of FingerContact
         Fingers on the surface.
     settings : mapping
         Settings of single stages, by the name of the stage, that a person sets in place of the chosen ones.
@@ -52,7 +52,7 @@ class Scene:
     effects: tuple[Effect, ...]
     outputs: tuple[str, ...]
     accuracy: float = 0.01
-    contacts: tuple[Touch, ...] = ()
+    contacts: tuple[FingerContact, ...] = ()
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -24,7 +24,7 @@ SHORT = 2**14
 
 
 @dataclass(frozen=True)
-class Rule:
+class AnnotationRule:
     """What a value must be: a test of it, and in words.
 
     Of what holds something, the rule of its parts; of numbers, the test of each in an array; of words, which there are;
@@ -33,14 +33,14 @@ class Rule:
 
     fits: Test
     words: str
-    part: "Rule | None" = None
+    part: "AnnotationRule | None" = None
     good: Callable[[NDArray[Any]], NDArray[np.bool_]] | None = None
     choices: tuple[str, ...] = ()
     dtype: type[np.generic] | None = None
 
 
 @functools.cache
-def rule_of(hint: Any, high: float, unbounded: bool = False) -> Rule:
+def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
     """The rule of an annotation, its numbers up to `high`, or infinite if `unbounded`.
 
     >>> rule_of(Sequence[float], 1e9).words
@@ -56,7 +56,7 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> Rule:
     if origin in (Union, UnionType):
         return _either([rule_of(part, high, unbounded) for part in inner])
     if origin is Literal:
-        return Rule(
+        return AnnotationRule(
             lambda value: isinstance(value, str) and value in inner, f"one of {', '.join(inner)}", choices=inner
         )
     if origin is Mapping:
@@ -66,7 +66,7 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> Rule:
         return _each(parts[0], high if inner[0] is float else None) if len(parts) == 1 else _row(parts)
     if isinstance(hint, type):
         return _of_class(hint)
-    return Rule(callable, "a function") if origin is Callable else _PLAIN[Any]
+    return AnnotationRule(callable, "a function") if origin is Callable else _PLAIN[Any]
 
 
 def as_array(value: Any) -> NDArray[Any] | None:
@@ -84,20 +84,22 @@ def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
     return enumerate(value) if _is_listed(value) else ()
 
 
-def _of_numbers(hint: Any, high: float, unbounded: bool) -> Rule:
+def _of_numbers(hint: Any, high: float, unbounded: bool) -> AnnotationRule:
     good = _good_to(high, unbounded)
     number, numbers = _number(high, unbounded), "numbers" if unbounded else "finite numbers"
     if hint is float:
-        return Rule(number, f"a {numbers.removesuffix('s')}", good=good)
+        return AnnotationRule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
-        return Rule(lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good)
+        return AnnotationRule(
+            lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good
+        )
     if hint == ArrayLike:
         array = _array("iuf", high, good)
-        return Rule(lambda value: number(value) or array(value), numbers, good=good)
+        return AnnotationRule(lambda value: number(value) or array(value), numbers, good=good)
     dtype = get_args(get_args(hint)[1])[0]
     kinds, prefix = ("iufc", "complex ") if issubclass(dtype, np.complexfloating) else ("iuf", "")
     array = _array(kinds, high, good)
-    return Rule(
+    return AnnotationRule(
         lambda value: _is_listed(value) and array(value), f"an array of {prefix}{numbers}", good=good, dtype=dtype
     )
 
@@ -138,7 +140,7 @@ def _all_within(found: NDArray[Any], high: float) -> bool:
     return bool(found.min() >= -high and found.max() <= high)
 
 
-def _annotated(hint: Any, note: Any, high: float) -> Rule:
+def _annotated(hint: Any, note: Any, high: float) -> AnnotationRule:
     if note == inf:
         return rule_of(hint, high, unbounded=True)
     rule, least = rule_of(hint, high), 1 if note == 1 else 0
@@ -147,10 +149,10 @@ def _annotated(hint: Any, note: Any, high: float) -> Rule:
     return replace(rule, fits=lambda v: fits(v) and np.ndim(v) == note and np.size(v) >= least, words=words)
 
 
-def _either(rules: Sequence[Rule]) -> Rule:
+def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
     """Of several rules; the parts and numbers are those of the first that has some."""
     tests = [rule.fits for rule in rules]
-    return Rule(
+    return AnnotationRule(
         lambda value: any(fits(value) for fits in tests),
         " or ".join(rule.words for rule in rules),
         part=next((rule.part for rule in rules if rule.part), None),
@@ -160,32 +162,34 @@ def _either(rules: Sequence[Rule]) -> Rule:
     )
 
 
-def _row(rules: Sequence[Rule]) -> Rule:
+def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
     def fits(value: Any) -> bool:
         right_length = _is_listed(value) and len(value) == len(rules)
         return right_length and all(rule.fits(part) for rule, part in zip(rules, value, strict=True))
 
-    return Rule(fits, f"({', '.join(rule.words for rule in rules)})")
+    return AnnotationRule(fits, f"({', '.join(rule.words for rule in rules)})")
 
 
-def _each(rule: Rule, high: float | None) -> Rule:
+def _each(rule: AnnotationRule, high: float | None) -> AnnotationRule:
     """A list; one of numbers is looked at as an array, for it may be long."""
     words = f"a list, each of it {rule.words}"
     if high is not None and rule.good is not None:
         row = _array("iuf", high, rule.good)
         good = rule.good
-        return Rule(lambda value: _is_listed(value) and row(value) and np.ndim(value) == 1, words, part=rule, good=good)
-    return Rule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
+        return AnnotationRule(
+            lambda value: _is_listed(value) and row(value) and np.ndim(value) == 1, words, part=rule, good=good
+        )
+    return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
 
 
-def _mapped(rule: Rule) -> Rule:
+def _mapped(rule: AnnotationRule) -> AnnotationRule:
     def fits(value: Any) -> bool:
         return isinstance(value, Mapping) and all(map(rule.fits, value.values()))
 
-    return Rule(fits, f"a mapping to {rule.words}", part=rule)
+    return AnnotationRule(fits, f"a mapping to {rule.words}", part=rule)
 
 
-def _of_class(kind: type) -> Rule:
+def _of_class(kind: type) -> AnnotationRule:
     """A class is looked at once: whether it has what a protocol asks for takes longer than many a call."""
     known: set[type] = set()
 
@@ -196,7 +200,7 @@ def _of_class(kind: type) -> Rule:
             known.add(type(value))
         return True
 
-    return Rule(fits, f"a {kind.__name__}")
+    return AnnotationRule(fits, f"a {kind.__name__}")
 
 
 def _is_listed(value: Any) -> bool:
@@ -213,10 +217,10 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and is_number(value) and abs(value) <= LARGEST_COUNT
 
 
-_PLAIN: Mapping[Any, Rule] = {
-    int: Rule(_is_whole, "a whole number"),
-    bool: Rule(lambda value: isinstance(value, bool | np.bool_), "True or False"),
-    str: Rule(lambda value: isinstance(value, str), "a text"),
-    NoneType: Rule(lambda value: value is None, "None"),
-    Any: Rule(lambda value: True, "anything"),
+_PLAIN: Mapping[Any, AnnotationRule] = {
+    int: AnnotationRule(_is_whole, "a whole number"),
+    bool: AnnotationRule(lambda value: isinstance(value, bool | np.bool_), "True or False"),
+    str: AnnotationRule(lambda value: isinstance(value, str), "a text"),
+    NoneType: AnnotationRule(lambda value: value is None, "None"),
+    Any: AnnotationRule(lambda value: True, "anything"),
 }

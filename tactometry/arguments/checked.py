@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidParameter, nearest
-from .annotations import Rule, as_array, parts_of, rule_of
+from .annotations import AnnotationRule, as_array, parts_of, rule_of
 from .require import domain, shown
 
 T = TypeVar("T", bound=Callable[..., Any])
@@ -53,7 +53,7 @@ def _guarded(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
     names = tuple(inspect.signature(function).parameters)
 
     @functools.cache
-    def rules() -> tuple[tuple[Rule | None, ...], Mapping[str, Rule], bool]:
+    def rules() -> tuple[tuple[AnnotationRule | None, ...], Mapping[str, AnnotationRule], bool]:
         hints = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
         known = {name: rule_of(hint, domain(name)[1]) for name, hint in hints.items() if not isinstance(hint, str)}
         return tuple(map(known.get, names)), known, any(rule.dtype for rule in known.values())
@@ -75,14 +75,14 @@ def _guarded(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
     return guarded
 
 
-def _arranged(rule: Rule | None, value: Any) -> Any:
+def _arranged(rule: AnnotationRule | None, value: Any) -> Any:
     """A list as the array that the annotation wants."""
     if rule is not None and rule.dtype is not None and isinstance(value, list | tuple):
         return np.asarray(value, rule.dtype)
     return value
 
 
-def _refusal(where: str, value: Any, rule: Rule) -> InvalidParameter:
+def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
     """One sentence; in a sequence, a mapping or an array it names the first that is wrong."""
     if rule.part is not None:
         for place, part in parts_of(value):
@@ -95,7 +95,9 @@ def _refusal(where: str, value: Any, rule: Rule) -> InvalidParameter:
     return InvalidParameter(f"{where}: found {shown(value)}, expected {rule.words}{hint}")
 
 
-def _refused_numbers(where: str, found: NDArray[Any], rule: Rule, good: NDArray[np.bool_]) -> InvalidParameter:
+def _refused_numbers(
+    where: str, found: NDArray[Any], rule: AnnotationRule, good: NDArray[np.bool_]
+) -> InvalidParameter:
     if good.all():
         what = f"shape {found.shape}" if found.ndim else shown(found.item())
         return InvalidParameter(f"{where}: found {what}, expected {rule.words}")

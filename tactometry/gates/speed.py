@@ -103,7 +103,7 @@ class SpeedGate:
         return (*kept, (sample_time_s, position_m))
 
 
-class Motion(NamedTuple):
+class SpeedCompliance(NamedTuple):
     """Mean speed (m/s) of a path, and the part of the time (0..1) that the speed was in the band."""
 
     mean_m_per_s: float
@@ -112,7 +112,7 @@ class Motion(NamedTuple):
 
 def motion(
     times_s: ArrayLike, positions_m: ArrayLike, target_m_per_s: float, tolerance: float, window_s: float = WINDOW_S
-) -> Motion:
+) -> SpeedCompliance:
     """How well a speed was kept.
 
     Parameters
@@ -128,7 +128,7 @@ def motion(
 
     Returns
     -------
-    Motion
+    SpeedCompliance
         The mean is the length of the path over its duration.
 
     Raises
@@ -150,7 +150,7 @@ def motion(
     speeds = np.abs(positions[last] - positions[first]) / (times[last] - times[first])
     mean_m_per_s = float(np.abs(np.diff(positions)).sum() / (times[-1] - times[0]))
     in_band = np.abs(speeds - gate.target_m_per_s) <= tolerance * gate.target_m_per_s * (1 + 1e-12)
-    return Motion(mean_m_per_s, float(in_band.mean()))
+    return SpeedCompliance(mean_m_per_s, float(in_band.mean()))
 
 
 def _path(times_s: ArrayLike, positions_m: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

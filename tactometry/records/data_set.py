@@ -15,7 +15,7 @@ from ..errors import InvalidFile, InvalidParameter
 from ..files.durable import listed, make_folder, read_file, write_first
 from ..trials.columns import FIRST, Column
 from ..trials.trial import Trial, Value
-from .description import NAME, Design
+from .description import NAME, StudyDescription
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -111,7 +111,7 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
     return csv_bytes([header, *(row(trial, session, rig, columns) for trial in trials)])
 
 
-def prepare(root: Path, design: Design) -> None:
+def prepare(root: Path, design: StudyDescription) -> None:
     """Make the folders and the files that all sessions share.
 
     Raises

@@ -20,7 +20,7 @@ SENTENCE: Final = "Simulated participants: no person took part."
 
 
 @dataclass(frozen=True)
-class Design:
+class StudyDescription:
     """What the files of a data set say of its study: `study_toml` are the bytes that ran."""
 
     study: str
@@ -30,7 +30,7 @@ class Design:
     study_toml: bytes
 
 
-def description(design: Design) -> dict[str, object]:
+def description(design: StudyDescription) -> dict[str, object]:
     """What Psych-DS asks for."""
     return {
         "@context": "https://schema.org/",
@@ -42,7 +42,7 @@ def description(design: Design) -> dict[str, object]:
     }
 
 
-def describe(root: Path, design: Design, *, is_simulated: bool) -> None:
+def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> None:
     """Write the description of a data set; one that is there gets what it lacks, and keeps what a person added.
 
     Raises

@@ -20,7 +20,7 @@ from .data_set import Session, csv_bytes, keys_of, participants, prepare, row, s
 from .description import (
     NAME,
     SIMULATED,
-    Design,
+    StudyDescription,
     describe,
     describe_columns,
     is_marked,
@@ -71,7 +71,7 @@ class OpenSession:
         If a participant's code differs in capitals alone from one that is there.
     """
 
-    def __init__(self, root: Path, design: Design, session: Session, rig: str, *, resume: bool) -> None:
+    def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
         own = session.journal(root)
         goes_on = resume and own.is_file() and own.stat().st_size > 0
         if not goes_on:  # one that goes on is held against its own head
@@ -236,7 +236,7 @@ def _refuse_alike(root: Path, session: Session) -> None:
             )
 
 
-def _refuse_other(journal: Journal, session: Session, design: Design) -> None:
+def _refuse_other(journal: Journal, session: Session, design: StudyDescription) -> None:
     head = journal.head
     if head is None:
         return

@@ -24,7 +24,7 @@ def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
     return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False
 
 
-class Repeated:
+class RepeatedStimulus:
     """Plays the level of so many steps again and again; another level begins at once. Each time after a `look`."""
 
     def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:

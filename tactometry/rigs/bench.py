@@ -42,16 +42,16 @@ from ..trials.trial import Tally, Trial, outcome, tally
 from . import adjustment
 from .closing import safely
 from .emitter import RAMP_S, Emitter
-from .experimenter.supervisor import Attendant, utc_of
-from .experimenter.terminal import Desk
-from .experimenter.trial_log import CLOCK, Logbook
+from .experimenter.supervisor import Supervisor, utc_of
+from .experimenter.terminal import ExperimenterTerminal
+from .experimenter.trial_log import CLOCK, TrialLog
 from .pages import entry, form, layout
-from .pages.page import Answer, Page, Screen
-from .pages.presenter import Dress, Stage, as_it_is
+from .pages.page import Answer, Display, Page
+from .pages.presenter import Dress, Presenter, as_it_is
 from .texts import Texts
 from .touch.playing import Playing
 from .touch.release import Release
-from .touch.touch import Touch, moving_cue
+from .touch.touch import TouchCourse, moving_cue
 from .touch.trace import Trace
 from .touch.watchdog import vigil
 
@@ -66,7 +66,7 @@ class Bench:
 
     def __init__(
         self,
-        screen: Screen,
+        screen: Display,
         output: Output,
         bank: Mapping[str, Stimulus],
         *,
@@ -79,18 +79,18 @@ class Bench:
         release: bool = True,
         device_facts: Callable[[], Facts] = dict,
         log: EventLog | None = None,
-        desk: Desk | None = None,
+        desk: ExperimenterTerminal | None = None,
     ) -> None:
         self._screen, self._output, self._sensor, self._position = screen, output, sensor, position
         self._emitter = Emitter(bank, output, limits, ramp_s)
         self._device_facts, self._texts, self._display_height_m = device_facts, texts, display_height_m
         pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
-        self._desk = Desk() if desk is None else desk
-        self._attendant = Attendant(screen, self._desk, log, self._emitter.mute, pausing)
+        self._desk = ExperimenterTerminal() if desk is None else desk
+        self._attendant = Supervisor(screen, self._desk, log, self._emitter.mute, pausing)
         if isinstance(output, Guarded):
             output.tell(self._attendant.emitted)
-        self._stage = Stage(screen, self._attendant.attend)
-        self._logbook = Logbook(self._attendant, screen, self._clocks)
+        self._stage = Presenter(screen, self._attendant.attend)
+        self._logbook = TrialLog(self._attendant, screen, self._clocks)
         self._tally = Tally()
         self._limits, self._release = limits, Release(needed=release)
         self.closed = False
@@ -183,7 +183,7 @@ class Bench:
         measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
         parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
         words = self._texts.message("release")
-        felt = Touch(request, *parts, places, self._release, words, self._force_peak_n).felt(signal)
+        felt = TouchCourse(request, *parts, places, self._release, words, self._force_peak_n).felt(signal)
         self._logbook.decided(felt.gate_delay_s)
         touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
         if touched.valid and self._attendant.repeat:
@@ -286,7 +286,7 @@ class Bench:
         )
         self._attendant.under_way = True
         with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
-            played = adjustment.Repeated(request, self._emitter, look)
+            played = adjustment.RepeatedStimulus(request, self._emitter, look)
             n_steps, onset_s, end_s = self._stage.converse(
                 0, lambda n_steps: page, functools.partial(adjustment.stepped, request), played.keep_playing
             )

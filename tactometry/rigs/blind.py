@@ -3,11 +3,11 @@
 import time
 
 from .frame_timing import PERIOD_WITHOUT_BLANK_S
-from .pages.page import Event, Page
+from .pages.page import Input, Page
 
 
 class Blind:
-    """A `tactometry.rigs.pages.page.Screen` that shows nothing and on which nothing can be pressed."""
+    """A `tactometry.rigs.pages.page.Display` that shows nothing and on which nothing can be pressed."""
 
     aspect = 1.0
     period_s = PERIOD_WITHOUT_BLANK_S
@@ -23,7 +23,7 @@ class Blind:
         time.sleep(self.period_s)
         return self.present(page)
 
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[Input, ...]:
         return ()
 
     def facts(self) -> dict[str, str | int | float | bool | None]:

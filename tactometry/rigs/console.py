@@ -9,7 +9,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Final, TextIO
 
-from ..devices.outputs.guarded import Emission, Guarded
+from ..devices.outputs.guarded import Guarded, GuardedSignal
 from ..devices.outputs.output import NullOutput, Output
 from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
@@ -43,11 +43,11 @@ from .blind import Blind
 from .emitter import RAMP_S, Emitter
 from .experimenter.supervisor import SAFE, utc_of
 from .pages import layout
-from .pages.presenter import Stage, as_it_is
+from .pages.presenter import Presenter, as_it_is
 from .texts import Texts
 from .touch.playing import Playing
 from .touch.release import Release
-from .touch.touch import Touch
+from .touch.touch import TouchCourse
 from .touch.trace import Trace
 
 N_TRIES = 20
@@ -90,7 +90,7 @@ class Console:
         self._output = sys.stdout if output is None else output
         self._device = NullOutput(limits) if device is None else device
         self._sensor, self._position, self._release = sensor, position, Release(needed=release)
-        self._emitter, self._stage = Emitter(bank, self._device, limits, ramp_s), Stage(Blind())
+        self._emitter, self._stage = Emitter(bank, self._device, limits, ramp_s), Presenter(Blind())
         self._device_facts, self._log = device_facts, log
         self._zero_s = time.perf_counter()
         self._tally = Tally()
@@ -148,7 +148,7 @@ class Console:
             utc = utc_of(clock_s).isoformat(timespec="milliseconds")
             self._log.note(Event(kind, self._session_s(clock_s), utc, facts, duration_s))
 
-    def _emitted(self, emission: Emission) -> None:
+    def _emitted(self, emission: GuardedSignal) -> None:
         self._note("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
 
     def _stopped(self, why: str) -> Stopped:
@@ -214,7 +214,7 @@ class Console:
         if not self._emitter.emits:
             return Touched(self._now_s(), None, None)
         parts = (self._stage, self._emitter, "", as_it_is, self._sensor, self._position, self._pause, self._say)
-        touch = Touch(request, *parts, Trace(), self._release, force_peak_n=self._limits.force_peak_n)
+        touch = TouchCourse(request, *parts, Trace(), self._release, force_peak_n=self._limits.force_peak_n)
         touched = touch.felt(signal).touched
         return replace(touched, onset_s=self._session_s(touched.onset_s))
 

@@ -3,7 +3,7 @@
 from typing import Final
 
 from ..gates.force import VALID_PART, Compliance
-from ..gates.speed import Motion
+from ..gates.speed import SpeedCompliance
 from ..session.request import Press, Slide
 from ..trials.trial import Reason
 
@@ -11,7 +11,7 @@ STANDING_PART: Final = 0.1
 """Below this part of the target speed a finger has stopped (unverified default)."""
 
 
-def broken(request: Press | Slide, force: Compliance, speed: Motion | None) -> Reason | None:
+def broken(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
     """Which condition of a touch was not kept for long enough, the force's first; `speed` None: it is not gated.
 
     >>> broken(Press("tone", 5.0, 0.3, 1.0, 0.2, 0.1, 5.0), Compliance(0.7, 0.1, in_band=0.5), None)

@@ -10,7 +10,7 @@ from ..session.event import EventLog
 from ..signal import Stimulus
 from .bench import Bench, Facts
 from .emitter import RAMP_S
-from .experimenter.terminal import Desk
+from .experimenter.terminal import ExperimenterTerminal
 from .texts import texts_in
 
 
@@ -30,7 +30,7 @@ def open_bench(
     release: bool = True,
     device_facts: Callable[[], Facts] = dict,
     log: EventLog | None = None,
-    desk: Desk | None = None,
+    desk: ExperimenterTerminal | None = None,
 ) -> Bench:
     """A bench with a PsychoPy window.
 
@@ -63,7 +63,7 @@ def open_bench(
         `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
     log : EventLog, optional
         Where pauses, remarks, clocks and the timing of each trial are kept.
-    desk : Desk, optional
+    desk : ExperimenterTerminal, optional
         The experimenter's terminal.
 
     Raises

@@ -9,7 +9,7 @@ import numpy as np
 from ..contact import Contact
 from ..errors import InvalidParameter, nearest
 from ..gates.force import compliance
-from ..gates.speed import Motion, motion
+from ..gates.speed import SpeedCompliance, motion
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.observer import Observer
 from ..safety.limits import Limits
@@ -99,7 +99,7 @@ def _placed(liking: float, low: float, high: float, steps: int | None) -> float:
     )
 
 
-def _moved(request: Press | Slide, grip: Grip) -> Motion | None:
+def _moved(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
     """How the speed was kept, where it is gated."""
     if isinstance(request, Press) or request.speed_tolerance is None:
         return None

@@ -21,7 +21,7 @@ from ..errors import DeviceFailed
 from .closing import ended_by_signal
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keys import FreshPresses
-from .pages.page import PAPER, Box, Click, Closed, Disc, Event, KeyDown, Page, Text
+from .pages.page import PAPER, Box, Click, Closed, Disc, Input, KeyDown, Page, Text
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
@@ -83,7 +83,7 @@ def load_psychopy() -> SimpleNamespace:
 
 
 class Window:
-    """A screen as `tactometry.rigs.pages.page.Screen` says.
+    """A screen as `tactometry.rigs.pages.page.Display` says.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Window:
         self._shapes: dict[tuple[Look, int], tuple[Any, Stands]] = {}
         self._texts: dict[tuple[object, ...], Any] = {}
         self._fresh = FreshPresses()
-        self._pressed: list[Event] = []
+        self._pressed: list[Input] = []
         self._window.winHandle.push_handlers(on_mouse_press=self._on_mouse_press, on_close=self._on_close)
         self._intervals_s: list[float] = []
         self._flipped_s = time.perf_counter()
@@ -168,7 +168,7 @@ class Window:
         self._window.flip()
         return time.perf_counter()
 
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[Input, ...]:
         self._window.winHandle.dispatch_events()
         clicks, self._pressed = self._pressed, []
         return tuple(sorted([*clicks, *self._keys()], key=lambda event: event.at_s))

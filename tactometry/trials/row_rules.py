@@ -79,7 +79,7 @@ def _as_one(alike: Sequence[Defect]) -> Defect:
 
 
 @dataclass(frozen=True)
-class Rule:
+class CellRule:
     """What a cell may hold, in words and as a test."""
 
     words: str
@@ -96,14 +96,14 @@ def _number(low: float, high: float = math.inf) -> Callable[[str], bool]:
     return holds
 
 
-_COUNT = Rule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
-_ANY = Rule("a number", _number(-math.inf))
-_POSITIVE = Rule("a number, at least 0", _number(0))
+_COUNT = CellRule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
+_ANY = CellRule("a number", _number(-math.inf))
+_POSITIVE = CellRule("a number, at least 0", _number(0))
 _ANSWER = _number(-LARGEST_ANSWER, LARGEST_ANSWER)
-_FLAG = Rule("1, 0 or nothing", lambda text: text in ("0", "1"))
-RULES: Mapping[str, Rule] = {
-    "participant": Rule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
-    "study": Rule(
+_FLAG = CellRule("1, 0 or nothing", lambda text: text in ("0", "1"))
+RULES: Mapping[str, CellRule] = {
+    "participant": CellRule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
+    "study": CellRule(
         "the name of a study: words of small letters and digits joined by hyphens",
         lambda text: STUDY.fullmatch(text) is not None,
     ),
@@ -111,25 +111,25 @@ RULES: Mapping[str, Rule] = {
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
     **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
-    **dict.fromkeys(("force_in_band", "speed_in_band"), Rule("a number from 0 to 1", _number(0, 1))),
+    **dict.fromkeys(("force_in_band", "speed_in_band"), CellRule("a number from 0 to 1", _number(0, 1))),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
-    "task": Rule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
-    "timestamp_utc": Rule("a time in ISO 8601", is_time),
-    "rig": Rule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
-    "invalid_reason": Rule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
-    "n_gaps": Rule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
+    "task": CellRule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
+    "timestamp_utc": CellRule("a time in ISO 8601", is_time),
+    "rig": CellRule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
+    "invalid_reason": CellRule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
+    "n_gaps": CellRule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
 }
 MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task", "rig"}
-RESPONSES: Mapping[str, Rule] = {
-    "yes_no": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "comparison": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "same_different": Rule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "forced_choice": Rule("the number of an interval, from 1, or nothing", _COUNT.holds),
-    "localisation": Rule("the number of an alternative, from 1, or nothing", _COUNT.holds),
-    "preference": Rule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
-    "magnitude": Rule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", _number(0, LARGEST_ANSWER)),
-    "adjustment": Rule(f"the level that was set, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
-    "rating": Rule(f"the raw value of the answer, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
+RESPONSES: Mapping[str, CellRule] = {
+    "yes_no": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "comparison": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "same_different": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
+    "forced_choice": CellRule("the number of an interval, from 1, or nothing", _COUNT.holds),
+    "localisation": CellRule("the number of an alternative, from 1, or nothing", _COUNT.holds),
+    "preference": CellRule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
+    "magnitude": CellRule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", _number(0, LARGEST_ANSWER)),
+    "adjustment": CellRule(f"the level that was set, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
+    "rating": CellRule(f"the raw value of the answer, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
 }
 
 

@@ -11,8 +11,7 @@ from tactometry.signal import Signal
 
 from ..skin.skin import Skin
 from ..waveforms.level import LevelUnit, peak_voltage_v
-from ..waveforms.pieces import Pieces
-from ..waveforms.pieces import ramped as ramped_pieces
+from ..waveforms.pieces import Pieces, ramped as ramped_pieces
 from ..waveforms.timing import ramped
 from .force import Law, force_form
 

@@ -14,8 +14,7 @@ from ..skin.dispersive_layer import (
     periodic_voltages_v,
     properties_of,
 )
-from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
-from ..skin.stack import Layer
+from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0, Layer
 from .force import Law, check_law
 
 Real = NDArray[np.float64]

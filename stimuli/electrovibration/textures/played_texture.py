@@ -22,7 +22,7 @@ Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PositionSensor:
+class SensorModel:
     """What the screen knows of the finger: samples at a rate, in steps of a resolution, late, held until the next.
 
     Parameters
@@ -40,17 +40,17 @@ class PositionSensor:
     latency_s: float = 0.0
 
     def __post_init__(self) -> None:
-        require.positive("PositionSensor", rate_hz=self.rate_hz)
-        require.not_negative("PositionSensor", resolution_m=self.resolution_m, latency_s=self.latency_s)
+        require.positive("SensorModel", rate_hz=self.rate_hz)
+        require.not_negative("SensorModel", resolution_m=self.resolution_m, latency_s=self.latency_s)
 
     @checked
     def reported_m(self, x_m: Vector, rate_hz: float) -> Real:
         """Positions (n_samples,) that are known at the samples of a path at `rate_hz`; the first before any report.
 
-        >>> PositionSensor(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
+        >>> SensorModel(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
         [0.0, 0.0, 2.0, 2.0, 4.0, 4.0]
         """
-        require.positive("PositionSensor.reported_m", rate_hz=rate_hz)
+        require.positive("SensorModel.reported_m", rate_hz=rate_hz)
         t_s = np.arange(x_m.size) / rate_hz - self.latency_s
         report_s = np.floor(t_s * self.rate_hz + 1e-9) / self.rate_hz
         known = np.interp(report_s, np.arange(x_m.size) / rate_hz, x_m)
@@ -61,23 +61,23 @@ class PositionSensor:
     def check(self, period_m: float, speed_m_per_s: float) -> None:
         """Refuse a texture whose period is not longer than two reports and two steps of resolution.
 
-        >>> PositionSensor(rate_hz=100.0).check(period_m=1e-3, speed_m_per_s=0.1)
+        >>> SensorModel(rate_hz=100.0).check(period_m=1e-3, speed_m_per_s=0.1)
         Traceback (most recent call last):
-        tactometry.errors.InvalidParameter: PositionSensor.rate_hz: found 100.0 reports per second, expected \
+        tactometry.errors.InvalidParameter: SensorModel.rate_hz: found 100.0 reports per second, expected \
 more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
         """
-        require.positive("PositionSensor.check", period_m=period_m)
-        require.not_negative("PositionSensor.check", speed_m_per_s=speed_m_per_s)
+        require.positive("SensorModel.check", period_m=period_m)
+        require.not_negative("SensorModel.check", speed_m_per_s=speed_m_per_s)
         needed_hz = 2 * speed_m_per_s / period_m
         if self.rate_hz <= needed_hz * (1 + 1e-9):
             raise InvalidParameter(
-                f"PositionSensor.rate_hz: found {self.rate_hz} reports per second, expected more than {needed_hz:.6g} "
+                f"SensorModel.rate_hz: found {self.rate_hz} reports per second, expected more than {needed_hz:.6g} "
                 f"for a period of {period_m:.6g} m at {speed_m_per_s:.6g} m/s; else the texture aliases: widen it, "
                 "slow down or report faster"
             )
         if self.resolution_m >= period_m / 2 * (1 - 1e-9):
             raise InvalidParameter(
-                f"PositionSensor.resolution_m: found {self.resolution_m} m, expected less than half of the period "
+                f"SensorModel.resolution_m: found {self.resolution_m} m, expected less than half of the period "
                 f"({period_m / 2:.6g} m); else the texture aliases: widen it"
             )
 
@@ -95,7 +95,7 @@ class PlayedTexture:
     rate_hz : float
     carrier_hz : float
         Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
-    sensor : PositionSensor or None
+    sensor : SensorModel or None
         None: the position is known exactly and at once.
     aliasing : {"refuse", "allow"}
         Whether a path, sensor or carrier that is too slow or too coarse for the finest part of the texture at the
@@ -120,7 +120,7 @@ class PlayedTexture:
     path_m: tuple[float, ...]
     rate_hz: float = 20_000.0
     carrier_hz: float = 2_000.0
-    sensor: PositionSensor | None = None
+    sensor: SensorModel | None = None
     aliasing: Literal["refuse", "allow"] = "refuse"
     ramp_s: float = 0.0
     level_unit: LevelUnit = "dB re 1 V"

@@ -12,8 +12,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from .level import LevelUnit, peak_voltage_v
-from .pieces import Pieces
-from .pieces import ramped as ramped_pieces
+from .pieces import Pieces, ramped as ramped_pieces
 from .timing import check_nyquist, check_timing, ramped, times_s
 
 Modulation = Literal["square_root", "full", "suppressed_carrier"]

@@ -11,8 +11,7 @@ from tactometry.signal import Signal
 
 from .corners import Corners
 from .level import LevelUnit, peak_voltage_v
-from .pieces import Pieces
-from .pieces import ramped as ramped_pieces
+from .pieces import Pieces, ramped as ramped_pieces
 from .timing import (
     check_nyquist,
     check_pulse,
@@ -24,7 +23,7 @@ from .timing import (
 MOST_HARMONICS = 2**20
 
 
-class Repeated(Protocol):
+class RepeatedPolygon(Protocol):
     """What a waveform says of itself: its polygon, how often it comes in a second, and how it is played."""
 
     @property
@@ -56,22 +55,22 @@ class Periodic:
     """Samples, exact pieces and force frequency of a repeated polygon with raised-cosine ramps."""
 
     @property
-    def force_frequency_hz(self: Repeated) -> float:
+    def force_frequency_hz(self: RepeatedPolygon) -> float:
         """Twice that of the voltage if half a period later the voltage is the opposite one."""
         return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
 
-    def at(self: Repeated, level: float) -> Signal:
+    def at(self: RepeatedPolygon, level: float) -> Signal:
         """(1, n_samples) volt; no sample passes the peak that `level` states."""
         shape = ramped(_shape(self), self.ramp_s, self.rate_hz)
         return Signal((peak_voltage_v(level, self.level_unit) * shape)[None, :], self.rate_hz, "V")
 
-    def pieces(self: Repeated, level: float) -> Pieces:
+    def pieces(self: RepeatedPolygon, level: float) -> Pieces:
         """The voltage exactly, ramps included (which then need a polygon without slopes)."""
         unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
         return unit.scaled(peak_voltage_v(level, self.level_unit))
 
 
-def check_periodic(waveform: Repeated) -> None:
+def check_periodic(waveform: RepeatedPolygon) -> None:
     """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
     owner = type(waveform).__name__
     require.positive(owner, frequency_hz=waveform.frequency_hz)
@@ -87,14 +86,14 @@ def check_periodic(waveform: Repeated) -> None:
         )
 
 
-def check_width(waveform: Repeated, name: str, width_s: float) -> None:
+def check_width(waveform: RepeatedPolygon, name: str, width_s: float) -> None:
     """Refuse a pulse or a pause shorter than a sample, which samples would lengthen or miss."""
     if not waveform.band_limited:
         owner = type(waveform).__name__
         check_pulse(f"{owner}.{name}", width_s, waveform.rate_hz, "lengthen it, raise rate_hz or set band_limited")
 
 
-def _shape(waveform: Repeated) -> NDArray[np.float64]:
+def _shape(waveform: RepeatedPolygon) -> NDArray[np.float64]:
     f_hz = waveform.voltage_frequency_hz
     turned = np.mod(f_hz * np.arange(n_samples(waveform.duration_s, waveform.rate_hz)), waveform.rate_hz)
     phase = turned / waveform.rate_hz

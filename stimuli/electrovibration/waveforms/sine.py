@@ -8,8 +8,7 @@ from tactometry.arguments import require
 from tactometry.signal import Signal
 
 from .level import LevelUnit, peak_voltage_v
-from .pieces import Pieces
-from .pieces import ramped as ramped_pieces
+from .pieces import Pieces, ramped as ramped_pieces
 from .timing import check_nyquist, check_timing, ramped, times_s
 
 

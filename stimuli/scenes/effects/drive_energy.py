@@ -14,7 +14,7 @@ from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
     from ..stages.emission import Emission
-    from ..stages.motion import Motion
+    from ..stages.motion import PlateMotion
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
     return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown", effect=DriveEnergy.kind)
 
 
-def strained(static_to_hz: float) -> "Callable[[Motion], float]":
+def strained(static_to_hz: float) -> "Callable[[PlateMotion], float]":
     """Half the sum of M w^2 q^2 over all modes at the focus instant (J at 1 V)."""
     return lambda motion: motion.strain_energy_j(static_to_hz)
 

@@ -14,7 +14,7 @@ from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
     from ..stages.contact import FloatArray, Numbers
-    from ..stages.motion import Motion
+    from ..stages.motion import PlateMotion
 
 REFERENCE_FORCE_N = 2.0
 
@@ -143,7 +143,7 @@ def borne(
     mass_kg: float,
     stiffness_n_per_m: float,
     exponent: float,
-) -> "Callable[[Motion], Motion]":
+) -> "Callable[[PlateMotion], PlateMotion]":
     """The motion of the plate under the fingers."""
     from ...time_reversal.finger.finger import Finger
     from ..stages.contact import bearing
@@ -152,12 +152,12 @@ def borne(
     return bearing([Finger(x, y, f, *pulp).load() for x, y, f in zip(x_m, y_m, force_n, strict=True)])
 
 
-def displaced(x_m: "Numbers", y_m: "Numbers") -> "Callable[[Motion, int], FloatArray]":
+def displaced(x_m: "Numbers", y_m: "Numbers") -> "Callable[[PlateMotion, int], FloatArray]":
     """(n_contacts, n): the displacement under every finger (m/V)."""
     points = tuple(zip(x_m, y_m, strict=True))
     return lambda motion, oversampling: motion.course(motion.of_points(points), oversampling)
 
 
-def forced(n: int) -> "Callable[[Motion, int], FloatArray]":
+def forced(n: int) -> "Callable[[PlateMotion, int], FloatArray]":
     """(n_contacts, n_times): the force on every finger (N/V): the last channels of the motion, reversed."""
     return lambda motion, oversampling: motion.course(-motion.played[-n:], oversampling)

@@ -13,7 +13,7 @@ from ..stage import Size, Stage
 
 if TYPE_CHECKING:
     from ..stages.map import FloatArray
-    from ..stages.motion import Motion
+    from ..stages.motion import PlateMotion
 
 MOST_NUMBERS = 5e7
 
@@ -97,7 +97,7 @@ class Movie:
             )
 
 
-def drawn() -> "Callable[[Motion, FloatArray, FloatArray, FloatArray], FloatArray]":
+def drawn() -> "Callable[[PlateMotion, FloatArray, FloatArray, FloatArray], FloatArray]":
     """The frames (m/V)."""
     from ..stages.map import movie
 

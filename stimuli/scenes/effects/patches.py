@@ -13,7 +13,7 @@ from ..stage import Size, Stage
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
-    from ...time_reversal.screen.transducer import Source
+    from ...time_reversal.screen.transducer import ForceSource
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class Patches:
 
 def bonded(
     n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
-) -> "Callable[[Plate], tuple[Source, ...]]":
+) -> "Callable[[Plate], tuple[ForceSource, ...]]":
     """Patches along the border."""
     from ...time_reversal.screen.transducer import border
 
-    def placed(plate: "Plate") -> "tuple[Source, ...]":
+    def placed(plate: "Plate") -> "tuple[ForceSource, ...]":
         patches = border(plate, n_transducers, side_m, inset_m)
         return tuple(replace(patch, moment_n_per_v=moment_n_per_v) for patch in patches)
 

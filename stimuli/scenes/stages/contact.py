@@ -8,21 +8,21 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 
-from ...time_reversal.responses.load import Load, carried
+from ...time_reversal.responses.load import PlateLoad, carried
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
-from .motion import Motion, answer, moving, times
+from .motion import PlateMotion, answer, moving, times
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Numbers = tuple[float, ...]
 
 
-def bearing(contacts: Sequence[Load]) -> Callable[[Motion], Motion]:
+def bearing(contacts: Sequence[PlateLoad]) -> Callable[[PlateMotion], PlateMotion]:
     """The motion of a plate that bears contacts: their forces are further channels, exact for linear contacts."""
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
 
-    def borne(motion: Motion) -> Motion:
+    def borne(motion: PlateMotion) -> PlateMotion:
         _check_places(motion.screen, contacts)
         screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
         forces = _forces(motion, screen, contacts)
@@ -35,7 +35,7 @@ def bearing(contacts: Sequence[Load]) -> Callable[[Motion], Motion]:
     return borne
 
 
-def _forces(motion: Motion, screen: Screen, contacts: Sequence[Load]) -> ComplexArray:
+def _forces(motion: PlateMotion, screen: Screen, contacts: Sequence[PlateLoad]) -> ComplexArray:
     """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U."""
     points = tuple((contact.x_m, contact.y_m) for contact in contacts)
     unit = replace(motion, screen=replace(screen, sources=screen.sources[-len(contacts) :]))
@@ -45,7 +45,7 @@ def _forces(motion: Motion, screen: Screen, contacts: Sequence[Load]) -> Complex
     return np.asarray(carried(free, among.transpose(2, 0, 1), stiffness)[0])
 
 
-def _pushed(unit: Motion, contact: int) -> Motion:
+def _pushed(unit: PlateMotion, contact: int) -> PlateMotion:
     """The motion by a unit force at one contact, at every frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
@@ -54,7 +54,7 @@ def _pushed(unit: Motion, contact: int) -> Motion:
     return replace(unit, amplitude=amplitude, played=played)
 
 
-def _check_places(screen: Screen, contacts: Sequence[Load]) -> None:
+def _check_places(screen: Screen, contacts: Sequence[PlateLoad]) -> None:
     for n, contact in enumerate(contacts):
         if not screen.plate.contains(contact.x_m, contact.y_m):
             raise InvalidParameter(

@@ -12,11 +12,11 @@ from ...time_reversal.focusing.focusing import reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
 from ...time_reversal.plate.modes import Modes
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.responses.filtering import Band, Gain, band_limited
+from ...time_reversal.responses.filtering import Band, GainCurve, band_limited
 from ...time_reversal.responses.responses import Responses, impulse_responses
 from ...time_reversal.screen.attenuation import Attenuation
 from ...time_reversal.screen.screen import Screen
-from ...time_reversal.screen.transducer import PointForce, Source, border
+from ...time_reversal.screen.transducer import ForceSource, PointForce, border
 
 FloatArray = NDArray[np.float64]
 Points = tuple[tuple[float, float], ...]
@@ -53,17 +53,17 @@ def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float)
     return lambda: plate
 
 
-def pushes(n_transducers: int, inset_m: float, force_n_per_v: float) -> Callable[[Plate], tuple[Source, ...]]:
+def pushes(n_transducers: int, inset_m: float, force_n_per_v: float) -> Callable[[Plate], tuple[ForceSource, ...]]:
     """Points along the border."""
 
-    def placed(plate: Plate) -> tuple[Source, ...]:
+    def placed(plate: Plate) -> tuple[ForceSource, ...]:
         places = border(plate, n_transducers, inset_m, inset_m)
         return tuple(Push(PointForce(place.x_m, place.y_m), force_n_per_v) for place in places)
 
     return placed
 
 
-def lossless() -> Callable[[Plate, tuple[Source, ...]], Screen]:
+def lossless() -> Callable[[Plate, tuple[ForceSource, ...]], Screen]:
     """A plate with transducers that rings for ever."""
     return lambda plate, sources: Screen(plate, sources, Attenuation(float("inf")))
 
@@ -118,7 +118,7 @@ def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[E
     return limited
 
 
-def through(emission: Emission, gain: Gain, margin_s: float = 0.0) -> Emission:
+def through(emission: Emission, gain: GainCurve, margin_s: float = 0.0) -> Emission:
     """An emission behind a linear element."""
     from scipy.fft import next_fast_len
 

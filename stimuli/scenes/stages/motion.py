@@ -26,7 +26,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class PlateMotion:
     """Displacement per volt of a plate, on complex frequencies.
 
     Parameters
@@ -132,7 +132,7 @@ def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Osc
 
 def driven(
     modes_to_hz: float, static_to_hz: float, heard_to_hz: float, after_s: float
-) -> Callable[[Screen, Emission], Motion]:
+) -> Callable[[Screen, Emission], PlateMotion]:
     """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
 
     if static_to_hz < modes_to_hz:
@@ -140,7 +140,7 @@ def driven(
             f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
         )
 
-    def motion(screen: Screen, emission: Emission) -> Motion:
+    def motion(screen: Screen, emission: Emission) -> PlateMotion:
         n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
         n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
         s, growth, n_fft = contour(n, rate_hz)
@@ -148,7 +148,7 @@ def driven(
         played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
         oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
         amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: times(forces, played[:, part]))
-        return Motion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
+        return PlateMotion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 
     return motion
 
@@ -167,7 +167,7 @@ def answer(
     return amplitude
 
 
-def focus_value() -> Callable[[Motion, Points], FloatArray]:
+def focus_value() -> Callable[[PlateMotion, Points], FloatArray]:
     """(n_foci,): the displacement of the foci at the focus instant (m/V)."""
     return lambda motion, foci: _real(motion.of_points(foci), motion.turning(np.zeros(1)))[:, 0]
 
@@ -177,12 +177,12 @@ def sampling(factor: int) -> Callable[[], int]:
     return lambda: factor
 
 
-def course_times() -> Callable[[Motion, int], FloatArray]:
+def course_times() -> Callable[[PlateMotion, int], FloatArray]:
     """Times from the focus instant."""
     return lambda motion, oversampling: motion.times_s(oversampling)
 
 
-def focus_course() -> Callable[[Motion, Points, int], FloatArray]:
+def focus_course() -> Callable[[PlateMotion, Points, int], FloatArray]:
     """The displacement of the first focus over time (m/V)."""
     return lambda motion, foci, oversampling: motion.course(motion.of_points(foci[:1])[0], oversampling)
 

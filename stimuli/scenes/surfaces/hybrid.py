@@ -7,7 +7,7 @@ from typing import ClassVar
 from tactometry.errors import InvalidParameter
 
 from ..demand import Demand
-from ..effect import Effect, Touch
+from ..effect import Effect, FingerContact
 from ..stage import Size, Stage
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
@@ -86,7 +86,7 @@ def _of_side(size: Callable[[Demand], Size], side: Callable[[Demand], Demand]) -
     return lambda demand: size(demand.once(side))
 
 
-def _check_places(contacts: tuple[Touch, ...]) -> None:
+def _check_places(contacts: tuple[FingerContact, ...]) -> None:
     for n, touch in enumerate(contacts):
         if touch.slides and (touch.x_m is None or touch.y_m is None):
             raise InvalidParameter(

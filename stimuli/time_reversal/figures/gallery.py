@@ -27,7 +27,7 @@ from ..responses.filtering import Band
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import Attenuation
 from ..screen.screen import A4_PROTOTYPE, TAU_S, Screen
-from ..screen.transducer import Disc
+from ..screen.transducer import DiscPatch
 from . import design, drives, focus, prototype, theory
 from .style import save
 
@@ -49,7 +49,7 @@ def rig(diameter_m: float, thickness_m: float = 2e-3) -> Screen:
     """The rig of chapter 3: discs along two sides of thick glass; positions are an unverified default."""
     plate = BOROFLOAT_33.plate(0.297, 0.21, thickness_m, "SSSS")
     x = np.linspace(0.03, 0.267, 4)
-    discs = tuple(Disc(float(at), y, diameter_m) for y in (0.025, 0.185) for at in x)
+    discs = tuple(DiscPatch(float(at), y, diameter_m) for y in (0.025, 0.185) for at in x)
     return Screen(plate, discs, Attenuation(TAU_S))
 
 

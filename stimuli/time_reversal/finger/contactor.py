@@ -12,7 +12,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, one_of, positive
 
 from ..plate.plate import Plate
-from ..responses.load import Load
+from ..responses.load import PlateLoad
 from .finger import (
     FORCE_EXPONENT,
     REFERENCE_FORCE_N,
@@ -51,7 +51,7 @@ class Contactor:
         one_of("Contactor.kind", self.kind, KINDS)
         positive("Contactor", diameter_m=self.diameter_m)
 
-    def loads(self, plate: Plate, at_m: tuple[float, float], force_n: float) -> list[Load]:
+    def loads(self, plate: Plate, at_m: tuple[float, float], force_n: float) -> list[PlateLoad]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
         out."""
         not_negative("Contactor.loads", force_n=force_n)
@@ -60,14 +60,14 @@ class Contactor:
             return [Finger(*at_m, force_n).load()]
         return [self._share(x, y, force_n) for x, y in _disc(at_m, self.diameter_m / 2) if plate.contains(x, y)]
 
-    def _share(self, x: float, y: float, force_n: float) -> Load:
+    def _share(self, x: float, y: float, force_n: float) -> PlateLoad:
         growth = (force_n / REFERENCE_FORCE_N) ** FORCE_EXPONENT if force_n > 0 else 0.0
         area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
         resistance = RESISTANCE_N_S_PER_M * area * growth / N_POINTS
         if self.kind == "soft" or force_n == 0:
-            return Load(x, y, resistance)
+            return PlateLoad(x, y, resistance)
         stiffness = hertz_stiffness_n_per_m(force_n, self.diameter_m / 2) / N_POINTS
-        return Load(x, y, resistance, RIGID_MASS_KG * growth / N_POINTS, stiffness)
+        return PlateLoad(x, y, resistance, RIGID_MASS_KG * growth / N_POINTS, stiffness)
 
 
 @checked

@@ -22,7 +22,7 @@ from ..focusing.focusing import drive, focus_amplitude
 from ..focusing.quantiser import Quantiser
 from ..plate.plate import Plate
 from ..responses.filtering import Band, band_limited
-from ..responses.load import Attached, Load, loaded_responses
+from ..responses.load import Attached, PlateLoad, loaded_responses
 from ..responses.responses import Point, Responses, samples_in
 from ..screen.screen import Screen
 
@@ -71,14 +71,14 @@ class Finger:
         )
         within("Finger", 0.0, 2.0, exponent=self.exponent)
 
-    def load(self) -> Load:
+    def load(self) -> PlateLoad:
         """The local load on the plate.
 
         >>> Finger(0.1, 0.1, 0.5).load().resistance_n_s_per_m
         5.0
         """
         growth = (self.force_n / REFERENCE_FORCE_N) ** self.exponent if self.force_n > 0 else 0.0
-        return Load(
+        return PlateLoad(
             self.x_m,
             self.y_m,
             self.resistance_n_s_per_m * growth,

@@ -21,14 +21,14 @@ from .dispersion import shear_stiffness_n_per_m
 from .plate import Plate
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import Block
+    from ..rectangle.ritz import ParityBlock
 
 FloatArray = NDArray[np.float64]
 
 BATCH: Final = 64
 
 
-def frequencies_rad_per_s(plate: Plate, block: "Block", shear_factor: float) -> FloatArray:
+def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: float) -> FloatArray:
     """(n_modes,): the frequencies of a block's modes with shear and rotary inertia; rigid modes stay at 0."""
     thin = block.angular_frequency_rad_per_s
     out = np.zeros_like(thin)
@@ -41,7 +41,7 @@ def frequencies_rad_per_s(plate: Plate, block: "Block", shear_factor: float) -> 
 class _Shapes:
     """Mean squares over the plate of derivatives of some modes of a block, whose own mean square is 1."""
 
-    def __init__(self, plate: Plate, block: "Block", vectors: FloatArray) -> None:
+    def __init__(self, plate: Plate, block: "ParityBlock", vectors: FloatArray) -> None:
         self.plate, self.x, self.y = plate, block.on_x.axis, block.on_y.axis
         self.table = np.zeros((len(vectors), block.on_x.n, block.on_y.n))
         self.table[:, block.i, block.j] = vectors

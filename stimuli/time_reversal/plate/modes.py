@@ -24,7 +24,7 @@ from .dispersion import (
 from .plate import Plate
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import Block
+    from ..rectangle.ritz import ParityBlock
 
 FloatArray = NDArray[np.float64]
 MAX_MODES: Final = 1_000_000
@@ -128,7 +128,7 @@ class RitzModes:
 
     plate: Plate
     angular_frequency_rad_per_s: FloatArray
-    blocks: Sequence["Block"]
+    blocks: Sequence["ParityBlock"]
     order: NDArray[np.int64]
 
     @property
@@ -233,7 +233,7 @@ def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzMode
     return RitzModes(plate, omega[order], blocks, order)
 
 
-def _draw(block: "Block", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
+def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
     place = block.i * len(y_functions) + block.j
     return _drawn(np.asarray(amplitude @ block.vectors), place, x_functions, y_functions)
 

@@ -28,7 +28,7 @@ SHIFT: Final = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class ParityBlock:
     """The modes of one pair of parities.
 
     `vectors` (n_modes, n_products) hold the coefficients of the products of function `i` of x and `j` of y;
@@ -57,7 +57,7 @@ def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     return p_x, p_y
 
 
-def solve(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> list[Block]:
+def solve(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> list[ParityBlock]:
     """The modes up to `f_max_hz` as one block per pair of parities.
 
     Parameters
@@ -72,13 +72,13 @@ def solve(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) 
     return _without_rigid_noise(blocks, n_rigid(edges_x, edges_y))
 
 
-def _block(plate: Plate, f_max_hz: float, on_x: Family, on_y: Family, degree: tuple[int, int]) -> Block:
+def _block(plate: Plate, f_max_hz: float, on_x: Family, on_y: Family, degree: tuple[int, int]) -> ParityBlock:
     i, j = ellipse(on_x, on_y, *degree)
     stiffness, mass = pencil(plate, on_x, on_y, i, j)
     unit = 4 * plate.wave_constant_m2_per_s / plate.length_m**2
     theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / ((2 * math.pi * f_max_hz / unit) ** 2 + SHIFT))
     eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)
-    return Block(on_x, on_y, i, j, unit * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
+    return ParityBlock(on_x, on_y, i, j, unit * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
@@ -142,7 +142,7 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
     return np.asarray(solve_triangular(gram, scaled, lower=True))
 
 
-def _without_rigid_noise(blocks: list[Block], n_zero: int) -> list[Block]:
+def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
     """Rigid-body modes are 0 Hz exactly: their number is known from the edges."""
     together = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
     for block in blocks if n_zero else []:

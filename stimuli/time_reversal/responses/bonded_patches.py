@@ -20,8 +20,8 @@ from tactometry.arguments.require import not_negative, positive, whole, within
 from ..plate.modes import laplacians
 from ..plate.plate import Plate
 from ..screen.screen import Screen
-from ..screen.transducer import Disc, Patch
-from .load import Attached, Load
+from ..screen.transducer import DiscPatch, Patch
+from .load import Attached, PlateLoad
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -87,7 +87,7 @@ class Ceramic:
 @checked
 def bonded_loads(
     plate: Plate,
-    patches: Sequence[Patch | Disc],
+    patches: Sequence[Patch | DiscPatch],
     ceramic: Ceramic | None = None,
     *,
     mass: bool = True,
@@ -107,19 +107,19 @@ def bonded_loads(
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> from tactometry.stimuli.time_reversal.screen.transducer import border
     >>> loads = bonded_loads(A4_SCREEN, border(A4_SCREEN, 32))
-    >>> len(loads), round(sum(load.mass_kg for load in loads if isinstance(load, Load)) * 1e3, 2)
+    >>> len(loads), round(sum(load.mass_kg for load in loads if isinstance(load, PlateLoad)) * 1e3, 2)
     (64, 7.39)
     """
     of = ceramic or Ceramic()
     weight, rigidity_n_m = of.density_kg_per_m3 * of.thickness_m, of.added_rigidity_n_m(plate)
     whole("bonded_loads", lowest=1, n_parts=n_parts)
     parts = [(x, y, each.area_m2 / n_parts**2) for each in patches for x, y in _parts(each, n_parts)]
-    masses = [Load(x, y, mass_kg=weight * area_m2) for x, y, area_m2 in parts if mass]
+    masses = [PlateLoad(x, y, mass_kg=weight * area_m2) for x, y, area_m2 in parts if mass]
     stiffeners = [Stiffener(x, y, rigidity_n_m * area_m2) for x, y, area_m2 in parts if stiffness]
     return [*masses, *stiffeners]
 
 
-def _parts(patch: Patch | Disc, n: int) -> list[tuple[float, float]]:
+def _parts(patch: Patch | DiscPatch, n: int) -> list[tuple[float, float]]:
     """Centres of n x n parts of equal area; of a disc on a spiral."""
     if isinstance(patch, Patch):
         steps = (np.arange(n) + 0.5) / n - 0.5

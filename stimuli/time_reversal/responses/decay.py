@@ -34,7 +34,7 @@ CONFIDENCE: Final = 0.95
 
 @checked
 @dataclass(frozen=True)
-class Estimate:
+class TauEstimate:
     """A value with the ends of its 95 % interval."""
 
     value: float
@@ -86,7 +86,7 @@ def tau_s(response: Vector, rate_hz: float) -> float:
 
 
 @checked
-def tau_estimate(responses: Responses) -> Estimate:
+def tau_estimate(responses: Responses) -> TauEstimate:
     """tau from the energy of all pairs of point and channel, with its interval.
 
     The interval is Student's t on ln(tau), its variance the sum of two jackknives: over groups of channels and over
@@ -105,7 +105,7 @@ def tau_estimate(responses: Responses) -> Estimate:
     n_taus = _identified(channels.sum(axis=0)).n_taus
     half = float(t.ppf((1 + CONFIDENCE) / 2, N_LEFT_OUT - 1)) * math.sqrt(_variance(channels))
     tau = length_s / n_taus
-    return Estimate(tau, tau * math.exp(-half), tau * math.exp(half))
+    return TauEstimate(tau, tau * math.exp(-half), tau * math.exp(half))
 
 
 @checked
@@ -186,13 +186,13 @@ def _variance(channels: FloatArray) -> float:
 
 
 @checked
-def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> Estimate:
+def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> TauEstimate:
     """The mean with its interval from Student's t; infinite with fewer than two values."""
     from scipy.stats import t
 
     between("mean_estimate", 0, 1, confidence=confidence)
     mean = float(np.mean(values))
     if len(values) < 2:
-        return Estimate(mean, -np.inf, np.inf)
+        return TauEstimate(mean, -np.inf, np.inf)
     half = float(t.ppf((1 + confidence) / 2, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values)))
-    return Estimate(mean, mean - half, mean + half)
+    return TauEstimate(mean, mean - half, mean + half)

@@ -21,7 +21,7 @@ AUDIBLE_MAX_HZ: Final = 20e3
 
 
 @runtime_checkable
-class Gain(Protocol):
+class GainCurve(Protocol):
     """A linear element in the frequency domain."""
 
     def at(self, frequency_hz: FloatArray) -> ComplexArray:
@@ -91,7 +91,7 @@ class Butterworth:
 
 @checked
 @dataclass(frozen=True)
-class Measured:
+class MeasuredGain:
     """An amplifier's measured gain, linear between its frequencies and constant outside.
 
     Parameters
@@ -108,10 +108,10 @@ class Measured:
     def __post_init__(self) -> None:
         if len(self.frequency_hz) != len(self.gain) or not self.gain:
             raise InvalidParameter(
-                f"Measured: found {len(self.frequency_hz)} frequencies and {len(self.gain)} gains, expected as many"
+                f"MeasuredGain: found {len(self.frequency_hz)} frequencies and {len(self.gain)} gains, expected as many"
             )
         if any(b <= a for a, b in zip(self.frequency_hz, self.frequency_hz[1:], strict=False)):
-            raise InvalidParameter("Measured.frequency_hz: found values that do not rise, expected ascending ones")
+            raise InvalidParameter("MeasuredGain.frequency_hz: found values that do not rise, expected ascending ones")
 
     def at(self, frequency_hz: FloatArray) -> ComplexArray:
         return np.asarray(np.interp(frequency_hz, self.frequency_hz, np.asarray(self.gain, complex)))
@@ -130,7 +130,7 @@ class Hold:
 
 
 @checked
-def through(responses: Responses, gain: Gain) -> Responses:
+def through(responses: Responses, gain: GainCurve) -> Responses:
     """The responses behind a linear element; the part that would precede time 0 is cut off.
 
     Examples

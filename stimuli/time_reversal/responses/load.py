@@ -54,7 +54,7 @@ class Attached(Protocol):
 
 @checked
 @dataclass(frozen=True)
-class Load:
+class PlateLoad:
     """A mass, a damper and a spring to ground at a point of the plate.
 
     Parameters
@@ -73,15 +73,15 @@ class Load:
     stiffness_n_per_m: Unbounded = 0.0
 
     def __post_init__(self) -> None:
-        not_negative("Load", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
+        not_negative("PlateLoad", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
         if not self.stiffness_n_per_m >= 0:
             raise InvalidParameter(
-                f"Load.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
+                f"PlateLoad.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
             )
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
-        screen.plate.check_holds("Load", (self.x_m, self.y_m))
+        screen.plate.check_holds("PlateLoad", (self.x_m, self.y_m))
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
@@ -232,7 +232,7 @@ def loaded_responses(
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 50e3, "duration_s": 1e-3, "f_max_hz": 10e3}
     >>> free = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling)
-    >>> same = loaded_responses(A4_PROTOTYPE, [(0.1, 0.1)], [Load(0.1, 0.1, 0.0)], **sampling)
+    >>> same = loaded_responses(A4_PROTOTYPE, [(0.1, 0.1)], [PlateLoad(0.1, 0.1, 0.0)], **sampling)
     >>> bool((same.samples == free.samples).all())
     True
     """
@@ -266,7 +266,9 @@ def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, i
 
 
 def _check_pins(loads: Sequence[Attached]) -> None:
-    pins = [(each.x_m, each.y_m) for each in loads if isinstance(each, Load) and math.isinf(each.stiffness_n_per_m)]
+    pins = [
+        (each.x_m, each.y_m) for each in loads if isinstance(each, PlateLoad) and math.isinf(each.stiffness_n_per_m)
+    ]
     if len(set(pins)) < len(pins):
         raise InvalidParameter(COINCIDENT_PINS)
 

@@ -8,13 +8,13 @@ from tactometry.arguments.require import positive_array
 from tactometry.errors import InvalidParameter
 
 from ..plate.plate import Plate
-from .decay import Estimate, mean_estimate
+from .decay import TauEstimate, mean_estimate
 
 FloatArray = NDArray[np.float64]
 
 
 @checked
-def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m: ArrayLike) -> Estimate:
+def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m: ArrayLike) -> TauEstimate:
     """D / rho_s (m^4/s^2) from wavenumbers at frequencies: omega^2 / k^4 of each, averaged in logarithm.
 
     >>> k = np.array([50.0, 100.0, 200.0])
@@ -26,7 +26,7 @@ def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m
 
 
 @checked
-def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
+def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> TauEstimate:
     """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
 
     Each measured frequency, in ascending order, goes to the nearest mode of `guess` on a logarithmic scale, times
@@ -54,7 +54,7 @@ def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> Estimate:
 
 
 @checked
-def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> Estimate:
+def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> TauEstimate:
     """The factor of R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean) from measured resolutions, averaged in logarithm.
 
     Theory of a diffuse field gives sqrt(pi / 2) = 1.2533 for the full width at half amplitude.
@@ -64,12 +64,12 @@ def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate:
 
 
 @checked
-def youngs_modulus_pa(rigidity_ratio: Estimate, plate: Plate) -> Estimate:
+def youngs_modulus_pa(rigidity_ratio: TauEstimate, plate: Plate) -> TauEstimate:
     """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of
     `plate`.
     """
     factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
-    return Estimate(*(factor * part for part in (rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high)))
+    return TauEstimate(*(factor * part for part in (rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high)))
 
 
 def _elastic(plate: Plate, f_max_hz: float) -> FloatArray:
@@ -89,9 +89,9 @@ def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
     return np.asarray(np.exp(paired))
 
 
-def _geometric(logarithms: FloatArray) -> Estimate:
+def _geometric(logarithms: FloatArray) -> TauEstimate:
     inside = mean_estimate(logarithms)
-    return Estimate(*(float(np.exp(part)) for part in (inside.value, inside.low, inside.high)))
+    return TauEstimate(*(float(np.exp(part)) for part in (inside.value, inside.low, inside.high)))
 
 
 def _pairs(name: str, first: ArrayLike, second: ArrayLike) -> tuple[FloatArray, FloatArray]:

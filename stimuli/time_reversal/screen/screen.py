@@ -16,7 +16,7 @@ from ..plate.glass import A4_SCREEN
 from ..plate.modes import Modes
 from ..plate.plate import Plate
 from .attenuation import Attenuation
-from .transducer import Source, border, modal_forces
+from .transducer import ForceSource, border, modal_forces
 
 FloatArray = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Screen:
     Parameters
     ----------
     plate : Plate
-    sources : sequence of Source
+    sources : sequence of ForceSource
         One channel each, at least one; kept as a tuple.
     attenuation : Attenuation
     shear_factor : float, optional
@@ -37,7 +37,7 @@ class Screen:
     """
 
     plate: Plate
-    sources: Sequence[Source]
+    sources: Sequence[ForceSource]
     attenuation: Attenuation
     shear_factor: float | None = None
 

@@ -26,7 +26,7 @@ EDGE_TOLERANCE: Final = 1e-9
 
 
 @runtime_checkable
-class Source(Protocol):
+class ForceSource(Protocol):
     """Something that drives the plate with one channel."""
 
     def modal_force(self, modes: Modes) -> FloatArray:
@@ -95,7 +95,7 @@ class Patch:
 
 @checked
 @dataclass(frozen=True)
-class Disc:
+class DiscPatch:
     """A circular patch, as `Patch`; integrated with Gauss's rule along the radius and equal angles.
 
     Parameters
@@ -114,7 +114,7 @@ class Disc:
     moment_n_per_v: float = MOMENT_N_PER_V
 
     def __post_init__(self) -> None:
-        positive("Disc", diameter_m=self.diameter_m)
+        positive("DiscPatch", diameter_m=self.diameter_m)
 
     @property
     def area_m2(self) -> float:
@@ -142,7 +142,7 @@ class Disc:
 
 
 @checked
-def modal_forces(modes: Modes, sources: Sequence[Source]) -> FloatArray:
+def modal_forces(modes: Modes, sources: Sequence[ForceSource]) -> FloatArray:
     """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
 
     Raises

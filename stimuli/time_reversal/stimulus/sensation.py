@@ -17,7 +17,7 @@ from tactometry.signal import Signal
 
 from ..finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
 from ..focusing.focusing import emitted
-from ..responses.load import Load, Receptances, contour
+from ..responses.load import PlateLoad, Receptances, contour
 from ..responses.responses import values_at
 from .setup import Setup
 
@@ -114,7 +114,7 @@ class TimeReversalSensation:
             return free
         return loaded_displacement(free, self.setup, self._finger(contact.force_n))
 
-    def _finger(self, force_n: float) -> Load:
+    def _finger(self, force_n: float) -> PlateLoad:
         return Finger(
             *self._place,
             force_n,
@@ -142,12 +142,12 @@ class TimeReversalSensation:
 
 
 @checked
-def loaded_displacement(free_m: Vector, setup: Setup, load: Load) -> FloatArray:
+def loaded_displacement(free_m: Vector, setup: Setup, load: PlateLoad) -> FloatArray:
     """(n_samples,): the displacement at a contact from that of the free plate there: U' = U / (1 + Z H).
 
     Exact for one linear contact; solved on the contour of `load.contour`, as in `load.loaded_responses`.
     """
-    if load == Load(load.x_m, load.y_m):
+    if load == PlateLoad(load.x_m, load.y_m):
         return free_m
     s, growth, n_fft = contour(len(free_m), setup.rate_hz)
     receptance = _receptance(setup, (load.x_m, load.y_m), len(free_m))

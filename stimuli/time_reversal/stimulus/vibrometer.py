@@ -14,7 +14,7 @@ from tactometry.signal import Signal
 
 from ..finger.contactor import FINGER_DIAMETER_M, Contactor
 from ..focusing.focusing import emitted
-from ..responses.load import Load, Receptances, carried, contour
+from ..responses.load import PlateLoad, Receptances, carried, contour
 from ..responses.responses import impulse_responses, values_at
 from .sensation import Keyed
 from .setup import Setup
@@ -79,7 +79,7 @@ class FocusReading:
 
 
 @checked
-def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[Load]) -> FloatArray:
+def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad]) -> FloatArray:
     """(n_samples,): the focus point while the drive lasts, loads on the plate: U_f - T U_c, T = H_fc Z (1 + H_cc Z)^-1.
 
     U_f and U_c are the free plate's displacements at the focus and at the contacts; solved on the contour of
@@ -88,7 +88,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[Load]) -> 
     n = signal.samples.shape[1]
     places = tuple((load.x_m, load.y_m) for load in loads)
     free_m, at_contacts = _free(setup, Keyed(signal), (setup.focus_m,)), _free(setup, Keyed(signal), places)
-    if all(load == Load(load.x_m, load.y_m) for load in loads):
+    if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
         return np.asarray(free_m[0])
     s, growth, n_fft = contour(n, setup.rate_hz)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)

@@ -14,8 +14,8 @@ from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..deadline import CLOSE_WITHIN_S, within
-from ..sensors.reader import Block
-from .frame_feed import Course
+from ..sensors.reader import SampleBlock
+from .frame_feed import FrameFeed
 from .gain import Gain, SignalChain, stated
 from .gaps import LONGEST_WORD_S, DryRuns
 from .volume import system_volume
@@ -81,7 +81,7 @@ class AudioOutput:
         self._settings, self._gain = settings, gain
         self._stream: Any = None
         self._device: str | None = None
-        self._course: Course | None = None
+        self._course: FrameFeed | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
         self._clocks = ClockMap()
         self._numbered: tuple[Signal, NDArray[np.generic]] | None = None
@@ -148,7 +148,7 @@ class AudioOutput:
         """Begin to emit: the time at which the card says that the first frame leaves it."""
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
-        course = Course(self._frames(self._numbers(signal)), self._n_fade)
+        course = FrameFeed(self._frames(self._numbers(signal)), self._n_fade)
         self._let_end()
         self._course = course
         if signal.samples.size and not course.begun.wait(LONGEST_START_S):
@@ -274,7 +274,7 @@ class AudioInput:
             ) from None
         self._clocks, self._n_frames = ClockMap(), 0
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         try:
             frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
         except _library().PortAudioError as error:
@@ -285,7 +285,7 @@ class AudioInput:
         self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
         self._clocks.check(self.name)
         shift_s = self._clocks.ours_s(0.0)
-        return Block(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
+        return SampleBlock(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
 
     def close(self) -> None:
         stream, self._stream = self._stream, None

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Course:
+class FrameFeed:
     """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
 
     `take` is called by the device's thread, all else by the one that plays.
@@ -45,13 +45,13 @@ class Course:
 
         Examples
         --------
-        >>> course = Course(np.full((6, 1), 8.0), n_fade=4)
+        >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
         >>> course.take(2).ravel().tolist()
         [8.0, 8.0]
         >>> course.stop()
         >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
         ([8.0, 6.0, 4.0, 2.0], [])
-        >>> short = Course(np.full((6, 1), 8.0), n_fade=4)
+        >>> short = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
         >>> short.stop()
         >>> short.take(2).ravel().tolist()
         [8.0, 4.0]

@@ -39,7 +39,7 @@ class Driver(Output, Protocol):
 
 
 @dataclass(frozen=True)
-class Emission:
+class GuardedSignal:
     """A signal that began to play at `onset_s` (s on `time.perf_counter`), with its net charge through the leak."""
 
     onset_s: float
@@ -71,7 +71,7 @@ class Guarded:
         self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
         self._exposure = Exposure(self.clock())
         self._before: Exposure | None = None
-        self._tell: Callable[[Emission], None] = lambda emission: None
+        self._tell: Callable[[GuardedSignal], None] = lambda emission: None
         self._counting = threading.Lock()
         self._checked: tuple[Signal, Signal] | None = None
 
@@ -111,7 +111,7 @@ class Guarded:
         """Count on from what was emitted before: `before` is on the clock of this guard."""
         self._before = before
 
-    def tell(self, told: Callable[["Emission"], None]) -> None:
+    def tell(self, told: Callable[["GuardedSignal"], None]) -> None:
         """Call `told` with whatever is emitted from now on, as it begins, in the thread that plays."""
         self._tell = told
 
@@ -143,7 +143,7 @@ class Guarded:
         with self._counting:
             self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
         if self.emits:
-            self._tell(Emission(onset_s, final.duration_s, charge_c))
+            self._tell(GuardedSignal(onset_s, final.duration_s, charge_c))
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:

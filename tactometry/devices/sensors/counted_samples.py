@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..clock_map import ClockMap
-from .reader import Block
+from .reader import SampleBlock
 
 SETTLING_S = 0.5
 """Samples of the first while only tell how the clocks are related, and are dropped."""
@@ -45,7 +45,7 @@ class CountedSamples:
     def offset_s(self) -> float | None:
         return self._clocks.offset_s
 
-    def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> Block:
+    def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> SampleBlock:
         """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
 
         A stamp is at most `STEP_S` later than the arrival. It goes back only where those before were further off than
@@ -62,7 +62,7 @@ class CountedSamples:
         self._clocks.check(self._name)
         settled = [(device_s, values) for device_s, values in new if self._settled(device_s, new[-1][0])]
         times_s = [self._stamp_s(device_s) for device_s, _ in settled]
-        return Block(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
+        return SampleBlock(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
 
     def _settled(self, device_s: float, newest_s: float) -> bool:
         """Whether the difference of the clocks has stood for a while: what had waited to be read is through."""

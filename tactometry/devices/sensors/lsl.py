@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed
-from .reader import SAY_S, Block, now_s
+from .reader import SAY_S, SampleBlock, now_s
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
@@ -111,7 +111,7 @@ class LslSource:
                     f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
                 )
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         pylsl = _library()
         try:
             samples, stamps_s = self._inlet.pull_chunk(timeout=SAY_S, max_samples=MOST_SAMPLES, min_samples=1)
@@ -119,7 +119,7 @@ class LslSource:
             raise DeviceFailed(f"{self.name}: the outlet is gone") from None
         if not stamps_s:
             return None
-        return Block(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
+        return SampleBlock(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
 
     def close(self) -> None:
         inlet, self._inlet = self._inlet, None

@@ -26,7 +26,7 @@ KEPT_S = 60.0
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class SampleBlock:
     """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) as the device counts."""
 
     times_s: FloatArray
@@ -63,7 +63,7 @@ class Source(Protocol):
     def open(self) -> None:
         """Raises `DeviceFailed` if the device is not there."""
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         """The next samples; waits for about `SAY_S`, then None. Raises `DeviceFailed` if the device went away."""
 
     def close(self) -> None:
@@ -77,21 +77,21 @@ class Listener:
     """What one part of the program has not read yet."""
 
     def __init__(self) -> None:
-        self._blocks: deque[Block] = deque()
+        self._blocks: deque[SampleBlock] = deque()
 
-    def put(self, block: Block) -> None:
+    def put(self, block: SampleBlock) -> None:
         if block.times_s.size == 0:
             return
         self._blocks.append(block)
         while self._blocks[0].times_s[-1] < block.times_s[-1] - KEPT_S:
             self._blocks.popleft()
 
-    def read(self, n_channels: int) -> Block:
+    def read(self, n_channels: int) -> SampleBlock:
         """All samples since the last call, in order; never waits."""
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
-            return Block(np.empty(0), np.empty((0, n_channels)))
-        return Block(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
+            return SampleBlock(np.empty(0), np.empty((0, n_channels)))
+        return SampleBlock(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
 
 
 class Reader:
@@ -103,7 +103,7 @@ class Reader:
 
     def __init__(self, source: Source, delay_s: float = 0.0) -> None:
         self.source, self._delay_s = source, delay_s
-        self._hearers: tuple[Callable[[Block], None], ...] = ()
+        self._hearers: tuple[Callable[[SampleBlock], None], ...] = ()
         self._n_open = 0
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
@@ -128,7 +128,7 @@ class Reader:
         self.tell(listener.put)
         return listener
 
-    def tell(self, hear: Callable[[Block], None]) -> Callable[[], None]:
+    def tell(self, hear: Callable[[SampleBlock], None]) -> Callable[[], None]:
         """Call `hear` in the reader's thread with each block from now on, an empty one where nothing came.
 
         It ends when the function that is returned is called.
@@ -136,7 +136,7 @@ class Reader:
         self._hearers = (*self._hearers, hear)
         return lambda: self._forget(hear)
 
-    def _forget(self, hear: Callable[[Block], None]) -> None:
+    def _forget(self, hear: Callable[[SampleBlock], None]) -> None:
         self._hearers = tuple(each for each in self._hearers if each is not hear)
 
     def open(self) -> None:
@@ -188,7 +188,7 @@ class Reader:
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return DeviceFailed(f"{self.source.name}: found a failure ({words}), expected samples")
 
-    def _take(self, block: Block | None) -> None:
+    def _take(self, block: SampleBlock | None) -> None:
         if block is None or block.times_s.size == 0:
             self._say(None)
             return
@@ -200,10 +200,10 @@ class Reader:
             return
         self._n_samples += block.times_s.size
         self._failure = None
-        self._say(Block(block.times_s - self._delay_s, block.values) if self._delay_s else block)
+        self._say(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
-    def _say(self, block: Block | None) -> None:
-        said = Block(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block
+    def _say(self, block: SampleBlock | None) -> None:
+        said = SampleBlock(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block
         for hear in self._hearers:
             hear(said)
 

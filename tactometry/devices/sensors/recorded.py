@@ -13,7 +13,7 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, TactometryError
 from ...files.durable import read_file
 from ...files.samples import table_of_numbers
-from .reader import Block, now_s
+from .reader import SampleBlock, now_s
 
 STEP_S = 0.005
 
@@ -52,10 +52,10 @@ class RecordedSource:
         self._times_s, self._values = table[:, 0] - table[0, 0] + now_s(), table[:, 1:]
         self._n_read = 0
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         time.sleep(STEP_S)
         first, self._n_read = self._n_read, int(np.searchsorted(self._times_s, now_s(), side="right"))
-        return Block(self._times_s[first : self._n_read], self._values[first : self._n_read])
+        return SampleBlock(self._times_s[first : self._n_read], self._values[first : self._n_read])
 
     def close(self) -> None:
         pass

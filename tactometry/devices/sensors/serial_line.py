@@ -9,7 +9,7 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed
 from .counted_samples import CountedSamples
 from .framing import Framing
-from .reader import SAY_S, Block, now_s
+from .reader import SAY_S, SampleBlock, now_s
 
 LARGEST_READ = 65_536
 
@@ -65,7 +65,7 @@ class SerialSource:
         self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
         self._samples.may_begin_anew()
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         serial = _library()
         try:
             data = _available(self._line, self._framing.n_missing)

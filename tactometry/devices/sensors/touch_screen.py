@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed
-from .reader import Block, now_s
+from .reader import SampleBlock, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
 SYNC, RELATIVE, ABSOLUTE = 0, 2, 3
@@ -44,17 +44,17 @@ class TouchSettings:
 
 
 @dataclass(frozen=True)
-class Finger:
+class TrackedFinger:
     """Where a finger is by the events up to now; `touching` from landing to lift, and always for a moved mouse."""
 
     values: tuple[float, float, float] = (0.0, 0.0, 0.0)
     touching: bool = False
 
-    def after(self, kind: int, code: int, value: int) -> "Finger":
+    def after(self, kind: int, code: int, value: int) -> "TrackedFinger":
         """
-        >>> Finger().after(ABSOLUTE, 53, 120).after(RELATIVE, 1, -3).values
+        >>> TrackedFinger().after(ABSOLUTE, 53, 120).after(RELATIVE, 1, -3).values
         (120.0, -3.0, 0.0)
-        >>> Finger().after(*TRACKING, 7).touching, Finger().after(*TRACKING, -1).touching
+        >>> TrackedFinger().after(*TRACKING, 7).touching, TrackedFinger().after(*TRACKING, -1).touching
         (True, False)
         """
         if (kind, code) == TRACKING:
@@ -66,7 +66,7 @@ class Finger:
             return replace(self._with(axis, self.values[axis] + value), touching=True)
         return self
 
-    def _with(self, axis: int, value: float) -> "Finger":
+    def _with(self, axis: int, value: float) -> "TrackedFinger":
         x, y, pressure = (value if n == axis else old for n, old in enumerate(self.values))
         return replace(self, values=(x, y, pressure))
 
@@ -94,10 +94,10 @@ class TouchSource:
                 f"{self.name}: cannot open it ({error.strerror}), expected an event device that may be read"
             ) from None
         self._stamped = _set_clock(self._file)
-        self._finger = self._reported = Finger()
+        self._finger = self._reported = TrackedFinger()
         self._rest = b""
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         if self._file is None:
             raise DeviceFailed(f"{self.name}: it is closed")
         try:
@@ -109,10 +109,10 @@ class TouchSource:
             raise DeviceFailed(f"{self.name}: the device went away")
         return self._block(data) if ready else self._resting()
 
-    def _resting(self) -> Block | None:
-        return Block(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
+    def _resting(self) -> SampleBlock | None:
+        return SampleBlock(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
 
-    def _block(self, data: bytes) -> Block | None:
+    def _block(self, data: bytes) -> SampleBlock | None:
         stream, arrival_s = self._rest + data, now_s()
         whole = len(stream) // EVENT.size * EVENT.size
         self._rest = stream[whole:]
@@ -124,7 +124,7 @@ class TouchSource:
                 samples.append((seconds + 1e-6 * microseconds if self._stamped else arrival_s, self._finger.values))
         if not samples:
             return None
-        return Block(np.array([time_s for time_s, _ in samples]), np.array([values for _, values in samples]))
+        return SampleBlock(np.array([time_s for time_s, _ in samples]), np.array([values for _, values in samples]))
 
     def close(self) -> None:
         file, self._file = self._file, None

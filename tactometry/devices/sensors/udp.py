@@ -15,7 +15,7 @@ from typing import ClassVar, Final, NamedTuple
 from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
 from .counted_samples import CountedSamples
-from .reader import SAY_S, Block, now_s
+from .reader import SAY_S, SampleBlock, now_s
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
@@ -45,7 +45,7 @@ class UdpSettings:
         return UdpSource(self)
 
 
-class Record(NamedTuple):
+class UdpRecord(NamedTuple):
     """One record; `values` are the six counts."""
 
     sequence: int
@@ -54,17 +54,17 @@ class Record(NamedTuple):
     values: tuple[int, ...]
 
 
-def records(datagram: bytes) -> list[Record]:
+def records(datagram: bytes) -> list[UdpRecord]:
     """The records of a datagram; none if its length is not theirs.
 
     >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
-    [Record(sequence=1, sensor_sequence=7, status=0, values=(1, -2, 3, 4, 5, 6))]
+    [UdpRecord(sequence=1, sensor_sequence=7, status=0, values=(1, -2, 3, 4, 5, 6))]
     >>> records(b"something else")
     []
     """
     if len(datagram) % RECORD.size:
         return []
-    return [Record(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
+    return [UdpRecord(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
 
 
 class UdpSource:
@@ -101,7 +101,7 @@ class UdpSource:
                 f"{self.name}: cannot reach the sensor ({error.strerror or error}), expected its address"
             ) from None
 
-    def receive(self) -> Block | None:
+    def receive(self) -> SampleBlock | None:
         if self._socket is None:
             raise DeviceFailed(f"{self.name}: it is closed")
         try:
@@ -116,7 +116,7 @@ class UdpSource:
             raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
         return self._block(records(datagram), now_s())
 
-    def _block(self, found: list[Record], arrival_s: float) -> Block | None:
+    def _block(self, found: list[UdpRecord], arrival_s: float) -> SampleBlock | None:
         self._heard_s = arrival_s
         sound = [(each.sequence, each.sensor_sequence, each.values) for each in found if each.status == 0]
         self._n_refused += len(found) - len(sound) if found else 1

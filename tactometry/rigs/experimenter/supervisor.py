@@ -4,13 +4,12 @@ import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 
-from ...devices.outputs.guarded import Emission
+from ...devices.outputs.guarded import GuardedSignal
 from ...errors import Stopped
 from ...session.event import Event, EventLog, Fact, Kind
-from ..pages.page import Event as Input
-from ..pages.page import Page, Screen
+from ..pages.page import Display, Input, Page
 from ..pages.presenter import ending
-from .terminal import HELP, Desk, Order
+from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
 SAFE = "what was recorded is safe: go on with --resume"
@@ -21,13 +20,13 @@ def utc_of(clock_s: float) -> datetime:
     return datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
 
 
-class Attendant:
+class Supervisor:
     """Attends to the participant's Escape key and the experimenter's orders, in each frame.
 
     Parameters
     ----------
-    screen : Screen
-    desk : Desk
+    screen : Display
+    desk : ExperimenterTerminal
     log : EventLog or None
         Where events are kept.
     mute : callable
@@ -36,7 +35,9 @@ class Attendant:
         What the participant sees in a pause.
     """
 
-    def __init__(self, screen: Screen, desk: Desk, log: EventLog | None, mute: Callable[..., None], page: Page) -> None:
+    def __init__(
+        self, screen: Display, desk: ExperimenterTerminal, log: EventLog | None, mute: Callable[..., None], page: Page
+    ) -> None:
         self._screen, self._mute, self._page = screen, mute, page
         self.desk, self.log = desk, log
         self.zero_s = time.perf_counter()
@@ -56,7 +57,7 @@ class Attendant:
             utc = utc_of(clock_s).isoformat(timespec="milliseconds")
             self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc, facts, duration_s))
 
-    def emitted(self, emission: Emission) -> None:
+    def emitted(self, emission: GuardedSignal) -> None:
         """Keep a stimulus as it begins: what is kept counts when the session goes on."""
         self._keep("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
 

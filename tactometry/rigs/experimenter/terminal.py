@@ -49,7 +49,7 @@ def order_of(line: str) -> Order:
     return Order(wish, text.strip())
 
 
-class Desk:
+class ExperimenterTerminal:
     """Reads orders from a terminal in a thread of its own, and writes to it; without terminals it is silent.
 
     Parameters

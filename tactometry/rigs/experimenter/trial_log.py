@@ -6,26 +6,26 @@ from collections.abc import Callable, Mapping
 from ...session.event import Fact
 from ...trials.trial import Trial
 from ..frame_timing import timing_of
-from ..pages.page import Screen
-from .supervisor import Attendant
+from ..pages.page import Display
+from .supervisor import Supervisor
 
 CLOCK = "_clock_offset_s"
 """How a device's facts say by how much our clock is ahead of its own."""
 
 
-class Logbook:
+class TrialLog:
     """Collects what belongs to the trial that is under way.
 
     Parameters
     ----------
-    attendant : Attendant
+    attendant : Supervisor
         Notes the events.
-    screen : Screen
+    screen : Display
     facts : callable
         What the devices say of themselves now.
     """
 
-    def __init__(self, attendant: Attendant, screen: Screen, facts: Callable[[], Mapping[str, Fact]]) -> None:
+    def __init__(self, attendant: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
         self._attendant, self._screen, self._facts = attendant, screen, facts
         self._trial: Trial | None = None
         self._last: tuple[int, int, int] | None = None

@@ -81,7 +81,7 @@ class Closed:
     at_s: float
 
 
-Event = KeyDown | Click | Closed
+Input = KeyDown | Click | Closed
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Button:
     width: float = 0.0
     height: float = 0.0
 
-    def takes(self, event: Event) -> bool:
+    def takes(self, event: Input) -> bool:
         """Whether this event presses the button.
 
         >>> Button(1, keys=("y",)).takes(KeyDown("y", at_s=0.0))
@@ -115,12 +115,12 @@ class Page:
     items: tuple[Item, ...] = ()
     buttons: tuple[Button, ...] = ()
 
-    def answer(self, event: Event) -> Answer | None:
+    def answer(self, event: Input) -> Answer | None:
         """What the first button that takes `event` answers; None for an event that answers nothing."""
         return next((button.answer for button in self.buttons if button.takes(event)), None)
 
 
-class Screen(Protocol):
+class Display(Protocol):
     """What a bench needs of a display and a keyboard. All times are on `time.perf_counter`, in seconds."""
 
     @property
@@ -136,7 +136,7 @@ class Screen(Protocol):
     def refresh(self, page: Page) -> float:
         """Show the next frame of the page: the time of the flip."""
 
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[Input, ...]:
         """What was pressed or closed since the last call, in order; each once."""
 
     def facts(self) -> dict[str, str | int | float | bool | None]: ...

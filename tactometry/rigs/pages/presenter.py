@@ -5,12 +5,12 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from ...errors import Stopped
-from .page import Answer, Closed, Event, KeyDown, Page, Screen
+from .page import Answer, Closed, Display, Input, KeyDown, Page
 
 S = TypeVar("S")
 Dress = Callable[[Page, float], Page]
 """What is added to a page at a moment (s on `time.perf_counter`)."""
-Attend = Callable[[tuple[Event, ...]], bool]
+Attend = Callable[[tuple[Input, ...]], bool]
 """Looks at what was pressed in a frame, and at what else is wanted: True if the session was paused meanwhile."""
 
 
@@ -19,7 +19,7 @@ def as_it_is(page: Page, now_s: float) -> Page:
     return page
 
 
-def ending(events: tuple[Event, ...]) -> str | None:
+def ending(events: tuple[Input, ...]) -> str | None:
     """What of it ends a session, in words: the Escape key, or the window that was closed.
 
     >>> ending((KeyDown("y", 1.0), Closed(2.0))), ending((KeyDown("escape", 1.0),)), ending(())
@@ -33,7 +33,7 @@ def ending(events: tuple[Event, ...]) -> str | None:
     return None
 
 
-def stop_at_ending(events: tuple[Event, ...]) -> bool:
+def stop_at_ending(events: tuple[Input, ...]) -> bool:
     """Raises `Stopped` where the Escape key was pressed or the window closed."""
     why = ending(events)
     if why is not None:
@@ -41,13 +41,13 @@ def stop_at_ending(events: tuple[Event, ...]) -> bool:
     return False
 
 
-class Stage:
+class Presenter:
     """Shows pages on a screen; in each frame `attend` may stop or pause the session.
 
     `paused_until_s` is the end of the last pause on `time.perf_counter`.
     """
 
-    def __init__(self, screen: Screen, attend: Attend = stop_at_ending) -> None:
+    def __init__(self, screen: Display, attend: Attend = stop_at_ending) -> None:
         self.screen = screen
         self.paused_until_s = -float("inf")
         self._attend = attend
@@ -95,7 +95,7 @@ class Stage:
                 onset_s = self.screen.present(view(state))
             self.screen.refresh(view(state))
 
-    def _events(self) -> tuple[Event, ...]:
+    def _events(self) -> tuple[Input, ...]:
         events = self.screen.events()
         if not self._attend(events):
             return events

@@ -14,7 +14,7 @@ AWAY_PART = 0.1
 """Below this part of the target the finger has left (unverified default)."""
 
 
-class Grip:
+class AppliedForce:
     """Hears the samples of one touch; `opened_s` is the stamp of the sample that opened the gate.
 
     A force above `force_peak_n` stops what plays.

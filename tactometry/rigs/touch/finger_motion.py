@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...devices.sensors.reader import FloatArray
-from ...gates.speed import Motion, SpeedGate, motion
+from ...gates.speed import SpeedCompliance, SpeedGate, motion
 from ...trials.trial import Reason
 from ..judgement import side_of
 from .trace import Since, Trace
@@ -14,7 +14,7 @@ HALT_S = 0.15
 """A finger that is out of its band of speed for longer has stopped; a turn is shorter (unverified default)."""
 
 
-class Glide:
+class FingerMotion:
     """Hears the samples of one slide; its path lies along the sensor's first axis.
 
     `opened_s` is the stamp of the sample that opened the gate.
@@ -49,7 +49,7 @@ class Glide:
             return None
         return "sensor_lost" if speed_m_per_s is None else side_of(speed_m_per_s, self._gate.target_m_per_s)
 
-    def motion(self, begin_s: float, end_s: float) -> Motion | None:
+    def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
         """How the speed was kept; None where it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
         if times_s.size < 2 or np.any(np.diff(times_s) == 0):

@@ -8,7 +8,7 @@ from ...session.request import Play, Played
 from ...signal import Signal
 from ..emitter import Emitter
 from ..pages.page import Page
-from ..pages.presenter import Stage
+from ..pages.presenter import Presenter
 from .watchdog import Pause, vigil
 
 
@@ -16,7 +16,7 @@ from .watchdog import Pause, vigil
 class Playing:
     """What carries it out: a silent force sensor, or one that says too much, stops it and pauses the session."""
 
-    stage: Stage
+    stage: Presenter
     emitter: Emitter
     page: Page
     sensor: ForceSensor | None

@@ -18,9 +18,9 @@ from ..emitter import Emitter
 from ..judgement import broken
 from ..pages import layout
 from ..pages.page import Page
-from ..pages.presenter import Dress, Stage
-from .applied_force import Grip
-from .finger_motion import MOVING_S, Glide
+from ..pages.presenter import Dress, Presenter
+from .applied_force import AppliedForce
+from .finger_motion import MOVING_S, FingerMotion
 from .release import Release
 from .trace import Trace, speed_m_per_s
 from .trigger import Trigger, hearing, quick_turns
@@ -58,14 +58,14 @@ class Held:
         force_peak_n: float = FORCE_PEAK_N,
         release: Release | None = None,
     ) -> None:
-        self.grip = Grip(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
+        self.grip = AppliedForce(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
         self.release = Release(needed=False) if release is None else release
-        self.glide: Glide | None = None
+        self.glide: FingerMotion | None = None
         self.let_through_s = 0.0
         """The stamp of the sample that opened the last gate when the stimulus began."""
         self.loss: Reason | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
-            self.glide = Glide(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
+            self.glide = FingerMotion(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
 
     @property
     def open(self) -> bool:
@@ -103,7 +103,7 @@ def _rounded(value: float | None) -> float | None:
 
 
 @dataclass(frozen=True)
-class Felt:
+class TouchResult:
     """What came of a touch (its onset on `time.perf_counter`), and how late the gate's decision was, s."""
 
     touched: Touched
@@ -111,7 +111,7 @@ class Felt:
 
 
 @dataclass(frozen=True)
-class Touch:
+class TouchCourse:
     """A request to press or slide, with what carries it out.
 
     `pause` is called with a reason and what tells that it is over; `say` tells the experimenter. What cuts a stimulus
@@ -119,7 +119,7 @@ class Touch:
     """
 
     request: Press | Slide
-    stage: Stage
+    stage: Presenter
     emitter: Emitter
     words: str
     dress: Dress
@@ -132,7 +132,7 @@ class Touch:
     release_words: str = ""
     force_peak_n: float = FORCE_PEAK_N
 
-    def felt(self, signal: Signal | None) -> Felt:
+    def felt(self, signal: Signal | None) -> TouchResult:
         """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
         with hearing(self.position, self.places.hear):
             felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
@@ -140,7 +140,7 @@ class Touch:
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(felt, touched=replace(touched, speed_mean_m_per_s=_rounded(speed)))
 
-    def _unmeasured(self, signal: Signal | None) -> Felt:
+    def _unmeasured(self, signal: Signal | None) -> TouchResult:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
@@ -153,7 +153,7 @@ class Touch:
         paused = self.stage.paused_until_s >= begin_s
         n_gaps = self.emitter.n_gaps(signal)
         reason: Reason | None = "experimenter" if paused else "output_gap" if n_gaps else None
-        return Felt(self._touched(signal, onset_s, reason, n_gaps))
+        return TouchResult(self._touched(signal, onset_s, reason, n_gaps))
 
     def _touched(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
@@ -168,7 +168,7 @@ class Touch:
             **{name: _rounded(value) for name, value in kept.items()},
         )
 
-    def _held(self, signal: Signal | None, sensor: ForceSensor) -> Felt:
+    def _held(self, signal: Signal | None, sensor: ForceSensor) -> TouchResult:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
         The threads of the sensors decide; here it is shown what they hear.
@@ -190,7 +190,7 @@ class Touch:
             begun = self._begun(held, trigger, sensor)
             if begun is None:
                 self.say("not played")
-                return Felt(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
+                return TouchResult(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
             cut_by = self._cut_by(held, trigger, *begun)
         self.emitter.stop()
         self.release.begin()
@@ -198,7 +198,7 @@ class Touch:
         touched = self._judged(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
         self.say(f"played, {mean}")
-        return Felt(touched, held.delay_s(decided_s))
+        return TouchResult(touched, held.delay_s(decided_s))
 
     def _begun(self, held: Held, trigger: Trigger, sensor: ForceSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
