@@ -129,7 +129,7 @@ def shown(values_s):
 
 def main():
     with_display()
-    from test_device_sensors import Emulator
+    from emulated import Emulator
 
     from tactometry.rigs.frame_timing import timing_of
     from tactometry.rigs.pages.layout import marker_page

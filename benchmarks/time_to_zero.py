@@ -41,7 +41,7 @@ class Kept:
 def touched(window, sink, force_n):
     """(decision, zero) of one touch whose force becomes this, s."""
     import player
-    from test_time_to_zero import PRESS, RATE_HZ, Noting, Scene
+    from zero_scene import PRESS, RATE_HZ, Noting, Scene
 
     class Timed(Scene):
         def felt(self, time_s):
@@ -63,7 +63,7 @@ def touched(window, sink, force_n):
 
 def main():
     from force_loop import with_display
-    from test_device_audio import Sink, alsa_in
+    from sound_server import Sink, alsa_in
 
     from tactometry.rigs.window import Window
 

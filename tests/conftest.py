@@ -12,10 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from force_bench import needed
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
+from sound_server import alsa, server, sink
 
-__all__ = ["pytest_addoption", "pytest_sessionfinish"]
+__all__ = ["alsa", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))

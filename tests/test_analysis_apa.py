@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from designs import drawn, long_table
 from scipy import stats
-from test_analysis_contrasts import drawn, long_table
 
 from tactometry.analysis.anova.assumptions import checks
 from tactometry.analysis.anova.equivalence import equivalence

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from attrakdiff_answers import FORM, ITEMS, PATTERNS, raw_of, study
 from command_line import call
 from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
@@ -28,30 +29,11 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.study.study_file import load as load_study
 from tactometry.questionnaire import load
 
-FORM = load("attrakdiff")
-ITEMS = [item.id for item in FORM.items]
 DIMENSIONS = ["PQ", "HQI", "HQS", "ATT", "HQ"]
-PATTERNS = ("P0", *THESIS)
 
 
 def one_person(raw) -> pd.DataFrame:
     return pd.DataFrame({"participant": "P01", "item": ITEMS, "response": raw})
-
-
-def raw_of(item: str, score: float) -> float:
-    return 4 - score if FORM.item(item).reversed else 4 + score
-
-
-def study(rng, n=12, effect=None) -> pd.DataFrame:
-    """Answers of whole steps; `effect` maps a pattern to what it adds to every score."""
-    rows = []
-    for person in range(n):
-        own = rng.normal(0, 0.7)
-        for pattern in PATTERNS:
-            for item in ITEMS:
-                score = np.clip(round(own + (effect or {}).get(pattern, 0.0) + rng.normal(0, 1.0)), -3, 3)
-                rows.append((f"P{person:02d}", pattern, "attrakdiff", "rating", item, raw_of(item, score)))
-    return pd.DataFrame(rows, columns=["participant", "pattern", "procedure", "task", "item", "response"])
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,12 @@ import mpmath
 import numpy as np
 import pandas as pd
 import pytest
+from designs import NAMES, drawn, long_table
+from grouped_design import study as of_groups
 from hard_cases import exact_case, hard_case
+from open_ends import GIVEN, cut, open_ended
 from scipy.integrate import dblquad
 from scipy.stats import multivariate_normal
-from test_analysis_contrasts import NAMES, drawn, long_table
-from test_analysis_mixed_anova import study as of_groups
 
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
@@ -23,18 +24,7 @@ from tactometry.analysis.mixed_models.censored import censored_model
 from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.errors import InvalidParameter
 
-GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "subject"}
 MAUCHLY = ("W_spher", "p_spher", "sphericity")
-
-
-def open_ended(table: pd.DataFrame) -> pd.DataFrame:
-    return table.assign(low=np.nan, high=np.nan)
-
-
-def cut(table: pd.DataFrame, at: float) -> pd.DataFrame:
-    """Values below `at` are known to lie below it, no more."""
-    below = table["y"] < at
-    return table.assign(y=table["y"].where(~below), low=np.nan, high=np.where(below, at, np.nan))
 
 
 def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:

@@ -3,9 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
-from test_analysis_censored_anova import GIVEN, cut, open_ended
-from test_analysis_contrasts import drawn, long_table
-from test_analysis_mixed_anova import study as of_groups
+from designs import drawn, long_table
+from grouped_design import study as of_groups
+from open_ends import GIVEN, cut, open_ended
 
 from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
 from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs

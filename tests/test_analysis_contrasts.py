@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from designs import NAMES, drawn, long_table
 from hypothesis import given, settings, strategies as st
 from scipy.stats import f as fisher, ncf
 
@@ -18,24 +19,11 @@ from tactometry.analysis.anova.within_subjects import effect_row, permutation_te
 from tactometry.errors import InvalidParameter
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
-NAMES = ("force", "freq", "speed")
-
-
-def drawn(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-    """Values of participants (first axis) whose conditions are correlated and of unequal variance."""
-    n_cells = int(np.prod(shape[1:]))
-    mixing = rng.normal(size=(n_cells, n_cells))
-    return (rng.normal(size=(shape[0], n_cells)) @ mixing + rng.normal(size=(shape[0], 1))).reshape(shape)
 
 
 def design_of(values: np.ndarray) -> WithinDesign:
     levels = tuple(tuple(range(k)) for k in values.shape[1:])
     return WithinDesign(values, NAMES[: values.ndim - 1], levels, tuple(range(len(values))))
-
-
-def long_table(values: np.ndarray) -> pd.DataFrame:
-    keys = list(product(*(range(k) for k in values.shape)))
-    return pd.DataFrame(keys, columns=["subject", *NAMES[: values.ndim - 1]]).assign(y=values.ravel())
 
 
 def analysed(values: np.ndarray) -> pd.DataFrame:
@@ -157,7 +145,7 @@ def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_a
 
 @pytest.fixture
 def published_values() -> np.ndarray:
-    from test_analysis_anova import PUBLISHED
+    from published_design import PUBLISHED
 
     return np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
 

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import pytest
+from designs import long_table
+from open_ends import GIVEN, cut
 from scipy.stats import norm, t as student
-from test_analysis_censored_anova import GIVEN, cut
-from test_analysis_contrasts import long_table
 
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.contrasts import Effect, contrasts

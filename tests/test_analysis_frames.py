@@ -1,8 +1,8 @@
 """Frames of the screen in the quality of the data."""
 
+import analysis_data
 import pandas as pd
 import pytest
-from test_analysis_report import DATA
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.quality import frames, with_frames
@@ -28,7 +28,7 @@ def data_set(tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "journals").mkdir()
     truth = {(f"P0{p}", (0.5,)): 20.0 for p in (1, 2, 3)}
-    DATA.write_study(tmp_path / "data" / "all_data.csv", truth, ["force_n"], rng=np.random.default_rng(), n=4)
+    analysis_data.write_study(tmp_path / "data" / "all_data.csv", truth, ["force_n"], rng=np.random.default_rng(), n=4)
     for code, rows in {
         "P01": [trial(500, 20, 0.08), event("remark", text="late"), trial(500, 0, 0.017)],
         "P02": [trial(1000, 0, 0.018)],

@@ -1,11 +1,11 @@
 """Mixed analysis of variance: pingouin where groups are alike, regression where they are not, refusals."""
 
 import warnings
-from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
+from grouped_design import study
 from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
@@ -14,14 +14,6 @@ from tactometry.analysis.anova.split_plot import mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.errors import InvalidParameter
-
-
-def study(sizes, k, rng) -> pd.DataFrame:
-    n = sum(sizes)
-    table = pd.DataFrame(list(product(range(n), range(k))), columns=["subject", "freq"])
-    group = np.repeat(np.arange(len(sizes)), sizes)
-    values = rng.normal(size=(n, k)) * np.arange(1, k + 1) + rng.normal(size=(n, 1)) + group[:, None]
-    return table.assign(y=values.ravel(), hand=np.array(["left", "right", "both"])[group][table["subject"]])
 
 
 def analysed(table, within="freq") -> pd.DataFrame:

@@ -6,9 +6,9 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+from designs import drawn, long_table as any_table
 from hard_cases import hard_case
-from test_analysis_anova import PUBLISHED, WITHIN, long_table
-from test_analysis_contrasts import drawn, long_table as any_table
+from published_design import PUBLISHED, WITHIN, long_table
 
 from tactometry.analysis.anova.contrasts import effects
 from tactometry.analysis.anova.design import WithinDesign

@@ -6,11 +6,11 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from designs import drawn, long_table as any_table
 from hard_cases import hard_case
+from published_design import PUBLISHED, WITHIN, long_table
 from scipy import stats
 from scipy.stats import f as f_distribution
-from test_analysis_anova import PUBLISHED, WITHIN, long_table
-from test_analysis_contrasts import drawn, long_table as any_table
 
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.equivalence import equivalence

@@ -6,9 +6,9 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from attrakdiff_answers import study as answers_of
 from click.testing import CliRunner
 from scipy.stats import f_oneway
-from test_analysis_attrakdiff import study as answers_of
 
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import repeated_measures

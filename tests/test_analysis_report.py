@@ -5,9 +5,9 @@ import re
 import shutil
 import subprocess
 import sys
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
@@ -31,22 +31,12 @@ FACTORS = ("force_n", "frequency_hz")
 MEANS = {(force, hz): base - 0.8 * force for force in (0.5, 3.0) for hz, base in ((60, 26.0), (240, 16.0), (480, 22.0))}
 
 
-def helper():
-    spec = spec_from_file_location("analysis_data", HERE.with_name("analysis_data.py"))
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-DATA = helper()
-
-
 @pytest.fixture(scope="module")
 def study(tmp_path_factory) -> tuple[Path, dict]:
     rng = np.random.default_rng()
-    truth = DATA.grid_of_thresholds(5, MEANS, 2.0, rng)
+    truth = analysis_data.grid_of_thresholds(5, MEANS, 2.0, rng)
     path = tmp_path_factory.mktemp("study") / "trials.csv"
-    return DATA.write_study(path, truth, FACTORS, rng=rng), truth
+    return analysis_data.write_study(path, truth, FACTORS, rng=rng), truth
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +111,7 @@ def test_the_tables_of_the_report_are_the_tables_of_the_result(found) -> None:
 def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
     rng = np.random.default_rng()
     truth = {(f"P{i}", (0.0,)): 20.0 for i in range(8)}
-    found = analyse(DATA.write_study(tmp_path / "t.csv", truth, ["block_type"], rng=rng, task=task, n=30))
+    found = analyse(analysis_data.write_study(tmp_path / "t.csv", truth, ["block_type"], rng=rng, task=task, n=30))
     mean, low, high = found.outcomes[0].group[["mean", "mean_low", "mean_high"]].iloc[0]
     assert mean == pytest.approx(20.0, abs=4.0 * max(high - low, 0.4))
     if task == "comparison":
@@ -134,8 +124,8 @@ def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
 def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp_path) -> None:
     rng = np.random.default_rng()
     means = {(60.0,): 75.0, (240.0,): 16.0, (480.0,): 22.0}
-    truth = DATA.grid_of_thresholds(4, means, 1.0, rng)
-    file = DATA.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    truth = analysis_data.grid_of_thresholds(4, means, 1.0, rng)
+    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
     found = analyse(file)
     outcome = found.outcomes[0]
     first = outcome.group.iloc[0]
@@ -155,9 +145,9 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
 
 def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> None:
     rng = np.random.default_rng()
-    truth = DATA.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
+    truth = analysis_data.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
     truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
-    file = DATA.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
     outcome = analyse(file).outcomes[0]
     assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.n_censored) == ("censored_anova", 6, 2)
     assert outcome.notes == ("the analysis of values and bounds counts 2 values as bounds",)
@@ -297,7 +287,7 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
 @pytest.fixture(scope="module")
 def patterns(tmp_path_factory) -> Path:
     """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
-    from test_analysis_attrakdiff import study as answers_of
+    from attrakdiff_answers import study as answers_of
 
     better = {f"P{n}": 1.5 for n in (4, 5, 6)}
     table = answers_of(np.random.default_rng(), n=6, effect=better)

@@ -4,10 +4,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import analysis_data
 import numpy as np
 import pandas as pd
 import pytest
-from test_analysis_report import DATA, SHARED
+from places import SHARED
 
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
@@ -24,9 +25,9 @@ CONDITIONS = {(0.5,): 20.0, (3.0,): 16.0}
 @pytest.fixture(scope="module")
 def study(tmp_path_factory) -> tuple[Path, dict]:
     rng = np.random.default_rng()
-    truth = DATA.grid_of_thresholds(5, CONDITIONS, 2.0, rng)
+    truth = analysis_data.grid_of_thresholds(5, CONDITIONS, 2.0, rng)
     path = tmp_path_factory.mktemp("together") / "trials.csv"
-    return DATA.write_study(path, truth, ["force_n"], rng=rng), truth
+    return analysis_data.write_study(path, truth, ["force_n"], rng=rng), truth
 
 
 @pytest.fixture(scope="module")

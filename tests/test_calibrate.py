@@ -16,9 +16,8 @@ import pytest
 from benches import gain_toml as gain_toml_of
 from command_line import call
 from conftest import SCREEN_PX
+from emulated import Emulator, available, wait_for
 from hypothesis import given, strategies as st
-from test_device_audio import alsa, server, sink  # noqa: F401  # fixtures
-from test_device_sensors import Emulator, available, wait_for
 
 from tactometry.cli import main
 from tactometry.devices.outputs.gain import Gain
@@ -264,7 +263,7 @@ def calibrate(tmp_path, monkeypatch, capsys):
     return run
 
 
-def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):  # noqa: F811
+def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     """Output 0 to the sensor, output 1 to the reference, through PortAudio, PulseAudio's sink and its monitor."""
     (tmp_path / "bench.toml").write_text(LOOPBACK, encoding="utf-8")
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
@@ -354,7 +353,7 @@ def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
 
 
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):  # noqa: F811
+def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):
     bench = LOOPBACK.replace('"pulse"', '"tofile"')
     too_old = gain_toml_of("audio another, int16", 20.0, 1.0, date(2020, 1, 1), max_age_days=1)
     gain = bench[bench.index("[output.gain]") : bench.index("[output.load]")]

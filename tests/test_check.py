@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 from benches import gain_table, gain_toml
 from conftest import LONGEST_WAIT_S
-from test_device_audio import alsa  # noqa: F401  # a fixture
-from test_device_sensors import Emulator, available
+from emulated import Emulator, available
 
 from tactometry.cli.check import _table
 from tactometry.cli.hands_off import hands_are_off
@@ -46,7 +45,7 @@ def checked(tmp_path, bench, *more, env=None):
     return result.returncode, findings
 
 
-def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, in_background, alsa):  # noqa: F811
+def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, in_background, alsa):
     if importlib.util.find_spec("sounddevice") is None or not available("serial"):
         pytest.skip("no sounddevice or no pyserial: extras audio, serial")
     device, ended = Emulator("serial", tmp_path, profile="1:250"), threading.Event()
@@ -121,7 +120,7 @@ def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_
     assert _pressed(watched, "en", tmp_path / "none").fine is False
 
 
-def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):  # noqa: F811
+def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):
     bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
     found = {each.what: each for each in _devices(bench, Limits(80.0), None, hands_off=False)}
     assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)

@@ -2,9 +2,7 @@
 
 import importlib.util
 import json
-import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +15,7 @@ import player
 import pytest
 from benches import gain_table
 from hard_cases import hard_case
+from sound_server import heard_part, played
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
 from tactometry.devices.outputs.frame_feed import FrameFeed
@@ -26,44 +25,14 @@ from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
-ALSA = Path("/usr/share/alsa/alsa.conf")
 PROGRAM = [sys.executable, player.__file__]
 
 if importlib.util.find_spec("sounddevice") is None:
     pytest.skip("no sounddevice: pip install 'tactometry[audio]'", allow_module_level=True)
 
 
-def alsa_in(folder):
-    """An environment in which ALSA knows more devices: `tofile`, `pulse`, and `monitor`, what a sink hears."""
-    if not ALSA.exists():
-        pytest.skip("no ALSA here: apt-get install libasound2")
-    devices = {
-        "tofile": f'type file\nslave.pcm null\nfile "{folder}/played.raw"\nformat raw',
-        "pulse": "type pulse",
-        "monitor": 'type pulse\ndevice "finger.monitor"',
-    }
-    written = "\n".join(f"pcm.{name} {{\n{text}\n}}" for name, text in devices.items())
-    (folder / "alsa.conf").write_text(f"<{ALSA}>\n{written}\npcm.!default pcm.tofile\n", encoding="utf-8")
-    return {**os.environ, "ALSA_CONFIG_PATH": str(folder / "alsa.conf")}
-
-
-@pytest.fixture
-def alsa(tmp_path):
-    """The file over the null device takes what it gets as fast as it comes: it is large, and does not stay."""
-    yield alsa_in(tmp_path)
-    (tmp_path / "played.raw").unlink(missing_ok=True)
-
-
 def asked(n_channels, device, duration_s, **more):
     return {"n_channels": n_channels, "rate_hz": 48_000.0, "device": device, "duration_s": duration_s, **more}
-
-
-def played(raw, wanted):
-    """Whether the recorded bytes hold the wanted frames without a break, between silences."""
-    frames = np.frombuffer(raw[: len(raw) // (2 * wanted.shape[1]) * 2 * wanted.shape[1]], "<i2")
-    frames = frames.reshape(-1, wanted.shape[1])
-    heard = np.flatnonzero(frames.any(axis=1))
-    return len(heard) > 0 and np.array_equal(frames[heard[0] : heard[-1] + 1], wanted)
 
 
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
@@ -186,92 +155,6 @@ def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measure
 
 
 # --- in real time
-
-
-class Sink:
-    """A private PulseAudio with one silent sink, whose monitor is recorded."""
-
-    def __init__(self, folder, alsa):
-        self.env = {
-            **alsa,
-            "PULSE_SERVER": f"unix:{folder}/pulse.socket",
-            "XDG_RUNTIME_DIR": str(folder),
-            "HOME": str(folder),
-        }
-        sink = "module-null-sink sink_name=finger rate=48000 channels=2 format=s16le"
-        command = [
-            "pulseaudio",
-            "-n",
-            "--daemonize=no",
-            "--exit-idle-time=-1",
-            "--use-pid-file=no",
-            "--disable-shm=yes",
-        ]
-        loads = [f"--load={sink}", f"--load=module-native-protocol-unix socket={folder}/pulse.socket auth-anonymous=1"]
-        self.server = subprocess.Popen([*command, *loads], env=self.env, stderr=subprocess.DEVNULL)
-        self.raw = folder / "heard.raw"
-        self.recorder = None
-        try:
-            wait_for((folder / "pulse.socket").is_socket)
-            form = ["--format=s16le", "--rate=48000", "--channels=2", "--raw", "--latency-msec=20"]
-            with self.raw.open("wb") as file:
-                self.recorder = subprocess.Popen(["parec", "--device=finger.monitor", *form], env=self.env, stdout=file)
-            wait_for(lambda: self.raw.stat().st_size > 0)
-        except BaseException:
-            self.close()
-            raise
-
-    def begin(self):
-        """What is heard from now on is the next record."""
-        self.n_before = self.raw.stat().st_size // 4 * 4
-
-    def heard(self):
-        """How many samples since `begin` were not zero."""
-        raw = self.raw.read_bytes()[self.n_before :]
-        return np.count_nonzero(np.frombuffer(raw[: len(raw) // 4 * 4], "<i2"))
-
-    def end(self):
-        """Wait until the record holds what was played; then its frames."""
-        n_bytes = self.raw.stat().st_size
-        wait_for(lambda: self.raw.stat().st_size > n_bytes + 4 * 24_000)
-        raw = self.raw.read_bytes()[self.n_before :]
-        return np.frombuffer(raw[: len(raw) // 4 * 4], "<i2").reshape(-1, 2)
-
-    def close(self):
-        for process in (self.recorder, self.server):
-            if process is not None:
-                process.terminate()
-                process.wait(10)
-
-
-def wait_for(what, longest_s=20.0):
-    end_s = time.monotonic() + longest_s
-    while not what():
-        assert time.monotonic() < end_s, "the sound server did not do its part"
-        time.sleep(0.01)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    missing = [name for name in ("pulseaudio", "parec") if shutil.which(name) is None]
-    if missing:
-        pytest.skip(f"no {' and no '.join(missing)}: apt-get install pulseaudio pulseaudio-utils libasound2-plugins")
-    folder = tmp_path_factory.mktemp("sound")
-    sound = Sink(folder, alsa_in(folder))
-    yield sound
-    sound.close()
-
-
-@pytest.fixture
-def sink(server):
-    server.begin()
-    return server
-
-
-def heard_part(frames):
-    heard = np.flatnonzero(frames.any(axis=1))
-    assert len(heard), "the sink heard nothing"
-    return frames[heard[0] : heard[-1] + 1]
 
 
 def undisturbed(sink, what, n_runs=4):

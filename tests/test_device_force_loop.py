@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_device_sensors import Emulator, available, wait_for
+from emulated import Emulator, available, wait_for
 
 from tactometry.devices.sensors.counted_samples import SLEW
 from tactometry.devices.sensors.force_calibration import ForceCalibration

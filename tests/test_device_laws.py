@@ -6,7 +6,7 @@ from datetime import date
 import catalogue
 import numpy as np
 import pytest
-from test_device_sensors import LIBRARIES, Emulator, available
+from emulated import LIBRARIES, Emulator, available
 
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.errors import LimitExceeded

@@ -13,6 +13,7 @@ import pytest
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
+from packed_bits import RATE_HZ, volts
 
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.file import FileSettings, read_signal
@@ -25,18 +26,12 @@ from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
-RATE_HZ = 1000.0
 FINGER = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e7)
 ONE = Gain(1.0, 1.0)
 LIMITS = Limits(50.0, 60.0, current_peak_a=1e-4, duty=0.5, duty_window_s=1.0, session_s=10.0)
 
 samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), elements=st.floats(-100, 100))
 gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
-bits = arrays(np.int8, st.tuples(st.integers(1, 70), st.integers(0, 50)), elements=st.sampled_from([-1, 1]))
-
-
-def volts(values):
-    return Signal(np.array(values, dtype=float), RATE_HZ, "V")
 
 
 @dataclass

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emulated import wait_for
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
+from packed_bits import RATE_HZ, bits, volts
 from sampled import Sampled
-from test_device_outputs import RATE_HZ, bits, volts
-from test_device_sensors import wait_for
 
 from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, stop_stream, word_bytes
 from tactometry.devices.outputs.gain import Gain

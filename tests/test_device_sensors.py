@@ -1,21 +1,18 @@
 """Sensors of real kinds, each emulated in another process: nothing is lost, and what goes away comes back."""
 
-import importlib.util
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
-import uuid
 from functools import partial
 from itertools import product
 from pathlib import Path
 
-import emulator
 import numpy as np
 import pytest
 from conftest import SOAK
+from emulated import LIBRARIES, Emulator, available, wait_for
 
 from tactometry.devices.sensors.arrival import LATE_S
 from tactometry.devices.sensors.counted_samples import STEP_S
@@ -30,74 +27,6 @@ from tactometry.errors import DeviceFailed
 
 N_LISTENED = 600_000 if SOAK else 3000
 KINDS = ("serial", "udp", "lsl")
-LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
-
-
-class Emulator:
-    """A sensor in a process of its own, and what reads it."""
-
-    def __init__(self, kind, folder, profile="1:100", options=(), name=None):
-        self.kind, self.folder, self.profile, self.options = kind, folder, profile, options
-        self.port = folder / "force"
-        self.name = name or f"force-{uuid.uuid4().hex[:8]}"
-        self.process = self.master = None
-        self.udp_port = free_port()
-        self.plug()
-        settings = {
-            "serial": SerialSettings(str(self.port), 1000.0, 3),
-            "udp": UdpSettings("127.0.0.1", 1000.0, port=self.udp_port),
-            "lsl": LslSettings(self.name, 1000.0, 3),
-        }
-        self.reader = Reader(settings[kind].source())
-
-    def plug(self):
-        target = {"serial": self.pty, "udp": lambda: str(self.udp_port), "lsl": lambda: self.name}[self.kind]()
-        command = [sys.executable, emulator.__file__, self.kind, target, "--profile", self.profile, *self.options]
-        passed = [self.master] if self.kind == "serial" else []
-        self.process = subprocess.Popen(command, pass_fds=passed, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        if self.kind != "serial":
-            assert self.process.stdout.readline() == b"ready\n"
-
-    def pty(self):
-        import tty
-
-        self.master, slave = os.openpty()
-        tty.setraw(slave)
-        self.port.unlink(missing_ok=True)
-        self.port.symlink_to(os.ttyname(slave))
-        os.close(slave)
-        return str(self.master)
-
-    def unplug(self):
-        self.process.kill()
-        self.process.wait()
-        self.process.stdout.close()
-        if self.master is not None:
-            os.close(self.master)
-            self.master = None
-            self.port.unlink()
-
-    def close(self):
-        self.reader.close()
-        self.unplug()
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        line.bind(("127.0.0.1", 0))
-        return line.getsockname()[1]
-
-
-def available(kind):
-    library = LIBRARIES.get(kind)
-    return library is None or importlib.util.find_spec(library) is not None
-
-
-def wait_for(what, longest_s=120.0):
-    end_s = time.monotonic() + longest_s
-    while not what():
-        assert time.monotonic() < end_s, "it did not happen"
-        time.sleep(0.01)
 
 
 def collected(sensor, until):

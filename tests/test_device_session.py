@@ -2,7 +2,6 @@
 force by UDP from a sender that dies."""
 
 import csv
-import importlib.util
 import json
 import os
 import signal
@@ -13,9 +12,9 @@ import numpy as np
 import pytest
 from benches import gain_toml
 from conftest import SOAK
-from test_device_audio import alsa, server, sink, wait_for  # noqa: F401  # fixtures
-from test_device_sensors import Emulator
-from test_window_session import any_keys, sit, tactometry
+from emulated import Emulator, wait_for
+from force_bench import BENCH, N_TRIALS, study_in
+from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
@@ -23,65 +22,11 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 
-N_TRIALS = 3
 HELD_UP = ("sensor_lost", "output_gap")
 """What a machine that is busy with other things does to a touch, which is then asked again."""
-STUDY = {
-    "frequency_hz = [60, 240]": "frequency_hz = [60]",
-    'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
-    "catch_rate = 0.2": "catch_rate = 0.0",
-    "levels = [10, 18, 26, 34]": "levels = [34]",
-}
-BENCH = """
-[screen]
-fullscreen = false
-[output]
-kind = "audio"
-device = "tofile"
-rate_hz = 48000
-sample_format = "int16"
-{gain}
-[output.load]
-kind = "electrode"
-capacitance_f = "1 nF"
-[limits]
-voltage_peak_v = 80.0
-duration_s = 30.0
-current_peak_a = "1 mA"
-duty = 0.8
-session_s = "1 h"
-[sensors.hand]
-kind = "lsl"
-stream = "{stream}"
-rate_hz = 1000
-n_channels = 3
-[force]
-sensor = "hand"
-channel = 2
-newtons_per_count = 0.01
-release = false
-"""
 
 
-@pytest.fixture(scope="module")
-def needed():
-    for name in ("sounddevice", "pylsl"):
-        if importlib.util.find_spec(name) is None:
-            pytest.skip(f"no {name}: extras audio, lsl")
-
-
-def study_in(folder, n_trials=N_TRIALS):
-    _, content = load("tutorial")
-    text = content.decode()
-    for old, new in {**STUDY, "repeats = 4": f"repeats = {n_trials}"}.items():
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "short.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):  # noqa: F811
+def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):
     """The experimenter sits at a real terminal, remarks on it, pauses and repeats."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     (tmp_path / "bench.toml").write_text(
@@ -257,7 +202,7 @@ at_full_size = pytest.mark.skipif(not SOAK, reason="full size only: test_device_
     "number",
     [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=at_full_size), pytest.param(signal.SIGKILL, marks=at_full_size)],
 )
-def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):  # noqa: F811
+def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):
     """In the middle of a stimulus of 20 s that a real sound server hears."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")

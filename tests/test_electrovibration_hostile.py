@@ -68,9 +68,9 @@ CONSTRUCTORS: dict[str, Call] = {
         "frequencies_hz": np.array([1.0]), "amplitudes_v": np.ones((2, 1))}),
     "PlayedTexture": (ev.PlayedTexture, {
         "texture": ev.Grating(1e-3), "path_m": PATH_M, "rate_hz": 2e4, "carrier_hz": 2e3,
-        "sensor": ev.PositionSensor(), "aliasing": "refuse", "ramp_s": 0.0, "level_unit": "V"}),
+        "sensor": ev.SensorModel(), "aliasing": "refuse", "ramp_s": 0.0, "level_unit": "V"}),
     "Polarity": (ev.Polarity, {"positive_share": 0.5}),
-    "PositionSensor": (ev.PositionSensor, {"rate_hz": 1e3, "resolution_m": 1e-5, "latency_s": 0.01}),
+    "SensorModel": (ev.SensorModel, {"rate_hz": 1e3, "resolution_m": 1e-5, "latency_s": 0.01}),
     "PowerLawArea": (ev.PowerLawArea, {"area_at_1n_m2": 1e-4, "exponent": 0.3}),
     "Print": (ev.Print, {"force_n": 1.0, "length_m": 0.01, "width_m": 0.01}),
     "PulseTrain": (ev.PulseTrain, {
@@ -192,8 +192,8 @@ METHODS: dict[str, Call] = {
     "Pieces.split_at": (PIECES.split_at, {"times_s": [0.01]}),
     "PlayedTexture.at": (ev.PlayedTexture(ev.Grating(1e-3), PATH_M).at, {"level": 20.0}),
     "Polarity.weighted": (ev.Polarity(0.5).weighted, {"force_n": np.array([1.0]), "layer_v": np.array([1.0])}),
-    "PositionSensor.reported_m": (ev.PositionSensor().reported_m, {"x_m": np.array([0.0, 0.1]), "rate_hz": 1e3}),
-    "PositionSensor.check": (ev.PositionSensor().check, {"period_m": 1e-3, "speed_m_per_s": 0.1}),
+    "SensorModel.reported_m": (ev.SensorModel().reported_m, {"x_m": np.array([0.0, 0.1]), "rate_hz": 1e3}),
+    "SensorModel.check": (ev.SensorModel().check, {"period_m": 1e-3, "speed_m_per_s": 0.1}),
     "PowerLawArea.area_m2": (ev.PowerLawArea().area_m2, {"force_n": [1.0]}),
     "TableArea.area_m2": (ev.TableArea((1.0,), (1e-4,)).area_m2, {"force_n": [1.0]}),
     "Relaxations.response": (FORM.relaxations.response, {"frequency_hz": [60.0]}),

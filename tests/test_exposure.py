@@ -8,8 +8,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 from conftest import SOAK
-from test_window_session import any_keys, sit, tactometry
 from tutorial_session import EXPERIMENT, TOML
+from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
 from tactometry.devices.outputs.guarded import Guarded

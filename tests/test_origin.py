@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from test_sittings import SOUND, sit
+from sound_sitting import SOUND, sit
 
 from tactometry.analysis.pipeline import analysed
 from tactometry.analysis.reading.trials import read_trials

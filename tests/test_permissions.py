@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import call
-from test_device_sensors import available
+from emulated import available
 from tutorial_session import EXPERIMENT, TOML
 
 from tactometry.devices.outputs.file import FileSettings

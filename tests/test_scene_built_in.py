@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from conftest import SOAK
 from scene_cases import RUBBED, refusal
-from test_scene_time_reversal import error_of
+from scene_errors import error_of
 
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene

@@ -8,7 +8,7 @@ import pytest
 from conftest import SOAK
 from exact_plate import dense_ritz, levy_modes
 from scene_cases import effect, screen, small_screen
-from test_scene_time_reversal import LOSSY, error_of, run
+from scene_errors import LOSSY, error_of, run
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.plate import plate

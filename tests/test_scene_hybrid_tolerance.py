@@ -17,7 +17,7 @@ from scene_cases import (
     hybrids,
     small_screen,
 )
-from test_scene_time_reversal import error_of
+from scene_errors import error_of
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at

@@ -20,6 +20,7 @@ from scene_cases import (
     small_screen,
     tuned,
 )
+from scene_errors import LOSSY, error_of, finer, run
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
@@ -44,12 +45,7 @@ from tactometry.stimuli.time_reversal.screen.transducer import border
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
-LOSSY, PATCHES, ONE_BIT = effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3), effect("one_bit")
-
-
-def run(scene: Scene):
-    plan = scene.resolve()
-    return plan.run({name: VOLT[name] for name in plan.given})
+PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
 
 
 # --- what it computes is what the plate does
@@ -175,27 +171,6 @@ def test_a_course_does_not_depend_on_whether_a_map_is_asked_beside_the_peak():
 # --- the tolerance is kept
 
 
-def error_of(got, reference, output):
-    """Relative to the peak: of a course and a map by straight lines between what is given, of a level as a ratio."""
-    if output.endswith(("_db", "_dba")):
-        return abs(10 ** ((got[output] - reference[output]) / 20) - 1)
-    if output == "field_m":
-        return _map_error(got, reference)
-    if np.ndim(got[output]) == 0:
-        return abs(got[output] / reference[output] - 1)
-    courses, true = np.atleast_2d(got[output]), np.atleast_2d(reference[output])
-    lines = [np.interp(reference["t_s"], got["t_s"], course) for course in courses]
-    return float(np.abs(lines - true).max() / np.abs(true).max())
-
-
-def _map_error(got, reference):
-    from scipy.interpolate import RegularGridInterpolator
-
-    lines = RegularGridInterpolator((got["x_m"], got["y_m"]), got["field_m"])
-    places = np.stack(np.meshgrid(reference["x_m"], reference["y_m"], indexing="ij"), axis=-1)
-    return float(np.abs(lines(places) - reference["field_m"]).max() / np.abs(reference["field_m"]).max())
-
-
 OUTPUTS = {
     "focus_displacement_m": (LOSSY, PATCHES, ONE_BIT),
     "peak_m": (LOSSY, PATCHES),
@@ -207,18 +182,6 @@ OUTPUTS = {
     "sensation_db": (LOSSY, PATCHES, ONE_BIT, effect("focus_detection")),
 }
 BESIDE = {"field_m": ("x_m", "y_m"), "peak_m": (), "energy_j": (), "sound_level_dba": (), "sensation_db": ()}
-
-
-def finer(scene: Scene) -> Scene:
-    """A reference: the finest of these that is not refused, at the nodes of a coarse map."""
-    fine = finest_of(scene, 2e-5, 4e-5, 1e-4)
-    plan = fine.resolve()
-    chosen = {stage.name: dict(stage.settings) for stage in plan.stages}
-    motion = chosen.get("motion", {})
-    override = {key: 1.4 * motion[key] for key in ("modes_to_hz", "heard_to_hz") if key in motion}
-    override |= {"static_to_hz": max(override["modes_to_hz"], motion["static_to_hz"])} if override else {}
-    settings = {"motion": override, "grid_x": {"n": 157}, "grid_y": {"n": 113}}
-    return replace(fine, settings={name: settings[name] for name in settings if name in chosen})
 
 
 @pytest.mark.parametrize("output", sorted(OUTPUTS))

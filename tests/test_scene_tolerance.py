@@ -7,7 +7,7 @@ import pytest
 from conftest import SOAK
 from hypothesis import HealthCheck, given, settings, strategies as st
 from scene_cases import effect, finest_of, refusal, screen, screens, tuned
-from test_scene_time_reversal import LOSSY, error_of, finer, run
+from scene_errors import LOSSY, error_of, finer, run
 
 OUTPUTS = {
     "foci": ("peaks_m",),

@@ -3,16 +3,16 @@
 import json
 import shutil
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 
 import pytest
+from sound_sitting import SOUND, sit
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.experiments.sessions.recording import RigKind, Who, record, simulated
+from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import Session
@@ -21,37 +21,6 @@ from tactometry.records.sittings import differences, heads
 from tactometry.session.request import Record
 
 RECORDED = Path(__file__).with_name("recorded")
-SOUND = {"output": "audio x", "output_volts_per_unit": 200.0, "output_n_underruns": 3, "utc_minus_clock_s": 1.0}
-
-
-class Attended:
-    """A rig with facts of a bench, whose session is interrupted at a request."""
-
-    def __init__(self, rig, facts, stops_at):
-        self._rig, self._facts, self._stops_at, self._n = rig, facts, stops_at, count(1)
-
-    def facts(self):
-        return self._facts
-
-    def slide(self, request):
-        if next(self._n) == self._stops_at:
-            raise KeyboardInterrupt
-        return self._rig.slide(request)
-
-    def __getattr__(self, name):
-        return getattr(self._rig, name)
-
-
-def sit(root, facts, stops_at=None, *, resume=False, experiment=EXPERIMENT, toml=TOML, who=WHO, rig="bench"):
-    """One sitting, with what was told before it began."""
-    told, make = [], simulated(experiment, who).make
-    kind = RigKind(rig, lambda seed, log: Attended(make(seed, log), facts, stops_at))
-    try:
-        record(experiment, toml, root, who, kind, resume=resume, tell=told.append)
-    except KeyboardInterrupt:
-        return told
-    assert stops_at is None
-    return told
 
 
 def test_what_is_another_in_a_later_sitting_is_told_and_stays_in_the_journal(tmp_path):

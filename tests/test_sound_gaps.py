@@ -9,10 +9,9 @@ import time
 import numpy as np
 import pytest
 from benches import gain_toml
-from test_device_audio import server, sink, wait_for  # noqa: F401  # fixtures
-from test_device_sensors import Emulator
-from test_device_session import BENCH, needed, study_in  # noqa: F401  # fixture
-from test_window_session import any_keys, sit, tactometry
+from emulated import Emulator, wait_for
+from force_bench import BENCH, study_in
+from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
 from tactometry.devices.outputs.frame_feed import FrameFeed
@@ -30,9 +29,9 @@ def held_up(process, for_s):
 
 
 def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
-    needed,  # noqa: F811
+    needed,
     display,
-    sink,  # noqa: F811
+    sink,
     tmp_path,
 ):
     """A session in the window whose sound server is held up in the first stimulus."""
@@ -67,7 +66,7 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
 
 
 @pytest.fixture
-def output(needed, sink, monkeypatch):  # noqa: F811
+def output(needed, sink, monkeypatch):
     import sounddevice
 
     for name, value in sink.env.items():
@@ -106,7 +105,7 @@ def test_an_undisturbed_stimulus_has_no_gap(output):
     assert any_of(undisturbed)
 
 
-def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):  # noqa: F811
+def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):
     def beside():
         held_up(sink.server, 0.3)
         time.sleep(0.2)
@@ -120,7 +119,7 @@ def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):  # noqa:
     assert output.facts()["n_underruns"] >= 2
 
 
-def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):  # noqa: F811
+def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
     def torn():
         end_s = output.play(tone(1.0)) + 1.0
         held_up(sink.server, 0.3)
@@ -130,7 +129,7 @@ def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):  
     assert any_of(torn)
 
 
-def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):  # noqa: F811
+def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
     end_s = output.play(tone(0.6)) + 0.6
     sink.server.send_signal(signal.SIGSTOP)
     try:

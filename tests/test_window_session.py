@@ -2,59 +2,22 @@
 
 import csv
 import json
-import subprocess
-import sys
-import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hard_cases import exact_case
+from window_sitting import any_keys, sit, tactometry
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.study_file import load
 
-LONGEST_S = 240
-PAUSE_S = 0.03
 SHORT = {
     'duration_s = "500 ms"': 'duration_s = "100 ms"',
     'hold_s = "300 ms"': 'hold_s = "20 ms"',
     "repeats = 4": "repeats = 2",
 }
-
-
-def tactometry(*arguments, **how):
-    command = [sys.executable, "-m", "tactometry", *map(str, arguments)]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    return subprocess.Popen(command, text=True, **{**pipes, **how})
-
-
-def sit(process, hands, keys):
-    """Tap the keys, over and over, until the process ends: its status, output and errors."""
-    ended = threading.Event()
-
-    def tap_all():
-        for key in keys:
-            if ended.wait(PAUSE_S):
-                return
-            hands.tap(key)
-
-    fingers = threading.Thread(target=tap_all, daemon=True)
-    fingers.start()
-    try:
-        output, errors = process.communicate(timeout=LONGEST_S)
-    finally:
-        process.kill()
-        ended.set()
-        fingers.join(5)
-    return process.returncode, output, errors
-
-
-def any_keys(seed, n=2000):
-    for answer in np.random.default_rng(seed).choice(["y", "n"], n):
-        yield from ("space", str(answer))
 
 
 def until_trials(journals, n_trials):

@@ -1,0 +1,65 @@
+"""A bench with force and sound, and a short study on it."""
+
+import importlib.util
+
+import pytest
+
+from tactometry.experiments.study.study_file import load
+
+N_TRIALS = 3
+
+BENCH = """
+[screen]
+fullscreen = false
+[output]
+kind = "audio"
+device = "tofile"
+rate_hz = 48000
+sample_format = "int16"
+{gain}
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[limits]
+voltage_peak_v = 80.0
+duration_s = 30.0
+current_peak_a = "1 mA"
+duty = 0.8
+session_s = "1 h"
+[sensors.hand]
+kind = "lsl"
+stream = "{stream}"
+rate_hz = 1000
+n_channels = 3
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+release = false
+"""
+
+
+@pytest.fixture(scope="module")
+def needed():
+    for name in ("sounddevice", "pylsl"):
+        if importlib.util.find_spec(name) is None:
+            pytest.skip(f"no {name}: extras audio, lsl")
+
+
+def study_in(folder, n_trials=N_TRIALS):
+    _, content = load("tutorial")
+    text = content.decode()
+    for old, new in {**STUDY, "repeats = 4": f"repeats = {n_trials}"}.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "short.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+STUDY = {
+    "frequency_hz = [60, 240]": "frequency_hz = [60]",
+    'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
+    "catch_rate = 0.2": "catch_rate = 0.0",
+    "levels = [10, 18, 26, 34]": "levels = [34]",
+}

@@ -1,0 +1,44 @@
+"""A sitting at the real window: a process, and hands that press its keys."""
+
+import subprocess
+import sys
+import threading
+
+import numpy as np
+
+
+def tactometry(*arguments, **how):
+    command = [sys.executable, "-m", "tactometry", *map(str, arguments)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.Popen(command, text=True, **{**pipes, **how})
+
+
+def sit(process, hands, keys):
+    """Tap the keys, over and over, until the process ends: its status, output and errors."""
+    ended = threading.Event()
+
+    def tap_all():
+        for key in keys:
+            if ended.wait(PAUSE_S):
+                return
+            hands.tap(key)
+
+    fingers = threading.Thread(target=tap_all, daemon=True)
+    fingers.start()
+    try:
+        output, errors = process.communicate(timeout=LONGEST_S)
+    finally:
+        process.kill()
+        ended.set()
+        fingers.join(5)
+    return process.returncode, output, errors
+
+
+def any_keys(seed, n=2000):
+    for answer in np.random.default_rng(seed).choice(["y", "n"], n):
+        yield from ("space", str(answer))
+
+
+LONGEST_S = 240
+
+PAUSE_S = 0.03
