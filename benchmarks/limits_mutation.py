@@ -64,7 +64,7 @@ def _replaced(old: str, new: str) -> str:
 
 def passes(tree: Path, source: str) -> bool:
     (tree / "tactometry" / "limits.py").write_text(source, encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/test_limits.py"]
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/kernel/test_limits.py"]
     env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode == 0
 

@@ -4,7 +4,7 @@
 
 Newmark (average acceleration, compiled too) subdivides each step until its error falls to 1e-5 of the largest modal
 displacement; each contender gets its forces in the order of memory it likes. Errors are against the exact
-steps, which `tests/test_time_reversal_propagator.py` checks to 40 digits.
+steps, which `tests/stimuli/time_reversal/test_propagator.py` checks to 40 digits.
 """
 
 import numpy as np

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests"), str(Path(__file__).resolve().parent)]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support"), str(Path(__file__).resolve().parent)]
 
 N_TOUCHES = 10
 CAUSES = {"the sensor falls silent": None, "its samples are lost": math.nan, "the finger leaves": 0.05}

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_bench import needed
+from hands import LONGEST_WAIT_S, SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
 from sound_server import alsa, server, sink
@@ -25,42 +26,9 @@ settings.register_profile("reduced", deadline=None, max_examples=100, derandomiz
 settings.register_profile("soak", deadline=None, max_examples=1000)
 settings.load_profile("soak" if SOAK else "reduced")
 
-SCREEN_PX = (1280, 800)
 ARTEFACTS = Path(__file__).resolve().parents[1] / "artefacts"
-LONGEST_WAIT_S = 30.0
 KEPT = []
 """The connection that keeps the server up lives as long as this process."""
-
-
-class Hands:
-    """Presses keys and touches the screen by real X events, from a connection of its own."""
-
-    def __init__(self, name):
-        from Xlib import XK, X, display
-        from Xlib.ext import xtest
-
-        self._X, self._XK, self._xtest = X, XK, xtest
-        self._display = display.Display(name)
-
-    def _send(self, kind, detail=0, x=0, y=0):
-        self._xtest.fake_input(self._display, kind, detail, x=x, y=y)
-        self._display.sync()
-
-    def tap(self, key, hold_s=0.03):
-        """Press and release a key, named by its X keysym: when it went down and up on time.perf_counter."""
-        code = self._display.keysym_to_keycode(self._XK.string_to_keysym(key))
-        down_s = time.perf_counter()
-        self._send(self._X.KeyPress, code)
-        time.sleep(hold_s)
-        self._send(self._X.KeyRelease, code)
-        return down_s, time.perf_counter()
-
-    def touch(self, x, y):
-        """A click of no duration at (x, y) in heights of the screen, from its middle."""
-        width, height = SCREEN_PX
-        self._send(self._X.MotionNotify, x=round(width / 2 + x * height), y=round(height / 2 - y * height))
-        self._send(self._X.ButtonPress, 1)
-        self._send(self._X.ButtonRelease, 1)
 
 
 def group_of(item):

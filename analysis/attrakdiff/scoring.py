@@ -10,11 +10,10 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
-from tactometry.trials.columns import RESERVED
+from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.design import Array
 from ..outcomes.group_means import MEANS, group_table, mean_with_interval
-from ..reading.trials import stated_factors
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")

@@ -17,7 +17,7 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import listed
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
-from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED
+from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
 from tactometry.trials.row_rules import RESPONSES, TASKS, CellRule, rows_text
 
 from .arrow_text import plain_numbers
@@ -351,19 +351,6 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
                 "keeps that name for itself; rename the column, or name the factors with --within"
             )
     return tuple(factors)
-
-
-def stated_factors(header: Sequence[str]) -> list[str]:
-    """The columns between ``trial`` and ``procedure``, where a data set of ours has its factors.
-
-    >>> stated_factors(["participant", "trial", "frequency_hz", "procedure", "level"])
-    ['frequency_hz']
-    >>> stated_factors(["participant", "level"])
-    []
-    """
-    if not {"trial", "procedure"} <= set(header):
-        return []
-    return list(header[header.index("trial") + 1 : header.index("procedure")])
 
 
 def _is_filled(column: "pd.Series[Any]") -> bool:

@@ -2,7 +2,9 @@
 
 import pandas as pd
 
-from ..reading.trials import Trials, parsed, stated_factors
+from tactometry.trials.columns import stated_factors
+
+from ..reading.trials import Trials, parsed
 from ..tasks.preference import ORDER
 from ..wording.labels import level_of
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import InvalidFile, InvalidParameter
 from ..files.durable import listed, make_folder, read_file, write_first
-from ..trials.columns import FIRST, Column
+from ..trials.columns import Column
 from ..trials.trial import Trial, Value
 from .description import NAME, StudyDescription
 
@@ -160,8 +160,3 @@ def sessions(root: Path) -> list[Path]:
     """
     found = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in found if not path.name.endswith("_interruptions.jsonl")]
-
-
-def factor_names(columns: Sequence[str]) -> list[str]:
-    """The factors of a table: the columns between `trial` and `procedure`."""
-    return list(columns[len(FIRST) : list(columns).index("procedure")])

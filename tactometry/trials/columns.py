@@ -89,3 +89,16 @@ MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
     """All columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
     return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))
+
+
+def stated_factors(header: Sequence[str]) -> list[str]:
+    """The columns between ``trial`` and ``procedure``, where a data set of ours has its factors.
+
+    >>> stated_factors(["participant", "trial", "frequency_hz", "procedure", "level"])
+    ['frequency_hz']
+    >>> stated_factors(["participant", "level"])
+    []
+    """
+    if not {"trial", "procedure"} <= set(header):
+        return []
+    return list(header[header.index("trial") + 1 : header.index("procedure")])

@@ -7,7 +7,7 @@ Mindlin's plate, which makes a strip of width b less stiff in torsion by 2 h / (
 Mindlin's dispersion,
     m J W^2 - W (m (A + D k_s^2) + A J k_r^2) + A D k_K^4 (1 - e) = 0,  W = omega^2, A = kappa G h, J = m h^2 / 12,
 which is exact for simply supported edges (k_r = k_s = k_K, e = 0) and right to first order for others. Derived for
-this package; `tests/test_time_reversal_mindlin.py` states its error against a solution in three fields.
+this package; `tests/stimuli/time_reversal/test_mindlin.py` states its error against a solution in three fields.
 """
 
 import math

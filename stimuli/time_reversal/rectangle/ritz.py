@@ -3,7 +3,7 @@
 K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
 modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
 lambda_max / lambda_1. Basis: `legendre`. Products i, j are kept where (i / p_x)^2 + (j / p_y)^2 <= 1.
-Checked against converged values of the literature in `tests/test_time_reversal_ritz.py`.
+Checked against converged values of the literature in `tests/stimuli/time_reversal/test_ritz.py`.
 """
 
 import math

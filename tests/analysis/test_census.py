@@ -1,0 +1,128 @@
+"""The operating characteristics of the statuses, in reduced form; in full in the soak, and in docs/analysis.md.
+
+Tolerances are the numbers' own standard errors at 1e-4. Chances of settings differ: a mean of chances below a bound has
+at most the binomial's variance at the bound.
+"""
+
+import importlib.util
+import math
+import os
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from places import ROOT
+from scipy.stats import binom
+
+from tactometry.analysis.threshold.fitting import Status, fit_many
+from tactometry.experiments.census.thresholds import (
+    INSIDE,
+    N_TRIALS,
+    OUT,
+    PLACES,
+    PROCEDURES,
+    TASKS,
+    TOLD,
+    census,
+    settings,
+    summary,
+)
+from tactometry.psychometric import PsychometricFunction
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+AT_1E_4 = 3.72
+"""One-sided normal quantile of 1e-4."""
+MANY = (40, 80, 160) if SOAK else (40,)
+FAR = ("2 below", "2 above")
+REDUCED = settings(
+    ("constant stimuli", "1 up 3 down", "weighted, 0.75", "QUEST", "QUEST+, threshold first"),
+    TASKS[1:3],
+    (INSIDE, *FAR),
+)
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> pd.DataFrame:
+    chosen, n_sets, n_trials = (settings(), 50, N_TRIALS) if SOAK else (REDUCED, 14, (30, 40))
+    return pd.concat(census(chosen, n_sets, np.random.default_rng(), n_trials=n_trials))
+
+
+def held(outcomes: pd.DataFrame) -> "pd.Series[bool]":
+    return (outcomes["low_db"] <= outcomes["true_db"]) & (outcomes["true_db"] <= outcomes["high_db"])
+
+
+@pytest.mark.parametrize(("n_trials", "most"), [(30, 0.05), *((n, 0.02) for n in MANY)])
+def test_thresholds_inside_the_levels_are_seldom_called_out_of_range(outcomes, n_trials, most) -> None:
+    inside = outcomes[(outcomes["place"] == INSIDE) & (outcomes["n_trials"] == n_trials)]
+    assert inside["status"].isin(OUT).sum() <= binom.ppf(1 - 1e-4, len(inside), most)
+
+
+@pytest.mark.parametrize("n_trials", [30, *MANY])
+def test_thresholds_two_widths_outside_are_seldom_ok(outcomes, n_trials) -> None:
+    outside = outcomes[outcomes["place"].isin(FAR) & (outcomes["n_trials"] == n_trials)]
+    assert (outside["status"] == Status.OK).sum() <= binom.ppf(1 - 1e-4, len(outside), 0.02)
+
+
+@pytest.mark.parametrize("n_trials", [30, *MANY])
+@pytest.mark.parametrize("chosen", ["ok", "all"])
+def test_intervals_hold_the_truth_and_open_ends_count(outcomes, chosen, n_trials) -> None:
+    """At least 93.5 %; few trials have more (the docs say why)."""
+    some = outcomes[outcomes["n_trials"] == n_trials]
+    some = some[some["status"] == Status.OK] if chosen == "ok" else some
+    missed = (~held(some)).sum()
+    assert missed <= binom.ppf(1 - 1e-4, len(some), 0.065)
+
+
+def test_few_thresholds_inside_the_levels_are_flat(outcomes) -> None:
+    """The census has 6 % at 40 trials."""
+    inside = outcomes[(outcomes["place"] == INSIDE) & (outcomes["n_trials"] == 40)]
+    assert (inside["status"] == Status.FLAT).sum() <= binom.ppf(1 - 1e-4, len(inside), 0.1)
+
+
+def test_the_mode_of_constant_stimuli_is_nearly_unbiased_in_forced_choice() -> None:
+    """0.1 of its standard deviation, at six levels of 40 trials."""
+    rng, n_sets, levels = np.random.default_rng(), 4000 if SOAK else 300, np.linspace(-2.5, 2.5, 6)
+    curve = PsychometricFunction("normal", 0.3, 4.0, 0.5, 0.02)
+    n_yes = rng.binomial(40, [curve.probability(float(x)) for x in levels], (n_sets, 6))
+    found = fit_many(levels, n_yes, 40, shape="normal", guess_rate=0.5, scale_free_width=True)
+    errors = np.array([one.threshold for one in found if one.status in TOLD]) - 0.3
+    assert len(errors) > 0.95 * n_sets
+    assert abs(errors.mean() / errors.std()) <= 0.1 + AT_1E_4 / math.sqrt(len(errors))
+
+
+def test_the_mode_of_adaptive_tracks_is_within_a_quarter_of_its_standard_deviation(outcomes) -> None:
+    """But of QUEST, which keeps to one level (docs)."""
+    adaptive = outcomes[(outcomes["place"] == INSIDE) & ~outcomes["procedure"].isin(("QUEST", "constant stimuli"))]
+    longest = adaptive[adaptive["n_trials"] == adaptive["n_trials"].max()]
+    (found,) = summary(longest, ["place"]).itertuples()
+    assert abs(found.bias_sd) <= 0.25 + AT_1E_4 / math.sqrt(0.8 * found.n)
+
+
+@pytest.fixture(scope="module")
+def command():
+    place = importlib.util.spec_from_file_location("census_command", ROOT / "benchmarks" / "census.py")
+    module = importlib.util.module_from_spec(place)
+    place.loader.exec_module(module)
+    return module
+
+
+def test_the_tables_of_the_docs_are_those_of_the_command(outcomes, command) -> None:
+    """Their heads, rows and numbers of tracks; the shares are one run's."""
+    docs = (ROOT / "docs" / "analysis.md").read_text("utf-8")
+    n_sets = int(re.search(r"python benchmarks/census.py --sets (\d+)", docs)[1])
+    whole = len(PROCEDURES) * len(TASKS) - 1
+    made = command.table(outcomes, ["place", "n_trials"]).splitlines()
+    rows = [line.split(" | ") for line in docs.split(made[0])[1].strip().splitlines()[1:]]
+    rows = rows[: len(PLACES) * len(N_TRIALS)]
+    assert [(row[0].lstrip("| "), int(row[1])) for row in rows] == [(p, n) for p in PLACES for n in N_TRIALS]
+    assert {int(row[2]) for row in rows} == {n_sets * whole}
+    for name in ("procedure", "task"):
+        assert command.table(outcomes[outcomes["n_trials"] == 40], [name, "place"]).splitlines()[0] in docs
+
+
+def test_the_shares_of_statuses_sum_to_one_and_rows_keep_their_order(outcomes) -> None:
+    found = summary(outcomes, ["procedure", "task"])
+    assert found[["ok", "separated", "out", "flat", "other"]].sum(axis=1).to_numpy() == pytest.approx(1.0)
+    assert found["n"].sum() == len(outcomes)
+    assert found["procedure"].tolist()[0] == outcomes["procedure"].iloc[0]

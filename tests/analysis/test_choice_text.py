@@ -1,0 +1,116 @@
+"""What terminal and page say of choices and questionnaires, and of answers that nobody gave."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pandas as pd
+from command_line import call
+from places import RECORDED
+
+from tactometry.analysis.pipeline import Analysis, analysed
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import render
+from tactometry.analysis.tasks.same_different import same_different_table
+from tactometry.cli.analyse import summary_text
+
+
+def analysis_of(path: Path) -> Analysis:
+    return analysed(read_trials(path))
+
+
+def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) -> Path:
+    """A recorded data set in which these participants left a questionnaire unanswered."""
+    copy = Path(shutil.copytree(RECORDED / name, root / name))
+    for file in (copy / "data").glob("*.csv"):
+        rows = pd.read_csv(file, dtype=str, keep_default_na=False)
+        silent = (rows["procedure"] == form) & rows["participant"].isin(participants)
+        assert silent.any() or rows["participant"][0] not in participants
+        rows.loc[silent, "response"] = ""
+        rows.to_csv(file, index=False)
+    return copy
+
+
+# --- questionnaires
+
+
+def test_a_questionnaire_that_nobody_answered_is_told(tmp_path, capsys) -> None:
+    people = tuple(sorted(set(read_trials(RECORDED / "hybrid-button").rows["participant"])))
+    root = unanswered("hybrid-button", tmp_path, "nasa-tlx", people)
+    status, _, out = call(capsys, "analyse", root, "--json")
+    of = f"{len(people)} participants" if len(people) > 1 else "1 participant"
+    assert status == 0
+    found = json.loads(out)
+    assert f"NASA Task Load Index (raw): of {of} none answered, so it has no score" in found["warnings"]
+    assert set(found["questionnaires"]) == {"realism-likert"}
+
+
+def test_a_participant_without_any_answer_is_counted_as_missing(tmp_path) -> None:
+    root = unanswered("inquiries", tmp_path, "pleasantness-vas", ("P02",))
+    form = next(form for form in analysis_of(root).forms if form.name == "pleasantness-vas")
+    assert set(form.summary["n_missing"]) == {1}
+    assert set(form.summary["n"]) == {2}
+    assert "(n = 2, 1 missing)" in form.cross().iloc[0, 1]
+
+
+def test_levels_that_were_rated_have_their_unit_in_the_procedure() -> None:
+    found = analysis_of(RECORDED / "time-reversal-patterns")
+    assert "dB re 1 um" in found.study.procedure.partition("Levels were chosen")[2]
+
+
+# --- choices
+
+
+def test_levels_of_same_different_trials_have_their_unit() -> None:
+    found = analysis_of(RECORDED / "same-different")
+    page, said = render(found), " ".join(summary_text(found).split())
+    assert found.unit == "dB re 1 V"
+    assert "levels in dB re 1 V" in page
+    assert ">level (dB re 1 V)<" in page
+    assert "d′" in said
+
+
+def test_words_stand_at_the_left_of_their_column() -> None:
+    page = render(analysis_of(RECORDED / "same-different"))
+    assert '<td class="text">all answers alike</td>' in page
+    assert ".text { text-align: left; }" in page
+
+
+def test_answers_that_are_all_alike_have_no_sensitivity(tmp_path) -> None:
+    """The log-linear rule alone gave d' = 1.2 to no hit in 4 and no false alarm in 15."""
+    rows = [f"P1,{level},same_different,{felt},{catch}" for level, felt, catch, n in
+            (("10", 0, 0, 4), ("20", 1, 0, 4), ("", 0, 1, 15)) for _ in range(n)]  # fmt: skip
+    file = tmp_path / "t.csv"
+    file.write_text("\n".join(["participant,level,task,response,catch", *rows]) + "\n")
+    table = same_different_table(read_trials(file, within=[])).set_index("level")
+    assert table.loc[10.0, ["d_prime_differencing", "d_prime_independent"]].isna().all()
+    assert table["note"].tolist() == ["all answers alike", ""]
+    assert table.loc[20.0, "d_prime_independent"] > 1
+
+
+def test_items_of_a_preference_have_the_unit_of_their_factor() -> None:
+    found = analysis_of(RECORDED / "preference")
+    page = render(found)
+    places = [page.index(f">{item}<") for item in ("60 Hz", "120 Hz", "240 Hz")]
+    assert places == sorted(places)
+    assert set(found.tables["preference"]["item"]) == {"60", "120", "240", "first of the pair"}
+
+
+# --- the rule's own estimate
+
+
+def test_methods_say_what_the_estimate_of_the_rule_is(whole) -> None:
+    told = analysis_of(RECORDED / "electrovibration-threshold").methods
+    assert "levels (mean of the reversals without the first two or three, in even number) stands beside the fit" in told
+    assert "posterior mean)" not in told
+    assert "rule that chose the levels" not in analysis_of(whole).methods
+
+
+# --- rates
+
+
+def test_rates_of_one_participant_are_called_so(whole) -> None:
+    told = {figure.name: figure.caption for figure in figures_of(analysis_of(whole))}
+    assert told["rates_yes_no"] == "Rate of “yes” against level, one participant."
+    assert told["mean_rates_yes_no"] == "Rate of “yes” over all levels, one participant."

@@ -1,0 +1,291 @@
+"""Tables of other programs through a column map, and tables in every guise that a spreadsheet gives them."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings, strategies as st
+from places import DOCS
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.arrow_text import plain_cells, plain_numbers
+from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.trials import parsed, read_trials, used_rows
+from tactometry.cli.analyse import command
+from tactometry.errors import InvalidFile
+
+DOCS = DOCS / "analysis.md"
+
+PSYCHOPY = """\
+text,contrast,cond,trials.thisN,key_resp.keys,key_resp.corr,key_resp.rt,participant,session,date,expName
+Welcome!,,,,,,,7,001,2026-11-21_10h00,detect
+,0.1,low,0,y,1,0.51,7,001,2026-11-21_10h00,detect
+,0.2,low,1,n,0,0.62,7,001,2026-11-21_10h00,detect
+,0.3,high,2,None,0,,7,001,2026-11-21_10h00,detect
+"""
+PSYCHOPY_MAP = """\
+missing = ["None"]
+
+[columns]
+level = "contrast"
+response = "key_resp.keys"
+latency_s = "key_resp.rt"
+
+[constants]
+task = "yes_no"
+
+[values.response]
+y = 1
+n = 0
+
+[keep]
+"cond" = ["low", "high"]
+"""
+
+JSPSYCH = """\
+"rt","stimulus","response","trial_type","trial_index","time_elapsed","subject","amplitude","phase","correct","interval"
+"812","<p>Press a key, please</p>"," ","html-keyboard-response","0","900","s3","","","",""
+"455.2","","f","audio-2afc","1","2000","s3","12","test","true","1"
+"501","","j","audio-2afc","2","3100","s3","9","test","false","1"
+"620","","j","audio-2afc","3","4000","s3","15","test","true","2"
+"""
+JSPSYCH_MAP = """\
+missing = ["null"]
+
+[columns]
+participant = "subject"
+level = "amplitude"
+target = "interval"
+latency_s = "rt"
+
+[constants]
+task = "forced_choice"
+level_unit = "dB"
+
+[units]
+latency_s = "ms"
+
+[values.response]
+f = 1
+j = 2
+
+[values.correct]
+true = 1
+false = 0
+
+[keep]
+trial_type = ["audio-2afc"]
+"""
+
+BIDS = "onset\tduration\tintensity\tanswer\thand\n0.5\tn/a\t2.5\tyes\tleft\n1.5\tn/a\t3.5\tn/a\tleft\n"
+BIDS_MAP = """\
+missing = ["n/a"]
+
+[columns]
+level = "intensity"
+response = "answer"
+onset_s = "onset"
+
+[constants]
+task = "yes_no"
+
+[from_name]
+participant = "sub"
+session = "ses"
+
+[values.response]
+yes = 1
+no = 0
+"""
+
+
+def mapped(tmp_path: Path, text: str) -> ColumnMap:
+    file = tmp_path / "map.toml"
+    file.write_text(text)
+    return read_column_map(file)
+
+
+def written(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+def test_psychopys_table_is_read(tmp_path) -> None:
+    file = written(tmp_path / "p.csv", PSYCHOPY)
+    trials = read_trials(file, within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
+    assert trials.rows["level"].tolist() == [0.1, 0.2, 0.3]
+    assert trials.rows["response"].tolist() == ["1", "0", ""]
+    assert trials.rows["row"].tolist() == [3, 4, 5]
+    assert used_rows(trials)["latency_s"].tolist() == [0.51, 0.62]
+
+
+def test_a_folder_of_psychopys_tables_is_read_with_a_map_only(tmp_path) -> None:
+    for code in ("7", "8"):
+        written(tmp_path / f"data/{code}.csv", PSYCHOPY.replace(",7,001", f",{code},001"))
+    trials = read_trials(tmp_path / "data", within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
+    assert trials.rows["participant"].tolist() == ["7"] * 3 + ["8"] * 3
+    assert trials.n_files == 2
+    with pytest.raises(InvalidFile, match=r"expected .* a column map \(--columns\) and a folder"):
+        read_trials(tmp_path / "data", within=["cond"])
+
+
+def test_jspsychs_table_is_read(tmp_path) -> None:
+    file = written(tmp_path / "j.csv", JSPSYCH)
+    trials = read_trials(file, within=["phase"], column_map=mapped(tmp_path, JSPSYCH_MAP))
+    assert trials.rows["response"].tolist() == ["1", "2", "2"]
+    assert trials.rows["correct"].tolist() == [1, 0, 1]
+    assert trials.rows["target"].tolist() == [1, 1, 2]
+
+
+@pytest.mark.parametrize("name", ["beh", "events"])
+def test_a_bids_data_set_is_read_with_participants_from_its_names(tmp_path, name) -> None:
+    for code in ("01", "02"):
+        written(tmp_path / f"b/sub-{code}/ses-A/beh/sub-{code}_ses-3_task-x_{name}.tsv", BIDS)
+    trials = read_trials(tmp_path / "b", within=["hand"], column_map=mapped(tmp_path, BIDS_MAP))
+    assert trials.rows["participant"].tolist() == ["01", "01", "02", "02"]
+    assert trials.rows["session"].tolist() == [3] * 4
+    assert trials.rows["response"].tolist() == ["1", "", "1", ""]
+    assert trials.rows["level"].tolist() == [2.5, 3.5] * 2
+
+
+def test_the_examples_of_the_page_are_these_maps() -> None:
+    page = DOCS.read_text(encoding="utf-8").replace("\n    ", "\n")
+    for text in (PSYCHOPY_MAP, JSPSYCH_MAP, BIDS_MAP):
+        assert text.strip() in page
+
+
+def test_a_spreadsheets_table_with_decimal_commas_is_read(tmp_path) -> None:
+    file = written(
+        tmp_path / "g.csv", "participant;level;task;response;pen\nP1;0,5;yes_no;1;a\nP1;-1,25e1;yes_no;0;a, b\n"
+    )
+    trials = read_trials(file, within=["pen"], column_map=ColumnMap({"level": "level"}, decimal=",", separator=";"))
+    assert trials.rows["level"].tolist() == [0.5, -12.5]
+    assert trials.rows["pen"].tolist() == ["a", "a, b"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"keep": {"cnd": ("low",)}},
+            "found no column 'cnd'; did you mean 'cond'?, which the column map names in keep",
+        ),
+        ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
+        ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),
+        ({"from_name": {"participant": "p"}}, "found no p-... in the file's name, expected it for 'participant'"),
+        ({"from_name": {"participant": "sub"}}, "found no sub-... in the file's name, expected it for 'participant'"),
+    ],
+)
+def test_a_map_that_does_not_fit_is_refused(tmp_path, change, message) -> None:
+    file = written(tmp_path / "step-1.csv", PSYCHOPY)
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        read_trials(file, within=["cond"], column_map=ColumnMap(**change))
+
+
+def test_a_value_that_the_map_forgot_is_refused_with_its_row(tmp_path) -> None:
+    file = written(tmp_path / "p.csv", PSYCHOPY.replace(",n,", ",maybe,"))
+    with pytest.raises(InvalidFile, match="row 4, column 'response': found 'maybe', expected 1, 0 or nothing"):
+        read_trials(file, within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
+
+
+# --- the same table in every guise
+
+COLUMNS = ("participant", "level", "task", "response", "side")
+CODES = st.sampled_from(["P1", "P2", "x9"])
+LEVELS = st.one_of(st.integers(-50, 50).map(float), st.floats(-1e6, 1e6).map(lambda x: float(f"{x:.9g}")))
+ROWS = st.lists(st.tuples(CODES, LEVELS, st.just("yes_no"), st.sampled_from("01"), st.sampled_from("lr")), min_size=1,
+                max_size=8)  # fmt: skip
+
+
+@st.composite
+def guises(draw):
+    """Bytes of a table, the map that reads it, and its rows."""
+    rows = draw(ROWS)
+    extra = [f"note{n}" for n in range(draw(st.integers(0, 2)))]
+    order = draw(st.permutations([*COLUMNS, *extra]))
+    comma = draw(st.booleans())
+    separator = ";" if comma else draw(st.sampled_from([",", ";", "\t"]))
+    quote = '"' if draw(st.booleans()) else ""
+    note = draw(st.sampled_from(["", "fine", "0", "µm"]))
+    lines = [order]
+    for row in rows:
+        cells = dict(zip(COLUMNS, row, strict=True)) | dict.fromkeys(extra, note)
+        cells["level"] = repr(row[1]).replace(".", ",") if comma else repr(row[1])
+        lines.append([str(cells[name]) for name in order])
+    end = draw(st.sampled_from(["\n", "\r\n"]))
+    text = end.join(separator.join(f"{quote}{cell}{quote}" for cell in line) for line in lines)
+    text += end * draw(st.integers(0, 3))
+    mark = draw(st.sampled_from([b"", b"\xef\xbb\xbf"]))
+    return mark + text.encode(), ColumnMap(decimal="," if comma else ".", separator=separator), rows
+
+
+@given(guise=guises())
+@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_table_is_read_alike_in_every_guise(tmp_path, guise) -> None:
+    content, column_map, rows = guise
+    file = tmp_path / "t.csv"
+    file.write_bytes(content)
+    found = read_trials(file, within=["side"], column_map=column_map).rows
+    assert found["level"].tolist() == [row[1] for row in rows]
+    assert found["participant"].tolist() == [row[0] for row in rows]
+    assert found["response"].tolist() == [row[3] for row in rows]
+    assert found["side"].tolist() == [row[4] for row in rows]
+    assert found["row"].tolist() == list(range(2, len(rows) + 2))
+
+
+@given(guise=guises(), data=st.data())
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, data) -> None:
+    content, column_map, rows = guise
+    place = data.draw(st.integers(0, len(rows) - 1))
+    bad = data.draw(st.sampled_from(["loud", "1_0", "--1", "inf", "NaN", "0x1f", "1.2.3"]))
+    text = content.decode("utf-8-sig").replace("\r\n", "\n").split("\n")
+    names = [name.strip('"') for name in text[0].split(column_map.separator)]
+    cells = text[1 + place].split(column_map.separator)
+    cells[names.index("level")] = bad
+    text[1 + place] = column_map.separator.join(cells)
+    file = tmp_path / "t.csv"
+    file.write_text("\n".join(text))
+    with pytest.raises(InvalidFile, match=re.escape(f"t.csv, row {place + 2}, column 'level': found '{bad}'")):
+        read_trials(file, within=["side"], column_map=column_map)
+
+
+@given(st.lists(st.one_of(st.floats(allow_nan=False, allow_infinity=False).map(repr), st.just(""),
+                          st.integers(-(10**12), 10**12).map(str)), min_size=1))  # fmt: skip
+def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
+    import pandas as pd
+
+    from tactometry.analysis.reading.trials import _numbers_of_words
+
+    text = pd.Series(words, dtype="str")
+    assert np.array_equal(plain_numbers(text), _numbers_of_words(text), equal_nan=True)
+    assert np.array_equal(parsed(text), _numbers_of_words(text), equal_nan=True)
+
+
+@pytest.mark.parametrize("text", ['a,b\n"1",2', "a,b\n\n1,2", "a,b\r1,2", "a,b\n1", "a,b\n1,2,3", "a\n1", "", "\na,b"])
+def test_the_fast_reader_leaves_what_is_not_plain(text) -> None:
+    assert plain_cells(text, ",") is None
+
+
+def test_a_quoted_line_break_keeps_its_row_together(tmp_path) -> None:
+    file = tmp_path / "q.csv"
+    file.write_text('participant,level,task,response,remark\nP1,1,yes_no,1,"a\nb"\nP1,2,yes_no,0,c\n')
+    assert read_trials(file, within=["remark"]).rows["remark"].tolist() == ["a\nb", "c"]
+
+
+def test_the_command_takes_a_map(tmp_path) -> None:
+    levels = np.repeat([0.1, 0.2, 0.3, 0.4], 12)
+    answers = np.random.default_rng().random(48) < np.repeat([0.05, 0.3, 0.8, 0.97], 12)
+    rows = [
+        f",{x},low,{n},{'y' if yes else 'n'},1,0.5,7,1,d,e"
+        for n, (x, yes) in enumerate(zip(levels, answers, strict=True))
+    ]
+    file = written(tmp_path / "p.csv", "\n".join([PSYCHOPY.split("\n", maxsplit=1)[0], *rows]) + "\n")
+    (tmp_path / "map.toml").write_text(PSYCHOPY_MAP)
+    result = CliRunner().invoke(command, [str(file), "--columns", str(tmp_path / "map.toml"), "--within", "cond"])
+    assert result.exit_code == 0, result.output
+    found = analyse(file, within=["cond"], column_map=read_column_map(tmp_path / "map.toml"))
+    assert 0.1 < found.tables["thresholds"]["threshold"][0] < 0.4

@@ -1,0 +1,430 @@
+"""Tables as PsychoPy and jsPsych write them, units, ratio scales, and what is said of a table that is not clear."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import call
+from hypothesis import given, strategies as st
+from places import FOREIGN
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.level_scale import scaled, wide_levels
+from tactometry.analysis.reading.trials import read_trials, used_rows
+from tactometry.config.quantity import si_unit
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.psychometric import PsychometricFunction
+
+PSYCHOPY = ColumnMap(
+    columns={"level": "contrast", "response": "key_resp.keys", "latency_s": "key_resp.rt"},
+    constants={"task": "yes_no"},
+    values={"response": {"y": 1, "n": 0}},
+    missing=("None",),
+)
+JSPSYCH = ColumnMap(
+    columns={"participant": "subject", "level": "amplitude", "target": "interval", "latency_s": "rt"},
+    constants={"task": "forced_choice", "level_unit": "dB"},
+    values={"response": {"f": 1, "j": 2}, "correct": {"true": 1, "false": 0}},
+    keep={"trial_type": ("html-keyboard-response",)},
+    units={"latency_s": "ms"},
+    missing=("null",),
+)
+
+
+# --- PsychoPy
+
+
+def test_psychopys_own_file_is_read_as_it_is():
+    trials = read_trials(FOREIGN / "psychopy_2026.2.5.csv", within=["cond"], column_map=PSYCHOPY)
+    assert trials.rows["level"].tolist() == [0.1, 0.2, 0.4] * 4
+    assert trials.rows["response"].tolist() == ["1", "0", ""] * 4
+    assert trials.rows["row"].tolist() == list(range(3, 15))
+    assert set(trials.rows["participant"]) == {"7"}
+    assert used_rows(trials)["latency_s"].tolist() == pytest.approx([0.5, 0.51, 0.53, 0.54, 0.56, 0.57, 0.59, 0.6])
+    assert trials.notes == (
+        "2 rows were left out that hold neither level nor answer nor item, as other programs write for routines",
+    )
+
+
+def test_a_staircase_of_psychopys_is_read_as_it_is():
+    columns = {"level": "stair.intensity", "response": "stair.response"}
+    found = read_trials(
+        FOREIGN / "psychopy_2026.2.5_stairs.csv", within=["rt"], column_map=ColumnMap(columns, {"task": "yes_no"})
+    )
+    assert len(used_rows(found)) == 15
+    assert found.notes == ()
+
+
+@pytest.mark.soak
+@pytest.mark.skipif(
+    not os.environ.get("TACTOMETRY_SOAK") or find_spec("psychopy") is None, reason="at full size only, with PsychoPy"
+)
+@pytest.mark.parametrize("delimiter", ["comma", "tab", "semicolon"])
+def test_what_the_installed_psychopy_writes_is_read(tmp_path, delimiter):
+    name = "7.tsv" if delimiter == "tab" else "7.csv"
+    script = f"""
+import warnings
+warnings.simplefilter("ignore")
+from psychopy import data
+exp = data.ExperimentHandler(extraInfo=dict(participant="7", session="001"), savePickle=False, saveWideText=False)
+exp.addData("welcome.started", 0.5)
+exp.nextEntry()
+loop = data.TrialHandler(trialList=[dict(contrast=c, cond="a") for c in (0.1, 0.2)], nReps=1, method="sequential")
+exp.addLoop(loop)
+for n, trial in enumerate(loop):
+    loop.addData("key_resp.keys", "yn"[n])
+    loop.addData("key_resp.rt", 0.5)
+    exp.nextEntry()
+exp.saveAsWideText({name!r}, delim={delimiter!r})
+exp.abort()
+"""
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, timeout=120)
+    separator = {"comma": "", "tab": "", "semicolon": ";"}[delimiter]
+    own = ColumnMap(PSYCHOPY.columns, PSYCHOPY.constants, PSYCHOPY.values, separator=separator)
+    assert read_trials(tmp_path / name, within=["cond"], column_map=own).rows["response"].tolist() == ["1", "0"]
+
+
+def test_a_column_without_a_name_that_holds_something_is_refused(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,level,task,response,\nP1,1,yes_no,1,x\n")
+    with pytest.raises(InvalidFile, match="row 1: found no name for column 5, expected one for each"):
+        read_trials(file, within=["task"])
+
+
+# --- jsPsych
+
+
+@pytest.mark.parametrize("ending", ["csv", "json"])
+def test_jspsychs_own_files_are_read_as_they_are(ending):
+    trials = read_trials(FOREIGN / f"jspsych_8.3.0.{ending}", within=["phase"], column_map=JSPSYCH)
+    assert trials.rows["level"].tolist() == [6, 9, 12, 15] * 3 + [12]
+    assert trials.rows["response"].tolist()[:3] == ["1", "2", "2"]
+    assert trials.rows["response"].iloc[-1] == ""
+    assert trials.rows["correct"].tolist()[:3] == [1, 1, 0]
+    assert trials.rows["latency_s"].tolist()[:3] == [0.474, 0.656, 0.692]
+    assert len(used_rows(trials)) == 12
+
+
+def test_both_forms_of_jspsych_hold_the_same():
+    names = ["participant", "level", "response", "correct", "target", "latency_s", "phase"]
+    csv, own = (
+        read_trials(FOREIGN / f"jspsych_8.3.0.{ending}", within=["phase"], column_map=JSPSYCH).rows[names]
+        for ending in ("csv", "json")
+    )
+    assert csv.equals(own)
+
+
+def test_a_folder_of_json_files_is_read_with_a_map(tmp_path):
+    for code in ("s3", "s4"):
+        text = (FOREIGN / "jspsych_8.3.0.json").read_text().replace('"s3"', f'"{code}"')
+        (tmp_path / f"{code}.json").write_text(text)
+    assert set(read_trials(tmp_path, within=["phase"], column_map=JSPSYCH).rows["participant"]) == {"s3", "s4"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[{", "found no valid JSON"),
+        ("[" * 100_000, "found no valid JSON"),
+        ("{}", "found no list of objects, expected one for each trial"),
+        ("[]", "found no list of objects"),
+        ("[1, 2]", "found no list of objects"),
+        ('[{"level": 1}]', "found no column 'participant'"),
+        ('[{"participant": "P1", "task": "yes_no", "level": 1, "response": [1]}]', "row 1, column 'response': found"),
+    ],
+)
+def test_json_that_is_no_table_is_refused(tmp_path, text, message):
+    file = tmp_path / "j.json"
+    file.write_text(text)
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        read_trials(file, within=["task"])
+
+
+# --- tables without a factor, and columns that mean two things
+
+
+def test_a_table_without_a_factor_is_one_condition(tmp_path, capsys):
+    answers = [(level, int(n < level * 3)) for level in range(1, 5) for n in range(12)]
+    rows = [f"{code},{level},yes_no,{felt}" for code in ("a", "b", "c") for level, felt in answers]
+    file = tmp_path / "plain.csv"
+    file.write_text("\n".join(["participant,level,task,response", *rows]) + "\n")
+    status, said, _ = call(capsys, "analyse", file)
+    assert status == 2
+    assert said.endswith("name the factors with --within A,B (--within '' where there are none)")
+    status, _, told = call(capsys, "analyse", file, "--within", "", "--json")
+    found = json.loads(told)
+    assert status == 0
+    assert found["factors"] == []
+    assert [row["status"] for row in found["thresholds"]] == ["ok"] * 3
+
+
+def test_one_column_may_be_two_of_ours(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,level,key.corr\nP1,1,1\nP1,2,0\n")
+    both = ColumnMap({"response": "key.corr", "correct": "key.corr"}, {"task": "yes_no"})
+    rows = read_trials(file, within=[], column_map=both).rows
+    assert rows["response"].tolist() == ["1", "0"]
+    assert rows["correct"].tolist() == [1.0, 0.0]
+
+
+def test_one_row_that_is_no_trial_is_told_in_the_singular(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,level,task,response\nP1,,yes_no,\nP1,2,yes_no,0\n")
+    said = read_trials(file, within=[], column_map=ColumnMap({"level": "level"})).notes[0]
+    assert said.startswith("1 row was left out that holds neither level")
+
+
+# --- what words mean
+
+
+@pytest.mark.parametrize(
+    ("task", "word", "hint"),
+    [
+        ("yes_no", "y", "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"),
+        (
+            "forced_choice",
+            "left",
+            "; say what it means in a column map (--columns), below [values.response]: 'left' = 1",
+        ),
+        ("yes_no", "None", "; say in a column map (--columns) that it was not measured: missing = ['None']"),
+        (
+            "preference",
+            "first",
+            "; say what it means in a column map (--columns), below [values.response]: 'first' = 1",
+        ),
+        ("yes_no", "7", ""),
+    ],
+)
+def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, task, word, hint):
+    file = tmp_path / "t.csv"
+    file.write_text(f"participant,side,level,task,response,item,item_b\nP1,a,1,{task},{word},x,y\n")
+    status, said, _ = call(capsys, "analyse", file, "--within", "side")
+    assert status == 2
+    assert said.endswith(hint or "comparison task")
+
+
+@given(word=st.text(st.characters(max_codepoint=0xD7FF), min_size=1).filter(lambda text: text.strip()))
+def test_the_line_to_write_is_toml_that_means_the_word(word):
+    import tomllib
+
+    from tactometry.analysis.reading.trials import _meaning
+
+    hint = _meaning("response", word)
+    if "[values.response]: " in hint:
+        assert tomllib.loads(hint.partition("[values.response]: ")[2]) == {word: 1}
+    elif hint:
+        assert tomllib.loads(hint.partition(": ")[2]) == {"missing": [word]}
+
+
+def test_defects_of_one_kind_are_one_sentence_with_their_number(tmp_path, capsys):
+    file = tmp_path / "t.csv"
+    rows = [f"P1,a,{n},yes_no,{'1' if n == 3 else 'y'}" for n in range(1, 739)]
+    file.write_text("\n".join(["participant,side,level,task,response", *rows]) + "\n")
+    status, said, _ = call(capsys, "analyse", file, "--within", "side")
+    assert status == 2
+    assert "t.csv, row 2 and 736 more (3, 5, 6, 7, ...), column 'response': found 'y', expected 1, 0 or" in said
+
+
+def test_a_forced_choice_has_no_interval_0(tmp_path):
+    """jsPsych counts buttons from 0."""
+    file = tmp_path / "t.csv"
+    file.write_text("participant,side,level,task,response,target\nP1,a,1,forced_choice,0,1\n")
+    with pytest.raises(InvalidFile, match="found '0', expected the number of an interval, from 1, or nothing"):
+        read_trials(file, within=["side"])
+
+
+# --- units
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "cell", "value"),
+    [
+        ("latency_s", "ms", "812", 0.812),
+        ("latency_s", "min", "1.5", 90.0),
+        ("level", "mV", "455.2", 0.4552),
+        ("level", "kHz", "2.3", 2300.0),
+        ("force_n", "mN", "250", 0.25),
+        ("speed_mean_m_per_s", "mm/s", "-50", -0.05),
+    ],
+)
+def test_a_column_in_another_unit_comes_to_si(tmp_path, name, unit, cell, value):
+    file = tmp_path / "t.csv"
+    cells = {"participant": "P1", "side": "a", "level": "1", "task": "yes_no", "response": "1"} | {name: cell}
+    file.write_text(f"{','.join(cells)}\n{','.join(cells.values())}\n")
+    found = read_trials(file, within=["side"], column_map=ColumnMap(units={name: unit})).rows
+    assert float(found[name].iloc[0]) == value
+    if name == "level":
+        assert found["level_unit"].tolist() == [si_unit(unit, "")[0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[units]\nlatency_s = "mV"', "units.latency_s: found 'mV', which is in V, expected a unit of s"),
+        ('[units]\nlevel = "mv"', "units.level: found 'mv', expected a unit such as ms, mV or N; did you mean"),
+        ('level_scale = "log"', "level_scale: found 'log', expected one of linear, log10, db"),
+    ],
+)
+def test_a_map_with_an_impossible_unit_or_scale_is_refused(tmp_path, text, message):
+    (tmp_path / "m.toml").write_text(text)
+    with pytest.raises(InvalidFile, match=re.escape(message)):
+        read_column_map(tmp_path / "m.toml")
+
+
+def test_levels_in_two_units_are_refused(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("participant,side,level,level_unit,task,response\nP1,a,1,dB,yes_no,1\n")
+    with pytest.raises(InvalidFile, match="found the level_unit 'dB', expected 'V', to which units.level brings"):
+        read_trials(file, within=["side"], column_map=ColumnMap(units={"level": "mV"}))
+
+
+# --- scales of ratios
+
+TRUE = PsychometricFunction("weibull", 0.05, 0.1, 0.02, 0.02)
+CONTRASTS = tuple(np.geomspace(0.002, 0.5, 9))
+
+
+def contrasts(path: Path, *, unit: str = "") -> Path:
+    """Yes/no answers at contrasts that span a factor of 250, as many as the function says."""
+    lines = ["participant,side,level,level_unit,task,response,catch"]
+    for level in CONTRASTS:
+        n_yes = round(40 * TRUE.probability(level))
+        lines += [f"P1,a,{level:.17g},{unit},yes_no,{int(n < n_yes)},0" for n in range(40)]
+    lines += [f"P1,a,,{unit},yes_no,{int(n < 1)},1" for n in range(40)]
+    file = path / "c.csv"
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def test_a_ratio_scale_on_a_linear_axis_is_warned_of(tmp_path, capsys):
+    file = contrasts(tmp_path)
+    status, _, out = call(capsys, "analyse", file, "--within", "side", "--json")
+    (warning,) = [text for text in json.loads(out)["warnings"] if "linear axis" in text]
+    assert status == 0
+    assert warning.startswith("levels from 0.002 to 0.5 span a factor of 250 on a linear axis")
+    assert "--level-scale log10 or db" in warning
+    _, _, out = call(capsys, "analyse", file, "--within", "side", "--json", "--level-scale", "linear")
+    assert "linear axis" not in out
+
+
+def test_levels_in_decibels_or_of_a_small_factor_are_not_warned_of(tmp_path):
+    rows = read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"]).rows
+    assert wide_levels(rows) == []
+    few = read_trials(contrasts(tmp_path), within=["side"]).rows
+    assert wide_levels(few[few["level"].isna() | (few["level"] > 0.03)]) == []
+    assert wide_levels(few.assign(level=few["level"] - 0.01)) == []
+
+
+@pytest.mark.parametrize(("scale", "unit"), [("log10", "log10 V"), ("db", "dB re 1 V")])
+def test_the_threshold_is_that_of_the_logarithm(tmp_path, scale, unit):
+    found = analyse(contrasts(tmp_path, unit="V"), within=["side"], level_scale=scale)
+    table = found.tables["thresholds"]
+    assert set(table["level_unit"]) == {unit}
+    assert set(table["shape"]) == {"gumbel"}
+    factor = {"log10": 1, "db": 20}[scale]
+    true = factor * np.log10(TRUE.threshold)
+    row = table.iloc[0]
+    assert row["interval_low"] < true < row["interval_high"]
+    assert row["interval_high"] - row["interval_low"] < factor * 0.5
+    assert found.warnings == tuple(text for text in found.warnings if "linear axis" not in text)
+
+
+def test_both_logarithms_give_one_threshold(tmp_path):
+    file = contrasts(tmp_path)
+    log10, db = (
+        analyse(file, within=["side"], level_scale=scale).tables["thresholds"]["threshold"].to_numpy(float)
+        for scale in ("log10", "db")
+    )
+    np.testing.assert_allclose(db, 20 * log10, rtol=1e-6)
+
+
+def test_the_map_states_the_scale_and_the_command_may_state_another(tmp_path, capsys):
+    file = contrasts(tmp_path, unit="V")
+    (tmp_path / "m.toml").write_text('level_scale = "db"\n')
+    arguments = ("analyse", file, "--within", "side", "--json", "--columns", tmp_path / "m.toml")
+    _, _, out = call(capsys, *arguments)
+    assert json.loads(out)["level_unit"] == "dB re 1 V"
+    _, _, out = call(capsys, *arguments, "--level-scale", "log10")
+    assert json.loads(out)["level_unit"] == "log10 V"
+
+
+def test_settings_are_put_on_the_scale_and_magnitudes_are_not(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text(
+        "participant,side,level,level_unit,task,response\n"
+        "P1,a,1,V,adjustment,10\nP1,a,10,V,magnitude,3\nP1,a,,V,adjustment,\n"
+    )
+    rows = read_trials(file, within=["side"], level_scale="db").rows
+    assert rows["response"].tolist() == ["20.0", "3", ""]
+    assert rows["level_unit"].tolist() == ["dB re 1 V", "V", "dB re 1 V"]
+    assert rows["level"].tolist()[:2] == [0.0, 10.0]
+
+
+@pytest.mark.parametrize("name", ["level", "level_delivered", "standard_level"])
+def test_a_level_without_a_logarithm_is_refused_with_its_row(tmp_path, name):
+    file = tmp_path / "t.csv"
+    file.write_text(f"participant,side,{name},x,task,response\nP1,a,1,1,yes_no,1\nP1,a,0,1,yes_no,1\n")
+    columns = ColumnMap({} if name == "level" else {"level": "x"})
+    with pytest.raises(InvalidFile, match=rf"row 3, column '{name}': found 0.0, expected a level above 0 on a log"):
+        read_trials(file, within=["side"], column_map=columns, level_scale="log10")
+
+
+def test_decibels_have_no_second_logarithm(tmp_path):
+    with pytest.raises(
+        InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are a logarithm, expected"
+    ):
+        read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"], level_scale="log10")
+    with pytest.raises(InvalidParameter, match="--level-scale: found 'log', expected one of linear, log10, db"):
+        scaled(read_trials(contrasts(tmp_path), within=["side"]).rows, "log")
+
+
+# --- rows that stand twice
+
+
+def numbered(path: Path, *extra: str) -> Path:
+    lines = ["participant,session,block,trial,side,procedure,level,task,response,onset_s"]
+    lines += [f"P1,1,1,{n},a,staircase,{n},yes_no,{int(n > 4)},{n}.5" for n in range(1, 9)]
+    file = path / "t.csv"
+    file.write_text("\n".join([*lines, *extra]) + "\n")
+    return file
+
+
+def test_copied_rows_are_warned_of(tmp_path, capsys):
+    file = numbered(tmp_path, "P1,1,1,3,a,staircase,3,yes_no,0,3.5", "P1,1,1,5,a,staircase,5,yes_no,0,9.5")
+    status, _, out = call(capsys, "analyse", file, "--json")
+    assert status == 0
+    assert (
+        "2 rows repeat trials that stand before them (the first: t.csv, row 10; 1 of 2 alike in every cell): each "
+        "counts as a trial of its own; take copies out, or number trials through the session"
+    ) in json.loads(out)["warnings"]
+
+
+def test_attempts_items_blocks_and_tables_without_numbers_are_no_copies(tmp_path):
+    others = (
+        "P1,1,2,3,a,staircase,3,yes_no,0,3.5",
+        "P1,1,1,3,b,staircase,3,yes_no,0,3.5",
+        "P1,1,1,3,a,q,3,yes_no,0,3.5",
+    )
+    assert read_trials(numbered(tmp_path, *others)).notes == ()
+    file = tmp_path / "n.csv"
+    file.write_text("participant,side,level,task,response\n" + "P1,a,1,yes_no,1\n" * 5)
+    assert read_trials(file, within=["side"]).notes == ()
+
+
+# --- tables that lie on their side
+
+
+def test_a_table_of_many_columns_is_refused_at_once(tmp_path, capsys):
+    file = tmp_path / "t.csv"
+    file.write_text(",".join(f"c{n}" for n in range(100_000)) + "\n" + ",".join("1" * 100_000) + "\n")
+    status, said, _ = call(capsys, "analyse", file)
+    assert (status, "row 1: found 100000 columns, expected at most 5000" in said) == (2, True)
+    status, _, out = call(capsys, "validate", file)
+    assert (status, "row 1: found 100000 columns, expected at most 5000" in out) == (1, True)

@@ -1,0 +1,402 @@
+"""All participants at once: derivatives, truths found again, real data, and the cases where the data say little."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from hard_cases import exact_case
+from places import SHARED
+from scipy.linalg import helmert
+from scipy.special import ndtri
+from scipy.stats import binom, chi2, f as fisher
+
+from tactometry.analysis.anova.contrasts import epsilons
+from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical
+from tactometry.analysis.hierarchical.layout import Layout
+from tactometry.analysis.hierarchical.model import mixed_model, start
+from tactometry.analysis.mixed_models.laplace import inner_mode, log_marginal
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.errors import InvalidParameter
+from tactometry.psychometric import SHAPES, PsychometricFunction
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+LEVELS = np.linspace(5, 33, 7)
+SD, LOG_WIDTH_SD, CELL_SD, WIDTH, LAPSE_RATE = 2.5, 0.2, 0.8, 8.0, 0.02
+RARE = 1e-4
+
+
+def simulated(rng, *, n=8, means=None, n_trials=20, guess_rate=0.5) -> tuple[pd.DataFrame, dict]:
+    """Counts of participants in conditions (forces), and the true thresholds of the cells."""
+    means, rows, truth = means or {0.5: 18.0, 1.0: 19.0}, [], {}
+    for p in range(n):
+        own, width = SD * rng.normal(), WIDTH * np.exp(LOG_WIDTH_SD * rng.normal())
+        for force_n, mean in means.items():
+            threshold = truth[f"P{p}", force_n] = mean + own + CELL_SD * rng.normal()
+            curve = PsychometricFunction("normal", threshold, width, guess_rate, LAPSE_RATE)
+            k = rng.binomial(n_trials, curve.probability(LEVELS))
+            rows += [(f"P{p}", force_n, x, each, n_trials) for x, each in zip(LEVELS, k, strict=True)]
+    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"]), truth
+
+
+def fitted(rows: pd.DataFrame, **options) -> HierarchicalFit:
+    chosen = {"shape": "normal", "guess_rate": 0.5} | options
+    return fit_hierarchical(
+        rows["level"], rows["k"], rows["n"], rows["participant"], {"force_n": rows["force_n"]}, **chosen
+    )
+
+
+@pytest.fixture(scope="module")
+def study():
+    return simulated(np.random.default_rng())
+
+
+@pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel"])
+@pytest.mark.parametrize("rates", [(0.5, None), (None, None), (0.5, 0.02)], ids=str)
+def test_the_gradient_of_the_marginal_likelihood_is_its_derivative(study, shape, rates) -> None:
+    rows = study[0]
+    factors = {"force_n": rows["force_n"].to_numpy()}
+    answers = tuple(rows[name].to_numpy(float) for name in ("level", "k", "n"))
+    layout = Layout.of(rows["participant"].to_numpy(str), factors, ("force_n",), answers, on_log_levels=False)
+    part = layout.study(SHAPES[shape], rates, (2, 40))
+    model = mixed_model(part)
+    at = start(part, model, np.zeros(2), np.full(2, -1.0)) + np.linspace(0.01, 0.08, model.n_parameters)
+    gradient = log_marginal(model, at, inner_mode(model, at))[1]
+    for place, step in enumerate(1e-5 * np.eye(len(at))):
+        up, down = (log_marginal(model, at + side * step, inner_mode(model, at + side * step))[0] for side in (1, -1))
+        assert gradient[place] == pytest.approx((up - down) / 2e-5, rel=1e-4, abs=2e-3)
+
+
+def test_one_participant_in_one_condition_is_a_posterior_mode() -> None:
+    """But for the width's prior, which is flat in its logarithm."""
+    k = [10, 11, 11, 15, 18, 20, 20]
+    rows = pd.DataFrame({"participant": "A", "force_n": 1.0, "level": LEVELS, "k": k, "n": 20})
+    found = fitted(rows)
+    mode = fit(LEVELS, k, 20, shape="normal", guess_rate=0.5, method="map")
+    assert found.status == GroupStatus.ONE_PARTICIPANT
+    assert found.components == {}
+    assert found.conditions["threshold"][0] == pytest.approx(mode.threshold, abs=0.1)
+    assert found.conditions["width"][0] == pytest.approx(mode.width, rel=0.1)
+
+
+N_STUDIES = 100 if SOAK else 10
+
+
+def test_intervals_cover_means_contrasts_and_participants() -> None:
+    """At least 93.5 %, less what chance takes once in 1e4 runs. The participants of one study share its means, so each
+    study counts once, by a participant drawn at random."""
+    rng = np.random.default_rng()
+    covered = {"mean": 0, "contrast": 0, "participant": 0}
+    squared, alone = [], []
+    for _ in range(N_STUDIES):
+        rows, truth = simulated(rng)
+        found = fitted(rows)
+        first, contrast = found.conditions.iloc[0], found.contrast({(1.0,): 1.0, (0.5,): -1.0})
+        covered["mean"] += first["interval_low"] <= 18.0 <= first["interval_high"]
+        covered["contrast"] += contrast.interval_low <= 1.0 <= contrast.interval_high
+        one = found.participants.iloc[rng.integers(len(found.participants))]
+        true = truth[one["participant"], one["force_n"]]
+        covered["participant"] += one["interval_low"] <= true <= one["interval_high"]
+        cells = rows[rows["participant"] == one["participant"]]
+        single = cells[cells["force_n"] == one["force_n"]]
+        own = fit(single["level"], single["k"], 20, shape="normal", guess_rate=0.5, method="map").threshold
+        if own is not None:
+            squared.append((one["threshold"] - true) ** 2)
+            alone.append((own - true) ** 2)
+    assert {name: n for name, n in covered.items() if n < binom.ppf(RARE, N_STUDIES, 0.935)} == {}
+    if SOAK:
+        assert np.mean(squared) < 0.9 * np.mean(alone)
+
+
+def test_variances_are_found_again() -> None:
+    """Of 24 participants; sd known to 15 % (chi with 23 df), at 1e-4 within a factor of 1.8 either way."""
+    found = fitted(simulated(np.random.default_rng(), n=24)[0])
+    assert SD / 1.8 < found.components["threshold"] < 1.8 * SD
+    assert found.lapse_rate < 0.08
+
+
+def expected_counts(thresholds, n_trials) -> pd.DataFrame:
+    """Answers as often as they are expected."""
+    parts = [
+        pd.DataFrame({"participant": f"P{p}", "force_n": 1.0, "level": LEVELS, "k": np.round(n * curve(m)), "n": n})
+        for p, (m, n) in enumerate(zip(thresholds, n_trials, strict=True))
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def curve(threshold):
+    return PsychometricFunction("normal", threshold, WIDTH, 0.5, LAPSE_RATE).probability(LEVELS)
+
+
+def test_a_participant_is_drawn_to_the_group_the_more_the_fewer_the_trials() -> None:
+    thresholds, distances = [24.0, 16.0, 17.0, 18.0, 19.0, 20.0], []
+    for n in (1000, 60, 12):
+        found = fitted(expected_counts(thresholds, [n, *[100] * 5]))
+        distances.append(found.participants["threshold"][0] - 18.0)
+    assert pytest.approx(distances[0], abs=0.3) == 6.0
+    assert distances[0] > distances[1] > distances[2] > 0
+
+
+# Real data
+def test_the_published_conclusion_on_real_data() -> None:
+    """Dallmann, Ernst and Moscatelli 2015: masking vibration raises the just noticeable difference, not the point of
+    equality. lme4's probit model (as in the R package MixedPsy): 8.56 (0.142) and 8.41 (0.163), 2.94 and 3.58."""
+    path = SHARED / "data" / "dallmann2015_counts.csv"
+    if not path.exists():
+        pytest.skip("the shared folder with the data of Dallmann 2015 is absent")
+    rows = pd.read_csv(path)
+    found = fit_hierarchical(
+        rows["speed_cm_per_s"],
+        rows["n_faster"],
+        rows["n_faster"] + rows["n_slower"],
+        rows["participant"],
+        {"vibration_hz": rows["vibration_hz"]},
+        shape="normal",
+        guess_rate=0.0,
+        lapse_rate=0.0,
+        width_by=("vibration_hz",),
+    )
+    assert found.conditions["threshold"].tolist() == pytest.approx([8.56, 8.41], abs=0.02)
+    assert found.conditions["standard_error"].tolist() == pytest.approx([0.142, 0.163], rel=0.05)
+    jnd = found.conditions["width"].to_numpy(float) / SHAPES["normal"].z_width * ndtri(0.75)
+    assert jnd.tolist() == pytest.approx([2.94, 3.58], rel=0.02)
+    masked, equality = (found.contrast({(32,): 1.0, (0,): -1.0}, of=of) for of in ("log_width", "threshold"))
+    assert masked.interval_low > 0
+    assert masked.p < 0.01
+    assert equality.interval_low < 0 < equality.interval_high
+
+
+# Hard cases
+def test_an_all_correct_participant_is_bounded_and_never_put_in(study) -> None:
+    rows = study[0].copy()
+    rows.loc[rows["participant"] == "P0", "k"] = 20
+    found = fitted(rows)
+    own = found.participants[found.participants["participant"] == "P0"]
+    assert (own["status"] == "threshold_below_range").all()
+    assert own["threshold"].isna().all()
+    assert (own["interval_high"] < 15).all()
+    assert own["interval_low"].isna().all()
+    assert found.conditions["threshold"].notna().all()
+
+
+def test_a_missing_cell_stays_empty(study) -> None:
+    rows = study[0]
+    kept = rows[~((rows["participant"] == "P1") & (rows["force_n"] == 0.5))]
+    found = fitted(kept)
+    cell = found.participants.query("participant == 'P1' and force_n == 0.5").iloc[0]
+    assert (cell["status"], cell["n_trials"]) == ("no_data", 0)
+    assert pd.isna(cell["threshold"])
+    assert len(found.participants) == 16
+    assert found.conditions["threshold"].notna().all()
+
+
+def test_a_condition_without_a_threshold_is_left_out_and_has_no_bound_of_its_mean(study) -> None:
+    """Its participants have theirs."""
+    rows = study[0].copy()
+    rows.loc[rows["force_n"] == 0.5, "k"] = 20
+    found = fitted(rows)
+    assert found.conditions["status"].tolist() == ["threshold_below_range", "ok"]
+    assert pd.isna(found.conditions["threshold"][0])
+    assert found.conditions.loc[0, ["interval_low", "interval_high"]].isna().all()
+    assert (found.participants.query("force_n == 0.5")["interval_high"] < 6).all()
+    with pytest.raises(InvalidParameter, match="conditions: found no mean threshold for .*threshold_below_range"):
+        found.contrast({(1.0,): 1.0, (0.5,): -1.0})
+
+
+@pytest.mark.parametrize(
+    ("k", "status"),
+    [
+        ([20] * 7, "threshold_below_range"),
+        ([10] * 7, "threshold_above_range"),
+        ([15] * 7, "flat"),
+        ([20, 19, 18, 15, 12, 11, 10], "non_monotone"),
+    ],
+    ids=["all correct", "all chance", "flat", "falling"],
+)
+def test_nothing_to_tell_gives_statuses_without_numbers(study, k, status) -> None:
+    rows = study[0].assign(k=np.tile(k, 16))
+    found = fitted(rows)
+    assert found.status == GroupStatus.NO_THRESHOLD
+    assert found.note
+    assert (found.conditions["status"] == status).all()
+    assert found.conditions["threshold"].isna().all()
+    assert found.participants["threshold"].isna().all()
+
+
+def test_participants_who_step_at_one_place_have_a_threshold_and_a_bound_of_the_width(study) -> None:
+    rows = study[0].assign(k=np.tile([10, 10, 10, 20, 20, 20, 20], 16))
+    found = fitted(rows)
+    assert (found.conditions["threshold"] > LEVELS[2]).all()
+    assert (found.conditions["threshold"] < LEVELS[3]).all()
+    assert found.conditions["width"].isna().all()
+    assert (found.conditions["width_high"] < 28).all()
+
+
+def test_identical_participants_are_a_singular_fit(study) -> None:
+    one = study[0][study[0]["participant"] == "P0"]
+    found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
+    assert found.status == GroupStatus.SINGULAR
+    assert found.note
+    assert found.components["threshold"] < 0.05
+
+
+def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
+    """Steps between levels: the likelihood of a varying width rises without end."""
+    k = [10, 7, 10, 10, 17, 19, 20, 10, 10, 10, 9, 10, 20, 20]
+    one = study[0][study[0]["participant"] == "P0"].assign(k=k)
+    found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
+    assert found.status == GroupStatus.SINGULAR
+    assert found.note.endswith(
+        "widths are taken to be the same in all participants: the answers do not tell how they vary"
+    )
+    assert "log_width" not in found.components
+
+
+def test_two_participants_have_wide_intervals(study) -> None:
+    found = fitted(study[0][study[0]["participant"].isin(["P0", "P1"])])
+    first = found.conditions.iloc[0]
+    assert first["interval_high"] - first["interval_low"] > 10 * first["standard_error"]
+
+
+def test_one_level_and_no_trial_have_statuses(study) -> None:
+    rows = study[0]
+    one_level = fitted(rows[rows["level"] == LEVELS[3]])
+    assert (one_level.conditions["status"] == "too_few_levels").all()
+    assert fitted(rows.assign(k=0, n=0)).status == GroupStatus.NO_DATA
+    exact_case("a hierarchy of one level, and of none", against="statuses")
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1e-9, 0.0), (1.0, 1e4)])
+def test_scaling_and_shifting_the_levels_moves_all_with_them(study, scale, shift) -> None:
+    one, other = fitted(study[0]), fitted(study[0].assign(level=scale * (study[0]["level"] + shift)))
+    for name in ("threshold", "interval_low", "interval_high"):
+        moved = (one.conditions[name].to_numpy(float) + shift) * scale
+        assert other.conditions[name].to_numpy(float) == pytest.approx(moved, rel=1e-5)
+    assert other.components["threshold"] == pytest.approx(scale * one.components["threshold"], rel=1e-3)
+
+
+def test_neither_the_order_of_rows_nor_names_matter(study) -> None:
+    rows = study[0]
+    one, other = fitted(rows), fitted(rows.sample(frac=1.0, random_state=1).assign())
+    renamed = fitted(rows.assign(participant="Z" + rows["participant"]))
+    for found in (other, renamed):
+        assert found.conditions["threshold"].to_numpy() == pytest.approx(
+            one.conditions["threshold"].to_numpy(), rel=1e-6
+        )
+
+
+def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
+    rows = study[0]
+    one = fitted(rows, shape="weibull").conditions
+    other = fitted(rows.assign(level=np.log(rows["level"])), shape="gumbel").conditions
+    for name in ("threshold", "interval_low", "interval_high"):
+        assert np.log(one[name].to_numpy(float)) == pytest.approx(other[name].to_numpy(float), rel=1e-9)
+    assert one["standard_error"].to_numpy() == pytest.approx(other["standard_error"].to_numpy(), rel=1e-9)
+
+
+def test_effects_of_a_factorial() -> None:
+    rng, parts = np.random.default_rng(), []
+    for frequency_hz, base in ((60.0, 22.0), (240.0, 14.0)):
+        rows, _ = simulated(rng, means={0.5: base, 1.0: base}, n_trials=30)
+        parts.append(rows.assign(frequency_hz=frequency_hz))
+    rows = pd.concat(parts)
+    conditions = {"frequency_hz": rows["frequency_hz"], "force_n": rows["force_n"]}
+    found = fit_hierarchical(
+        rows["level"], rows["k"], rows["n"], rows["participant"], conditions, shape="normal", guess_rate=0.5
+    )
+    frequency, both = found.effect("frequency_hz"), found.effect("frequency_hz", "force_n")
+    assert (frequency.df, both.df) == (1, 1)
+    assert frequency.df_error == (7 if found.components["threshold_cell"] else np.inf)
+    assert frequency.p < 1e-3
+    assert both.p > RARE
+    weights = {(60.0, 0.5): 0.5, (60.0, 1.0): 0.5, (240.0, 0.5): -0.5, (240.0, 1.0): -0.5}
+    assert found.contrast(weights).t ** 2 == pytest.approx(frequency.f, rel=1e-9)
+
+
+def test_without_a_variance_of_participants_deviations_there_is_no_f(study) -> None:
+    found = fitted(study[0])
+    none = replace(found, components={**found.components, "threshold_cell": 0.0}).effect("force_n")
+    assert none.df_error == np.inf
+    assert none.p == pytest.approx(float(chi2.sf(none.f, 1)), rel=1e-9)
+
+
+def test_uneven_deviations_cost_degrees_of_freedom() -> None:
+    """As the covariance of the participants' thresholds says."""
+    rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
+    found = fitted(rows)
+    noise = np.random.default_rng().normal(0, 9, 6)
+    table = found.participants
+    uneven = replace(
+        found,
+        components={**found.components, "threshold_cell": 1.0},
+        participants=table.assign(threshold=table["threshold"] + np.outer(noise, [0, 0, 1]).ravel()),
+    )
+    one, other = (each.effect("force_n") for each in (found, uneven))
+    values = uneven.participants.pivot(index="participant", columns="force_n", values="threshold").to_numpy()
+    expected = epsilons(np.cov(values @ helmert(3).T, rowvar=False), 5)[2]
+    assert other.epsilon == pytest.approx(expected, rel=1e-9)
+    assert other.epsilon < 0.9
+    assert other.f == one.f
+    assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
+
+
+def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
+    with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
+        fitted(study[0]).effect("force_n", of="log_width")
+
+
+@pytest.mark.skipif(not SOAK, reason="a hundred seconds and more; in the soak")
+def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
+    rng, n_studies = np.random.default_rng(), 400
+    found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
+    assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
+
+
+def noisy(rng) -> pd.DataFrame:
+    """Ten participants, four conditions of one mean, the first with deviations three times as large."""
+    rows = []
+    for p in range(10):
+        own = 18.0 + 2.0 * rng.normal()
+        for condition, sd in enumerate((3.0, 1.0, 1.0, 1.0)):
+            curve = PsychometricFunction("normal", own + sd * rng.normal(), WIDTH, 0.02, LAPSE_RATE)
+            k = rng.binomial(20, curve.probability(LEVELS))
+            rows += [(f"P{p}", condition, x, each, 20) for x, each in zip(LEVELS, k, strict=True)]
+    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda found: found.effect("frequency_hz"), "factors: found frequency_hz over 2 conditions"),
+        (
+            lambda found: found.contrast({(3.0,): 1.0}),
+            r"weights: found \(3.0,\), expected conditions, such as \(0.5,\)",
+        ),
+        (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
+    ],
+)
+def test_refuses_contrasts_of_what_is_not_there(study, call, message) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{message}"):
+        call(fitted(study[0]))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"width_by": ("hz",)}, "width_by: found 'hz', expected factors of force_n"),
+        ({"interval": 95}, "interval: found 95, expected a number between 0 and 1"),
+        ({"guess_rate": 1.0}, "guess_rate: found 1.0, expected None or a number from 0 to below 1"),
+        ({"shape": "norml"}, "shape: found 'norml'"),
+    ],
+)
+def test_refuses_what_it_does_not_know(study, change, message) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{message}"):
+        fitted(study[0], **change)
+
+
+def test_names_the_row_of_an_impossible_count(study) -> None:
+    rows = study[0].copy()
+    rows.loc[3, "k"] = 21
+    with pytest.raises(InvalidParameter, match="^n_correct, row 3: found 21"):
+        fitted(rows)

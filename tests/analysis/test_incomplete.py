@@ -1,0 +1,196 @@
+"""Tables in which something is missing, doubled or edited: a right result with a warning, or one sentence."""
+
+import json
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command_line import call
+from places import RECORDED
+from tutorial_session import journal_of, live
+
+from tactometry.analysis.outcomes.group_means import quality
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.experiments.data_sets.edited import edited
+
+PAIR = {"participant": "P1", "trial": "1", "side": "a", "procedure": "pairs", "level": "1", "task": "preference"} | {
+    "response": "1",
+    "item": "x",
+    "item_b": "y",
+}
+
+
+def written(path: Path, rows) -> Path:
+    file = path / "t.csv"
+    pd.DataFrame(rows).to_csv(file, index=False)
+    return file
+
+
+def pairs(**changed: str):
+    items = [("x", "y"), ("y", "z"), ("z", "x")] * 4
+    rows = [
+        PAIR | {"participant": code, "trial": str(n + 1), "item": a, "item_b": b, "response": str(1 + n % 2)}
+        for code in ("P1", "P2")
+        for n, (a, b) in enumerate(items)
+    ]
+    return [row | changed for row in rows]
+
+
+# --- preferences
+
+
+@pytest.mark.parametrize("report", [False, True])
+@pytest.mark.parametrize("missing", [("item",), ("item_b",), ("item", "item_b")])
+def test_a_preference_without_its_items_is_one_sentence(tmp_path, capsys, missing, report):
+    rows = [{name: cell for name, cell in row.items() if name not in missing} for row in pairs()]
+    file = written(tmp_path, rows)
+    status, said, _ = call(capsys, "analyse", file, *(["--report", tmp_path / "r.html"] if report else []))
+    assert status == 2
+    assert f"t.csv: found no column {missing[0]!r}" in said
+    assert said.endswith("expected the two items of a preference in item and item_b, the one that came first in item")
+
+
+@pytest.mark.parametrize(
+    ("changed", "found"), [({"item": ""}, "'' and 'y'"), ({"item": "x", "item_b": "x"}, "'x' and 'x'")]
+)
+def test_a_preference_of_one_item_is_one_sentence(tmp_path, capsys, changed, found):
+    status, said, _ = call(capsys, "analyse", written(tmp_path, pairs(**changed)))
+    assert status == 2
+    assert f"t.csv, row 2 and 23 more (3, 4, 5, 6, ...): found the items {found}, expected the two items" in said
+
+
+def test_preferences_with_their_items_are_analysed(tmp_path, capsys):
+    status, said, out = call(capsys, "analyse", written(tmp_path, pairs()), "--json")
+    assert (status, said) == (0, "")
+    assert {row["item"] for row in json.loads(out)["preference"]} == {"x", "y", "z", "first of the pair"}
+
+
+# --- catch trials alone
+
+
+@pytest.mark.parametrize("task", ["yes_no", "forced_choice", "comparison"])
+def test_catch_trials_alone_have_a_report_without_a_threshold(tmp_path, capsys, task):
+    rows = [
+        {"participant": code, "trial": n + 1, "side": "a", "procedure": "constant", "level": "", "task": task}
+        | {"response": 1 + n % 2 if task == "forced_choice" else n % 2, "catch": 1, "target": 1}
+        for code in ("P1", "P2")
+        for n in range(8)
+    ]
+    arguments = ("--report", tmp_path / "r.html", "--figures", tmp_path / "f", "--json")
+    status, said, out = call(capsys, "analyse", written(tmp_path, rows), *arguments)
+    assert (status, said) == (0, "")
+    assert {(row["status"], row["n_catch"]) for row in json.loads(out)["thresholds"]} == {("no_data", 8)}
+    assert "no_data" in (tmp_path / "r.html").read_text()
+
+
+# --- what is counted
+
+
+def test_one_repeated_touch_of_a_questionnaire_is_one(tmp_path):
+    """Its answers have a row for each item."""
+    answer = {"participant": "P1", "session": 1, "block": 1, "trial": 1, "pattern": "P0", "procedure": "attrakdiff"}
+    answer |= {"level": 28, "task": "rating"}
+    failed = answer | {"item": "", "response": "", "valid": 0, "attempt": 1}
+    items = [answer | {"item": f"PQ{n}", "response": 4, "valid": 1, "attempt": 2} for n in range(1, 8)]
+    alone = [answer | {"trial": 2, "item": f"PQ{n}", "response": 4, "valid": 1, "attempt": 1} for n in range(1, 8)]
+    found = quality(read_trials(written(tmp_path, [failed, *items, *alone])))
+    assert found["n_repeated"].tolist() == [1]
+    assert found["n_invalid"].tolist() == [1]
+
+
+def test_every_repeated_touch_of_other_tasks_is_one(tmp_path):
+    row = {"participant": "P1", "session": 1, "block": 1, "trial": 1, "side": "a", "procedure": "q", "level": 1}
+    row |= {"task": "yes_no", "response": 1}
+    rows = [row | {"attempt": n, "valid": int(n == 3)} for n in (1, 2, 3)]
+    assert quality(read_trials(written(tmp_path, rows)))["n_repeated"].tolist() == [2]
+
+
+# --- digits
+
+
+@pytest.mark.parametrize("factor", [1e-5, 0.01, 1.0, 400.0])
+def test_a_threshold_keeps_three_digits_wherever_it_is_told(tmp_path, capsys, factor):
+    """In volts that no table of one decimal place can show."""
+    rows = [
+        {"participant": f"P{person}", "trial": 100 * x + n, "side": side, "procedure": "c", "level": factor * x}
+        | {"level_unit": "V", "task": "comparison", "response": int(n % 10 < 2 * x - person - (side == "b"))}
+        for person in (1, 2, 3)
+        for side in "ab"
+        for x in range(1, 7)
+        for n in range(20)
+    ]
+    status, _, out = call(capsys, "analyse", written(tmp_path, rows), "--report", tmp_path / "r.html")
+    assert status == 0
+    group = pd.read_csv(tmp_path / "r_tables/group_pse.csv")
+    for row in group.itertuples():
+        told = re.match(r"(\S+) \[(\S+), (\S+)\]", row.text)
+        for text, exact in zip(told.groups(), (row.mean, row.mean_low, row.mean_high), strict=True):
+            assert float(text) == pytest.approx(exact, rel=0.005)
+        assert row.text.split(" (")[0] in " ".join(out.split())
+    (sd,) = re.findall(r"thresholds (\S+) V", out)
+    assert float(sd) > 0
+
+
+# --- a table that was edited by hand
+
+
+@pytest.fixture
+def data_set(tmp_path) -> Path:
+    live(tmp_path / "d")
+    return tmp_path / "d"
+
+
+def table_of(root: Path) -> Path:
+    return next((root / "data").glob("*_data.csv"))
+
+
+def test_a_table_as_it_was_recorded_is_not_warned_of(data_set, capsys):
+    assert edited(data_set) == []
+    assert edited(table_of(data_set)) == []
+    _, _, out = call(capsys, "analyse", data_set, "--json")
+    assert not [text for text in json.loads(out)["warnings"] if "journal" in text]
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_an_edited_answer_is_told_in_terminal_report_and_json(data_set, capsys, single):
+    file = table_of(data_set)
+    file.write_bytes(file.read_bytes().replace(b",yes_no,1,", b",yes_no,0,", 1))
+    path = file if single else data_set
+    status, _, out = call(capsys, "analyse", path, "--report", data_set.parent / "r.html")
+    sentence = "1 of 1 trials file differs from its journal, and what stands in the table is analysed: "
+    assert status == 0
+    assert sentence in " ".join(out.split()) + " "
+    page = (data_set.parent / "r.html").read_text()
+    assert sentence in page
+    _, _, out = call(capsys, "analyse", path, "--json")
+    (warning,) = [text for text in json.loads(out)["warnings"] if "journal" in text]
+    assert re.search(rf"{re.escape(file.name)}, row \d+: found another row than the journal holds", warning)
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (lambda text: text.replace("latency_s", "latenz_s", 1), "row 1: found other columns than"),
+        (lambda text: "\n".join(text.split("\n")[:-3]) + "\n", "lacks the last 2 rows of the journal"),
+        (lambda text: text + text.split("\n")[-2] + "\n", "found another row than the journal holds"),
+    ],
+)
+def test_columns_that_were_renamed_and_rows_that_were_taken_or_added_are_told(data_set, edit, said):
+    file = table_of(data_set)
+    file.write_text(edit(file.read_text()))
+    assert said in edited(data_set)[0]
+
+
+def test_a_damaged_journal_is_told_and_stops_no_analysis(data_set, capsys):
+    journal_of(data_set).write_bytes(journal_of(data_set).read_bytes().replace(b'"at_s":2.0', b'"at_s":3.0', 1))
+    status, _, out = call(capsys, "analyse", data_set, "--json")
+    assert status == 0
+    assert any("the line is damaged" in warning for warning in json.loads(out)["warnings"])
+
+
+def test_data_sets_of_earlier_versions_are_not_warned_of():
+    folder = RECORDED
+    whole = [path for path in folder.iterdir() if (path / "journals").is_dir()]
+    assert whole
+    assert {path.name: edited(path) for path in whole if edited(path)} == {}

@@ -1,0 +1,137 @@
+"""Simulated data say so wherever they are read, and are never pooled with those of people."""
+
+import csv
+import io
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from command_line import call
+from places import RECORDED
+from sound_sitting import SOUND, sit
+
+from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.page import render
+
+LINE = "Simulated participants, no people (seed 1)."
+TITLE = "Tutorial: is there a vibration under the finger?"
+METHOD = "The participants were simulated by Tactometry (seed 1); no person took part."
+
+
+def page_of(path):
+    return render(analysed(read_trials(path)))
+
+
+def test_the_first_line_of_a_report_and_its_methods_say_that_participants_are_simulated(whole):
+    page = page_of(whole)
+    body = page.split("<body>")[1]
+    assert body.index(f"<h1>{TITLE} (simulated)</h1>") < body.index(LINE) < body.index("<h2>")
+    assert METHOD in page
+    assert f"<title>{TITLE} (simulated)</title>" in page
+    assert body.count(LINE.removesuffix(".")) == 1
+
+
+def test_so_does_the_terminal_first_of_all(whole, capsys):
+    status, _, out = call(capsys, "analyse", whole)
+    assert status == 0
+    assert out.startswith(f"! {LINE.removesuffix('.')}")
+    said = json.loads(call(capsys, "analyse", whole, "--json")[2])
+    assert (said["simulated"], said["seeds"]) == (True, [1])
+
+
+def test_a_trials_file_alone_says_so_without_its_seed(whole):
+    found = analysed(read_trials(next((whole / "data").glob("*.csv"))))
+    assert found.origin.line == "Simulated participants, no people (seed not known)."
+
+
+def test_a_data_set_that_an_older_version_simulated_says_so_too():
+    found = analysed(read_trials(RECORDED / "yes-no"))
+    assert found.origin.line == "Simulated participants, no people (seed 14)."
+
+
+def test_of_people_nothing_is_said(tmp_path):
+    sit(tmp_path, SOUND)
+    found = analysed(read_trials(tmp_path))
+    assert (found.origin.line, found.origin.method, found.origin.warnings) == ("", "", ())
+    assert "imulated" not in render(found).split("<body>")[1]
+    console = analysed(read_trials(RECORDED / "console"))
+    assert not console.origin.is_simulated
+
+
+@pytest.fixture
+def mixed(tmp_path, whole):
+    """People, and a simulated participant whose files somebody copied beside them."""
+    sit(tmp_path / "d", SOUND)
+    sit(tmp_path / "alone", SOUND)
+    for folder in ("data", "journals"):
+        for path in (whole / folder).iterdir():
+            name = path.name.replace("P01", "P77")
+            content = path.read_bytes()
+            (tmp_path / "d" / folder / name).write_bytes(content.replace(b"P01", b"P77"))
+    return tmp_path
+
+
+def test_of_a_mixed_table_people_are_analysed_and_the_others_named(mixed, whole, capsys):
+    n_rows = len(next((whole / "data").glob("*.csv")).read_text().splitlines()) - 1
+    found = analysed(read_trials(mixed / "d" / "data" / "participant-P01_session-1_study-tutorial_data.csv"))
+    both = mixed / "both.csv"
+    tables = [path.read_text().splitlines() for path in sorted((mixed / "d" / "data").glob("*.csv"))]
+    both.write_text("\n".join([*tables[0], *tables[1][1:], ""]))
+    pooled = analysed(read_trials(both))
+    assert pooled.tables["thresholds"].equals(found.tables["thresholds"])
+    assert pooled.warnings[0] == (
+        f"simulated participants share this table with people and are left out (P77: {n_rows} rows); analyse them apart"
+    )
+    assert not pooled.origin.is_simulated
+    status, _, out = call(capsys, "validate", mixed / "d")
+    assert status == 1
+    assert "found simulated participants" in out
+
+
+def test_a_mixed_folder_of_an_older_version_is_told_apart_by_its_journals(tmp_path):
+    root = Path(shutil.copytree(RECORDED / "console", tmp_path / "d"))
+    other = RECORDED / "yes-no"
+    for folder in ("data", "journals"):
+        for path in (other / folder).glob("*P01*"):
+            shutil.copy(path, root / folder / path.name.replace("P01", "P77").replace("yesno", "console"))
+    rows = []
+    for path in sorted((root / "data").glob("*.csv")):
+        rows += csv.DictReader(path.read_text().splitlines())
+    journal = root / "journals" / "participant-P77_session-1_study-console.jsonl"
+    head, _, rest = journal.read_text().partition("\n")
+    journal.write_text(head.replace('"P01"', '"P77"') + "\n" + rest)
+    for row in rows:
+        if row["study"] == "yes-no":
+            row |= {"participant": "P77", "study": "console"}
+    table = root / "data" / "participant-P77_session-1_study-console_data.csv"
+    own = [row for row in rows if row["participant"] == "P77"]
+    with table.open("w", newline="") as text:
+        writer = csv.DictWriter(text, own[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(own)
+    found = analysed(read_trials(root))
+    assert "P77" not in set(found.trials.rows["participant"])
+    assert found.origin.warnings[0].startswith("simulated participants share this table with people and are left out")
+
+
+def test_what_changed_between_sittings_is_a_warning(tmp_path):
+    sit(tmp_path, SOUND, stops_at=4)
+    sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
+    assert analysed(read_trials(tmp_path)).warnings[0] == (
+        "P01, session 1: sitting 2 differs from the one before: output_volts_per_unit was 200.0, is 400.0"
+    )
+
+
+def test_a_damaged_journal_keeps_nobody_from_an_analysis(lived):
+    next((lived / "journals").glob("*.jsonl")).write_bytes(b"{\n")
+    assert analysed(read_trials(lived)).origin.is_simulated
+
+
+def test_simulated_sessions_have_a_folder_of_their_own_by_default(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for rig in ("simulated", "console"):
+        monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 99))
+        assert call(capsys, "run", "tutorial", "--participant", "P01", "--rig", rig)[0] == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tutorial-data", "tutorial-simulated"]

@@ -1,0 +1,418 @@
+"""From a trials table to tables and report: recovery, censoring, real data, equal bytes."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import analysis_data
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from places import SHARED
+
+from tactometry.analysis.outcomes.group_means import cross_table, group_table
+from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import write_report
+from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
+from tactometry.analysis.tasks.applied_force import Exclusion
+from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH
+from tactometry.analysis.threshold.fitting import fit
+from tactometry.cli.analyse import command, summary_text
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
+
+FACTORS = ("force_n", "frequency_hz")
+MEANS = {(force, hz): base - 0.8 * force for force in (0.5, 3.0) for hz, base in ((60, 26.0), (240, 16.0), (480, 22.0))}
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> tuple[Path, dict]:
+    rng = np.random.default_rng()
+    truth = analysis_data.grid_of_thresholds(5, MEANS, 2.0, rng)
+    path = tmp_path_factory.mktemp("study") / "trials.csv"
+    return analysis_data.write_study(path, truth, FACTORS, rng=rng), truth
+
+
+@pytest.fixture(scope="module")
+def found(study, tmp_path_factory) -> Analysis:
+    return analyse(study[0], report=tmp_path_factory.mktemp("reported") / "report.html")
+
+
+def test_every_participant_and_condition_has_a_threshold_near_the_truth(study, found) -> None:
+    _, truth = study
+    table = found.tables["thresholds"]
+    errors = [
+        row["threshold"] - truth[row["participant"], (row["force_n"], row["frequency_hz"])]
+        for _, row in table.iterrows()
+    ]
+    assert len(table) == len(truth)
+    assert np.abs(errors).max() < 6 * 1.0
+
+
+def test_the_group_table_has_the_form_of_frequency_by_force(found) -> None:
+    cross = found.outcomes[0].cross
+    assert list(cross.columns) == ["frequency_hz", "force_n = 0.5", "force_n = 3"]
+    assert cross["frequency_hz"].tolist() == [60, 240, 480]
+    assert re.fullmatch(r"-?\d+\.\d \[-?\d+\.\d, -?\d+\.\d\] \(n = 5\)", cross.iloc[0, 1])
+
+
+def test_the_analysis_of_variance_finds_the_frequency(found) -> None:
+    anova = found.tables["anova_threshold"].set_index("Source")
+    assert anova.loc["frequency_hz", "p_unc"] < 1e-4
+    assert found.outcomes[0].sentences[1].startswith("frequency_hz: F(")
+
+
+def test_rates_count_every_answer_once(found) -> None:
+    rates, table = found.tables["rates"], found.tables["thresholds"]
+    assert rates["n_trials"].sum() == table["n_trials"].sum()
+    assert ((rates["rate_low"] <= rates["rate"]) & (rates["rate"] <= rates["rate_high"])).all()
+
+
+def test_catch_trials_stand_apart(found) -> None:
+    table = found.tables["thresholds"]
+    assert (table["n_catch"] == 20).all()
+    assert (table["n_trials"] == 9 * 12).all()
+    assert found.tables["quality"]["n_catch"].tolist() == [120] * 5
+
+
+def test_the_same_data_give_the_same_bytes(study, found, tmp_path) -> None:
+    analyse(study[0], report=tmp_path / "report.html")
+    files = sorted(found.report.parent.rglob("*"))
+    assert len(files) > 10
+    for one in files:
+        other = tmp_path / one.relative_to(found.report.parent)
+        assert one.is_dir() or one.read_bytes() == other.read_bytes()
+
+
+def test_the_report_needs_nothing_else(found) -> None:
+    page = found.report.read_text()
+    outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?((?!#|data:)[^"\')\s>]+)', page)
+    assert [link for link in outside if not link.startswith("f")] == []
+    assert not re.search(r"<(script|link|img|iframe)\b", page)
+    for word in ("Warnings", "Data quality", "Methods", "pingouin", "<svg"):
+        assert word in page
+    assert page.index("Warnings") < page.index("Detection threshold")
+
+
+def test_the_tables_of_the_report_are_the_tables_of_the_result(found) -> None:
+    for name, table in found.tables.items():
+        again = pd.read_csv(found.tables_folder / f"{name}.csv")
+        assert len(again) == len(table)
+        assert list(again.columns) == [str(column) for column in table.columns]
+
+
+@pytest.mark.parametrize("task", ["forced_choice", "comparison"])
+def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
+    rng = np.random.default_rng()
+    truth = {(f"P{i}", (0.0,)): 20.0 for i in range(8)}
+    found = analyse(analysis_data.write_study(tmp_path / "t.csv", truth, ["block_type"], rng=rng, task=task, n=30))
+    mean, low, high = found.outcomes[0].group[["mean", "mean_low", "mean_high"]].iloc[0]
+    assert mean == pytest.approx(20.0, abs=4.0 * max(high - low, 0.4))
+    if task == "comparison":
+        jnd = found.tables["group_jnd"].iloc[0]
+        assert jnd["mean"] == pytest.approx(
+            8.0 / 3.2897 * 0.67449, abs=4 * max(jnd["mean_high"] - jnd["mean_low"], 0.1)
+        )
+
+
+def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp_path) -> None:
+    rng = np.random.default_rng()
+    means = {(60.0,): 75.0, (240.0,): 16.0, (480.0,): 22.0}
+    truth = analysis_data.grid_of_thresholds(4, means, 1.0, rng)
+    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    found = analyse(file)
+    outcome = found.outcomes[0]
+    first = outcome.group.iloc[0]
+    assert (first["n"], first["n_above"], first["text"]) == (0, 4, "of 4: 4 above the levels")
+    assert first[["mean", "mean_low", "mean_high"]].isna().all()
+    assert outcome.notes == (
+        "the analysis of values and bounds leaves out frequency_hz = 60: fewer than 2 participants have a value in "
+        "one of its conditions",
+    )
+    assert (outcome.primary, outcome.censored.n_censored, outcome.left_out) == (
+        "censored_anova",
+        0,
+        ("frequency_hz = 60",),
+    )
+    assert any("4 of 12 cells with a threshold above the levels" in warning for warning in found.warnings)
+
+
+def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> None:
+    rng = np.random.default_rng()
+    truth = analysis_data.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
+    truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
+    file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
+    outcome = analyse(file).outcomes[0]
+    assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.n_censored) == ("censored_anova", 6, 2)
+    assert outcome.notes == ("the analysis of values and bounds counts 2 values as bounds",)
+    known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
+    rows = outcome.group.set_index("frequency_hz")
+    assert rows.loc[480, "mean"] > known[480] + 1.0
+    assert rows["method"].to_dict() == {240: "t", 480: "censored model"}
+    assert outcome.pairs["frequency_hz"]["difference"][0] > known[480] - known[240] + 1.0
+
+
+def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd.DataFrame:
+    table = pd.DataFrame(rows, columns=["threshold", "status", "interval_low", "interval_high"])
+    return table.assign(condition="x")
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4)], "2.0 [-10.7, 14.7] (n = 2)"),
+        ([(1.0, "ok", 0, 2)], "1.00 (n = 1)"),
+        ([(1.25e-300, "ok", 0, 2)], "1.25e-300 (n = 1)"),
+        ([(1.0, "ok", 0, 2), (3.0, "ok", 2, 4), (None, "flat", None, None)], "2.0 [-10.7, 14.7] (n = 2, 1 missing)"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_above_range", 5.0, None)], "of 2: 1 above the levels"),
+        ([(1.0, "ok", 0, 2), (None, "threshold_below_range", None, -3.0)], "of 2: 1 below the levels"),
+        (
+            [(None, "threshold_above_range", 5.0, None), (None, "threshold_below_range", None, 0.0)],
+            "of 2: 1 below, 1 above the levels",
+        ),
+        ([(None, "flat", None, None)], "none (1 missing)"),
+    ],
+)
+def test_a_mean_is_never_taken_over_what_is_no_threshold(rows, text) -> None:
+    group = group_table(estimates(*rows), ["condition"])
+    assert cross_table(group, ["condition"])["mean"].tolist() == [text]
+
+
+# Real data: Dallmann, Ernst and Moscatelli 2015, tactile speed with masking vibration
+@pytest.fixture(scope="module")
+def dallmann() -> Analysis:
+    path = SHARED / "data" / "dallmann2015_trials.csv"
+    if not path.exists():
+        pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
+    return analyse(path)
+
+
+def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
+    """The published conclusion."""
+    anova = dallmann.tables["anova_jnd"].set_index("Source")
+    mean = dallmann.tables["group_jnd"].set_index("vibration_hz")["mean"]
+    assert anova.loc["vibration_hz", "p_unc"] < 0.01
+    assert mean[32] > mean[0]
+    assert dallmann.tables["anova_pse"].set_index("Source").loc["vibration_hz", "p_unc"] > 0.05
+
+
+def test_individual_fits_of_real_data_without_lapses_equal_a_probit_regression(dallmann) -> None:
+    """With free lapses, the default, points of equality agree within their intervals, and differences are smaller."""
+    import statsmodels.api as sm
+
+    rows = dallmann.trials.rows
+    for _, row in dallmann.tables["thresholds"].iterrows():
+        own = rows[(rows["participant"] == row["participant"]) & (rows["vibration_hz"] == row["vibration_hz"])]
+        probit = sm.families.Binomial(sm.families.links.Probit())
+        model = sm.GLM(own["response"].astype(float), sm.add_constant(own["level"]), family=probit).fit(tol=1e-12)
+        intercept, slope = model.params
+        plain = fit(own["level"], own["response"].astype(float), 1, shape="normal", guess_rate=0.0, lapse_rate=0.0,
+                    method="profile")  # fmt: skip
+        assert plain.threshold == pytest.approx(-intercept / slope, rel=1e-6)
+        assert plain.width * DIFFERENCE_PER_WIDTH == pytest.approx(0.67448975 / slope, rel=1e-6)
+        assert row["interval_low"] < plain.threshold < row["interval_high"]
+        assert row["jnd"] <= 0.67448975 / slope * 1.05
+
+
+def test_real_data_through_the_command_line(tmp_path, dallmann) -> None:
+    page = tmp_path / "d.html"
+    result = CliRunner().invoke(command, [str(dallmann.trials.path), "--report", str(page), "--json"])
+    assert result.exit_code == 0, result.output
+    summary = json.loads(result.stdout)
+    assert summary["n_participants"] == 9
+    assert [outcome["dependent"] for outcome in summary["outcomes"]] == ["pse", "jnd"]
+    assert summary["thresholds"][0]["status"] == "ok"
+    assert page.exists()
+
+
+def test_the_terminal_shows_table_and_sentence(found) -> None:
+    text = summary_text(found)
+    assert "Frequency (Hz)" in text
+    assert "frequency_hz" not in text
+    assert "force × frequency: F(" in text
+    assert "generalised eta squared" in " ".join(text.split())
+
+
+def test_the_command_ends_with_one_sentence_and_status_two(tmp_path) -> None:
+    bad = tmp_path / "bad.csv"
+    bad.write_text("participant,level\nP01,1\n")
+    done = subprocess.run(
+        [sys.executable, "-c", "from tactometry.cli import main; main()", "analyse", str(bad)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)\n"
+
+
+def test_refuses_a_report_that_is_no_page_or_cannot_be_written(study, found, tmp_path) -> None:
+    with pytest.raises(InvalidParameter, match=r"--report: found 'r.txt', expected a file name that ends in .html"):
+        analyse(study[0], report=tmp_path / "r.txt")
+    with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected one"):
+        analyse(study[0], pdf=True)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DeviceFailed, match="cannot be written"):
+        write_report(found, tmp_path / "file" / "r.html")
+
+
+def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
+    with pytest.raises(
+        InvalidFile,
+        match="found no valid answer of a yes/no, forced-choice, comparison, same-different, preference, adjustment or",
+    ):
+        analyse(path)
+
+
+def test_refuses_levels_in_two_units(tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(
+        "participant,trial,procedure,level,level_unit,task,response\nP1,1,c,1,V,yes_no,1\nP1,2,c,1,dB,yes_no,0\n"
+    )
+    with pytest.raises(InvalidFile, match="row 3, column 'level_unit': found 'dB', expected 'V' as before"):
+        analyse(path)
+
+
+# --- force, questionnaires, plan, figures
+
+
+@pytest.fixture(scope="module")
+def patterns(tmp_path_factory) -> Path:
+    """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
+    from attrakdiff_answers import study as answers_of
+
+    better = {f"P{n}": 1.5 for n in (4, 5, 6)}
+    table = answers_of(np.random.default_rng(), n=6, effect=better)
+    table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)
+    path = tmp_path_factory.mktemp("patterns") / "answers.csv"
+    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
+    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def pressed(study, tmp_path_factory) -> Path:
+    """The study with a measured force: 10 % above the target, P02 out of the band."""
+    rng = np.random.default_rng()
+    table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
+    force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))
+    band = np.where(table["participant"] == "P02", 0.3, 0.95)
+    path = tmp_path_factory.mktemp("pressed") / "trials.csv"
+    table.assign(force_mean_n=force.round(4), force_in_band=band).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def planned(pressed, tmp_path_factory) -> Analysis:
+    plan = AnalysisPlan(Exclusion(force_in_band_share_min=0.5), {"force_n": 50.0})
+    return analyse(pressed, plan=plan, report=tmp_path_factory.mktemp("planned") / "report.html")
+
+
+def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
+    assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
+    assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5, numbers of trials: P02 ")
+    assert set(planned.tables["excluded"]["participant"]) == {"P02"}
+    assert "rules stated beforehand (force_in_band_share_min = 0.5)" in planned.methods
+
+
+def test_the_report_has_force_models_pairs_and_references(planned) -> None:
+    page = planned.report.read_text()
+    headings = (
+        "Applied force",
+        "Data quality",
+        "Left out by the plan",
+        "Pairs of frequency",
+        "Equivalence over force",
+    )
+    for text in (*headings, "Linear mixed model", "Schuirmann, D. J. (1987)", "Vallat, R. (2018)"):
+        assert text in page
+    assert page.index("<h2>Warnings") < page.index("<h2>Detection threshold")
+    outcome = planned.outcomes[0]
+    assert outcome.model_title == "frequency_hz * log2 of the measured force, participants at random"
+    assert outcome.equivalence["force_n"]["equivalent"].all()
+    assert len(outcome.pairs["frequency_hz"]) == 3
+    assert planned.tables["force"]["mean"].iloc[0] == pytest.approx(0.55, abs=0.01)
+
+
+def test_every_figure_is_a_file_with_its_numbers(pressed, tmp_path) -> None:
+    from PIL import Image
+
+    found = analyse(pressed, figures=tmp_path / "figures")
+    names = {path.stem for path in found.figures_folder.iterdir()}
+    assert {"threshold", "force", "rates_yes_no", "mean_rates_yes_no", "P01_curves"} <= names
+    for name in names:
+        assert (found.figures_folder / f"{name}.svg").read_text().startswith("<svg")
+        assert len(pd.read_csv(found.figures_folder / f"{name}.csv")) > 0
+    with Image.open(found.figures_folder / "threshold.png") as picture:
+        assert picture.info["dpi"][0] == pytest.approx(300, abs=1)
+    one = set(pd.read_csv(found.figures_folder / "P01_curves.csv")["participant"])
+    assert one == {"P01"}
+
+
+@pytest.fixture(scope="module")
+def rated(patterns, tmp_path_factory) -> Analysis:
+    return analyse(patterns, report=tmp_path_factory.mktemp("rated") / "r.html")
+
+
+def test_a_figure_has_the_same_bytes_again(rated) -> None:
+    one, other = (figures_of(rated)[1].drawing for _ in range(2))
+    assert (one.svg, one.png()) == (other.svg, other.png())
+
+
+def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
+    found, page = rated, rated.report.read_text()
+    for text in ("AttrakDiff", "Portfolio", "Word pairs", "Patterns against P0", "Cronbach&#39;s alpha"):
+        assert text in page
+    assert (found.outcomes, found.warnings) == ((), ())
+    (form,) = found.forms
+    assert form.crossed.set_index(["dimension", "Source"]).loc[("HQ", "frequency"), "p_unc"] < 0.05
+    assert list(form.cross().columns) == ["condition", "PQ", "HQI", "HQS", "ATT", "HQ"]
+    assert {"attrakdiff_scores", "attrakdiff_portfolio", "attrakdiff_against_P0"} <= set(found.tables)
+    assert found.summary()["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
+
+
+def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated) -> None:
+    """Figures 5.9 to 5.13 of the thesis."""
+    (form,) = rated.forms
+    names = {figure.name.removeprefix("attrakdiff_") for figure in figures_of(rated)}
+    by = {"word_pairs_by_frequency", "word_pairs_by_envelope", "word_pairs_low_frequency", "word_pairs_high_frequency"}
+    assert names == by | {"scores", "portfolio", "frequency_by_envelope"}
+    means = form.grouped.set_index(["of", "condition", "item"])["mean"]
+    own = form.profile.set_index(["condition", "item"])["mean"]
+    item = form.profile["item"].iloc[0]
+    assert means["frequency", "high", item] == pytest.approx(np.mean([own[code, item] for code in ("P4", "P5", "P6")]))
+    assert means["envelope", "sinc", item] == pytest.approx(np.mean([own[code, item] for code in ("P3", "P6")]))
+    assert means["envelope", "P0", item] == own["P0", item]
+
+
+def test_the_terminal_shows_scores_and_comparisons(rated) -> None:
+    text = summary_text(rated)
+    assert "AttrakDiff (mean, 95 % interval between participants, n)" in text
+    assert "frequency: F(1, 5)" in " ".join(text.split())
+
+
+def test_a_bound_of_no_factor_is_refused(pressed) -> None:
+    with pytest.raises(InvalidParameter, match="equivalence.force: found no such factor"):
+        analyse(pressed, plan=AnalysisPlan(equivalence={"force": 1.0}))
+
+
+@pytest.mark.skipif(
+    not any(map(shutil.which, (*BROWSERS, WEASYPRINT))), reason="neither a browser nor WeasyPrint is installed"
+)
+def test_the_page_is_printed_by_what_is_there(tmp_path) -> None:
+    page = tmp_path / "r.html"
+    page.write_text("<details><summary>closed</summary><p>inside</p></details>")
+    assert print_pdf(page).read_bytes().startswith(b"%PDF")
+
+
+def test_without_a_printer_the_page_is_kept_and_that_is_said(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one; print"):
+        print_pdf(tmp_path / "r.html")

@@ -1,0 +1,250 @@
+"""The page, its figures and the terminal say what a paper needs, and nothing that is not there."""
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from places import RECORDED
+
+from tactometry.analysis.figures.axes import shift
+from tactometry.analysis.figures.group import threshold_figure
+from tactometry.analysis.figures.style import COLOURS, look
+from tactometry.analysis.outcomes.findings import Outcome
+from tactometry.analysis.pipeline import Analysis, analysed
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.captions import figure_text, means_sentence
+from tactometry.analysis.report.figure_list import figures_of
+from tactometry.analysis.report.page import render, unbroken
+from tactometry.analysis.report.study_text import procedure_text, study_text
+from tactometry.analysis.wording.decibels import as_amplitudes
+from tactometry.cli.analyse import summary_text
+from tactometry.config.toml import read_table
+from tactometry.experiments.study.study_file import FOLDER
+
+STUDIES = sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def analysis_of(path: Path) -> Analysis:
+    return analysed(read_trials(path))
+
+
+@pytest.fixture(scope="module")
+def one(whole) -> Analysis:
+    """One participant of the tutorial."""
+    return analysis_of(whole)
+
+
+@pytest.fixture(scope="module")
+def two(whole, tmp_path_factory) -> Analysis:
+    """A second participant gave the same answers to levels that were 3 dB higher."""
+    root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("two") / "d"))
+    file = next((root / "data").glob("*.csv"))
+    table = pd.read_csv(file, dtype=str, keep_default_na=False)
+    for name in ("level", "level_delivered"):
+        table[name] = [f"{float(level) + 3:g}" if level else "" for level in table[name]]
+    table.assign(participant="P99").to_csv(root / "data" / file.name.replace("P01", "P99"), index=False)
+    return analysis_of(root)
+
+
+def captions(found: Analysis) -> dict[str, str]:
+    return {figure.name: figure.caption for figure in figures_of(found)}
+
+
+def test_one_participant_is_promised_no_interval(one) -> None:
+    page, told = render(one), captions(one)
+    assert "interval" not in told["threshold"] + told["force"]
+    assert told["threshold"] == "Detection threshold: values of one participant."
+    assert "Values of one participant; there is no interval between participants." in page
+    assert "(mean, no interval, n)" in summary_text(one)
+    assert "1 participant," in page
+    assert "in 1 file;" in page
+
+
+def test_two_participants_have_the_intervals_that_are_promised(two) -> None:
+    told = captions(two)
+    assert "t-intervals between participants; faint dots are participants" in told["threshold"]
+    assert "Mean over participants with 95 % interval between participants." in render(two)
+
+
+def test_the_axis_of_force_holds_0_the_target_and_all_values(two, one) -> None:
+    for found in (one, two):
+        (figure,) = (figure for figure in figures_of(found) if figure.name == "force")
+        (axes,) = figure.drawing.figure.axes
+        low, high = axes.get_ylim()
+        values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
+        assert low == 0.0
+        assert high > values.max()
+        assert [1.0, 1.0] in [list(line.get_ydata()) for line in axes.lines if line.get_linestyle() == "--"]
+        assert figure.caption.endswith("dashed: the target.")
+
+
+def test_the_title_and_the_procedure_are_those_of_the_study(one) -> None:
+    page = render(one)
+    assert "<h1>Tutorial: is there a vibration under the finger? (simulated)</h1>" in page
+    assert "Study tutorial: 1 participant" in page
+    assert page.index("<h3>Procedure") < page.index("no person took part. The conditions were frequency (60, 240 Hz).")
+    assert "share of catch trials 20 %" in page
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_procedure_of_every_study_is_told_with_all_that_its_file_says(name) -> None:
+    study = read_table(FOLDER / f"{name}.toml", "a study")
+    text = procedure_text(study, "dB re 1 V")
+    for table in ("stimulus", "touch", "task", "procedure", "practice"):
+        for key, value in study.get(table, {}).items():
+            if key != "kind" and isinstance(value, str | int | float) and not isinstance(value, bool):
+                share = f"{100 * value:.0f} %" if isinstance(value, float) and value < 1 else ""
+                told = value if isinstance(value, str) else f"{value:g}"
+                assert told in text or share in text, (table, key)
+    for levels in study["factors"].values():
+        assert all((f"{x:g}" if not isinstance(x, str) else x.replace("_", " ")) in text for x in levels)
+    assert not re.search(r"\w_\w|  |\(\)|nan|None", text)
+
+
+def test_a_table_without_a_study_has_no_procedure(tmp_path) -> None:
+    assert study_text(tmp_path / "trials.csv", "") == study_text(tmp_path, "")
+    (tmp_path / "study.toml").write_text('title = "T"\nfactors = 3\ntouch = "x"\nvariants = {a = 2}\n')
+    assert study_text(tmp_path, "").title == "T"
+
+
+def test_thresholds_in_decibels_stand_in_volt_peak_beside_them(two) -> None:
+    page = render(two)
+    assert "The same in V peak, 10^(level / 20): means are geometric." in page
+    known = two.outcomes[0].group.dropna(subset="mean")
+    row, text = known.iloc[0], as_amplitudes(known)["text"].iloc[0]
+    assert float(text.split(" ")[0]) == pytest.approx(10 ** (row["mean"] / 20), rel=0.01)
+    assert f"<td>{text.split(' ')[0]}" in page
+
+
+def test_a_difference_in_decibels_has_no_reference() -> None:
+    empty = pd.DataFrame()
+    jnd, pse = (Outcome("comparison", name, empty, empty, empty) for name in ("jnd", "pse"))
+    assert (jnd.unit("dB re 1 V"), pse.unit("dB re 1 V"), jnd.unit("cm/s")) == ("dB", "dB re 1 V", "cm/s")
+
+
+def test_factors_stand_in_words_on_page_and_terminal(two) -> None:
+    body = re.sub(r"<svg.*?</svg>", "", render(two).split("<body>")[1], flags=re.S)
+    assert "frequency_hz" not in body
+    assert "<th>Frequency (Hz)</th>" in body
+    assert "n_rows" not in body
+    assert "frequency_hz" not in summary_text(two)
+
+
+def test_no_table_is_cut(two) -> None:
+    """Cells break between a value, its interval and its number; they are not held on one line."""
+    page = render(two)
+    assert "nowrap" not in page
+    assert re.search(r"<td>[\d.]+ \[\S+,\u00a0\S+\] \(n\u00a0=\u00a02\)</td>", page)
+
+
+def test_headings_stay_with_what_they_head_in_print(two) -> None:
+    page = render(two)
+    assert re.search(r"h1, h2, h3, summary, \.lead \{ break-after: avoid; \}", page)
+    for head in re.findall(r"<h2>[^<]*</h2>\n<p([^>]*)>", page):
+        assert head in (' class="lead"', "")
+    heading = two.outcomes[0].heading() if two.outcomes[0].primary else "Primary analysis"
+    assert page.count(f"{heading}</") <= 1
+
+
+def test_tracks_are_called_by_their_procedure() -> None:
+    found = analysis_of(RECORDED / "quest-plus-tracks")
+    told = [caption for name, caption in captions(found).items() if name.endswith("_tracks")]
+    assert told
+    assert all("tracks (QUEST+); filled: " in caption for caption in told)
+    assert "staircase" not in " ".join(captions(found).values())
+    assert not any(name.startswith("mean_rates") for name in captions(found))
+
+
+def test_a_rate_over_all_levels_is_drawn_of_fixed_levels_only(one) -> None:
+    assert "mean_rates_yes_no" in captions(one)
+
+
+def test_dots_lie_beside_bars_and_between_series() -> None:
+    names = ["P0", "P1", "P2"]
+    means = pd.DataFrame({"pattern": names, "mean": [1.0, 2.0, 3.0]}).assign(mean_low=0.5, mean_high=3.5)
+    own = pd.DataFrame({"pattern": names * 2, "x": range(6)})
+    (axes,) = threshold_figure(means, ["pattern"], label="x", individuals=own, dependent="x").figure.axes
+    dots = next(line for line in axes.lines if line.get_marker() == ".")
+    width = axes.get_window_extent().width / np.ptp(axes.get_xlim())
+    assert np.min(np.abs(np.subtract.outer(np.asarray(dots.get_xdata(), float), range(3)))) * width > 4.0
+
+
+@pytest.mark.parametrize("n", [1, 3, 10])
+@pytest.mark.parametrize("log", [False, True])
+def test_series_of_neighbours_do_not_meet(n, log) -> None:
+    where = {1: 30.0, 2: 60.0, 3: 80.0}
+    last, first = (shift(place, n, where, log=log) for place in (n - 0.6, 0))
+    assert last[1] < first[2] < last[2] < first[3]
+
+
+def test_no_two_of_fourteen_series_look_alike() -> None:
+    assert len({str(look(n)) for n in range(2 * len(COLOURS))}) == 14
+
+
+def test_scores_of_a_load_are_not_called_good() -> None:
+    found = analysis_of(RECORDED / "hybrid-button")
+    labels = {
+        figure.name: figure.drawing.figure.axes[0].get_ylabel()
+        for figure in figures_of(found)
+        if figure.name.endswith("_scores")
+    }
+    assert set(labels.values()) == {"Score"}
+    assert captions(found)["realism_likert_word_pairs"].startswith("Items: ")
+
+
+def test_what_means_say_of_themselves() -> None:
+    told = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "within_low": [0.7], "n": [3]})
+    assert figure_text(told, "dots").startswith("means over participants; bars are 95 % intervals within participants")
+    alike = pd.DataFrame({"mean": [1.0], "mean_low": [np.nan], "n": [3]})
+    assert means_sentence(alike) == "Mean over participants; there is no interval between participants."
+    modelled = told.assign(method=["censored model"])
+    assert means_sentence(modelled).endswith("; where a value is a bound, of the censored model.")
+
+
+def test_methods_of_a_questionnaire_tell_what_its_figures_and_sentences_show() -> None:
+    methods = analysis_of(RECORDED / "hybrid-button").methods
+    assert "Intervals within participants are Cousineau's" in methods
+    assert "The primary analysis" not in methods  # two participants have none
+
+
+def test_methods_of_one_participant_claim_no_interval(one) -> None:
+    for told in ("t-intervals", "Cousineau", "The primary analysis", "hierarchical"):
+        assert told not in one.methods
+
+
+@pytest.mark.parametrize(
+    ("cell", "parts"),
+    [
+        ("0.29 [-0.78, 1.35] (n = 3)", 3),
+        ("0.0988 ± 0.0074 N, 100 % in band", 3),
+        ("the residuals bend with the level (n = 3)", 7),
+        ("9.6 % [8.5, 10.7]", 3),
+    ],
+)
+def test_a_cell_breaks_where_its_parts_meet(cell, parts) -> None:
+    assert len(unbroken(cell).split(" ")) == parts
+
+
+def test_bounds_alone_are_no_means() -> None:
+    found = analysis_of(RECORDED / "forced-choice")
+    assert found.outcomes[0].group["mean"].isna().all()
+    page = render(found)
+    assert "No mean is known; the cells say of how many participants there are bounds." in page
+    assert "means are geometric" not in page
+    assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
+
+
+def test_a_value_of_a_factor_stands_as_it_was_stated() -> None:
+    page = render(analysis_of(RECORDED / "quest-plus-tracks"))
+    assert "<td>0.5</td>" in page
+    assert "<td>0.500</td>" not in page
+
+
+def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> None:
+    study = read_table(RECORDED / "adjustment" / "study.toml", "a study")
+    assert "Levels were chosen" not in procedure_text(study, "")
+    assert "adjustments began" in procedure_text(study, "")
+    assert "(over frequency)" in procedure_text(read_table(RECORDED / "preference" / "study.toml", "a study"), "")

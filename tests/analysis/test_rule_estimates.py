@@ -1,0 +1,143 @@
+"""The rule's own estimate stands beside the fit: what the recorded session's procedure says at its end."""
+
+import json
+import shutil
+from statistics import fmean, stdev
+
+import pandas as pd
+import pytest
+from command_line import call
+from hypothesis import given, strategies as st
+from places import RECORDED
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.tasks.rule_estimate import COLUMNS, reversals
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
+from tactometry.protocols.bayesian.quest import Quest
+from tactometry.protocols.bayesian.quest_plus import QuestPlus
+from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
+from tactometry.protocols.procedures.staircase import Staircase
+from tactometry.records.data_set import sessions
+from tactometry.records.journal import read
+from tactometry.session.run import replay
+
+TUTORIAL = load("tutorial")[1].decode()
+RULES = {
+    "staircase": 'start = 34\nsteps = [8, 4, 2]\nlow = -10\nhigh = 40\nn_down = 1\nn_reversals = 8\nn_trials = 40',
+    "weighted_staircase": "start = 34\nsteps_up = [6, 3]\nsteps_down = [2, 1]\nlow = -10\nhigh = 40\nn_trials = 40",
+    "quest": "start = 20\nstart_sd = 12\nlow = -20\nhigh = 40\nstep = 0.5\ntarget = 0.6\n"
+    "guess_rate = 0.05\nn_trials = 25",
+    "quest_plus": "low = -10\nhigh = 40\nn_levels = 26\nwidth_low = 4\nwidth_high = 20\nn_widths = 3\n"
+    "guess_rates = [0.05]\nn_trials = 25",
+}  # fmt: skip
+
+
+def tracks_at_the_end(root):
+    """Every track of a data set's recorded sessions, with whose it was."""
+    experiment = wire(parse((root / "study.toml").read_bytes(), "study.toml"), "study.toml")
+    for journal in sessions(root):
+        recording = read(journal)
+        head = recording.head
+        course = experiment.course(head.participant, head.session, head.number, head.seed)
+        for track in replay(course, recording.replay(str(journal))):
+            yield head.participant, track
+
+
+def spread_and_number(procedure):
+    if isinstance(procedure, Quest | QuestPlus):
+        return procedure.threshold_sd, len(procedure.responses)
+    kept = procedure.reversals[2 + len(procedure.reversals) % 2 :]
+    return stdev(kept), len(kept)
+
+
+def in_json(capsys, root):
+    status, _, out = call(capsys, "analyse", root, "--json")
+    assert status == 0
+    return pd.DataFrame(json.loads(out)["thresholds"])
+
+
+@pytest.mark.parametrize("kind", RULES)
+def test_it_is_that_of_the_recorded_session(tmp_path, capsys, kind):
+    before, rest = TUTORIAL.partition("[procedure]")[0], TUTORIAL.partition("[limits]")[2]
+    content = f'{before}[procedure]\nkind = "{kind}"\n{RULES[kind]}\n\n[limits]{rest}'.encode()
+    list(simulate(Simulation(content, "study", tmp_path / "d", 2, seed=3)))
+    found = in_json(capsys, tmp_path / "d").set_index(["participant", "frequency_hz"])
+    ended = list(tracks_at_the_end(tmp_path / "d"))
+    assert len(ended) == len(found) == 4
+    for participant, track in ended:
+        row = found.loc[(participant, track.condition.factors["frequency_hz"])]
+        if track.procedure.threshold is None:
+            assert pd.isna(row["rule_estimate"])
+            continue
+        sd, n = spread_and_number(track.procedure)
+        assert row["rule_estimate"] == pytest.approx(track.procedure.threshold, rel=1e-12)
+        assert (row["rule_sd"], row["rule_n"]) == (pytest.approx(sd, rel=1e-12), n)
+
+
+def test_tracks_that_share_a_posterior_and_runs_of_several_sessions(capsys):
+    found = in_json(capsys, RECORDED / "quest-plus-tracks")
+    by_cell = {}
+    for participant, track in tracks_at_the_end(RECORDED / "quest-plus-tracks"):
+        assert isinstance(track.procedure, SharedTrack)
+        key = (participant, *track.condition.factors.values())
+        by_cell.setdefault(key, []).append(track.procedure.threshold)
+    named = list(track.condition.factors)
+    for _, row in found.iterrows():
+        known = [each for each in by_cell[row["participant"], *row[named]] if each is not None]
+        expected = pytest.approx(fmean(known), rel=1e-9) if known else None
+        assert (None if pd.isna(row["rule_estimate"]) else row["rule_estimate"]) == expected
+    assert set(found.loc[found["rule_estimate"].isna(), "rule_note"]) <= {"the rule ended as censored_below"}
+
+
+def test_trials_of_another_study_have_none(tmp_path, capsys):
+    root = shutil.copytree(RECORDED / "quest-plus-tracks", tmp_path / "d")
+    (root / "study.toml").write_bytes((RECORDED / "electrovibration-threshold" / "study.toml").read_bytes())
+    found = in_json(capsys, root)
+    assert found["rule_estimate"].isna().all()
+    assert set(found["rule_note"]) == {"these are not trials of the study.toml beside the table"}
+
+
+LEVELS = (30, 22, 14, 6, 14, 22, 18, 14, 18, 22, 18, 18, 14, 18, 14, 18, 22, 18, 14, 16)
+TURNS = (6, 22, 14, 22, 14, 18, 14, 22, 14)
+
+
+def plain(path, procedure, header="procedure,"):
+    rows = [f"participant,session,trial,colour,{header}level,level_unit,task,response"]
+    rows += [f"P1,1,{n},red,{procedure}{level},dB,yes_no,{int(level > 15)}" for n, level in enumerate(LEVELS, start=1)]
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def test_reversals_are_read_from_the_levels_of_a_plain_table(tmp_path):
+    found = analyse(plain(tmp_path / "t.csv", "staircase,"), report=tmp_path / "r.html").tables["thresholds"].iloc[0]
+    kept = TURNS[3:]
+    assert (found["rule_estimate"], found["rule_sd"], found["rule_n"]) == (fmean(kept), stdev(kept), len(kept))
+    assert found["rule_note"] == "mean of reversals seen in the levels"
+    assert "<th>rule estimate</th>" in (tmp_path / "r.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("procedure", "header", "why"),
+    [
+        ("quest,", "procedure,", "the parameters of quest are not known: no study.toml beside the table"),
+        ("constant_stimuli,", "procedure,", "no rule: the levels of constant_stimuli do not depend on the answers"),
+        ("", "", "no rule: the table does not say which chose the levels"),
+    ],
+)
+def test_without_one_the_reason_stands_there(tmp_path, procedure, header, why):
+    table = plain(tmp_path / "t.csv", procedure, header)
+    found = analyse(table, within=["colour"]).tables["thresholds"].iloc[0]
+    assert found[list(COLUMNS[:3])].isna().all()
+    assert found["rule_note"] == why
+
+
+@given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
+def test_levels_tell_the_reversals_of_a_staircase_but_the_last(answers, n_down):
+    rule = Staircase(0.0, (4.0, 2.0), -1e3, 1e3, n_down=n_down, n_reversals=100, n_trials=100)
+    for answer in answers:
+        rule = rule.after(answer)
+    told = reversals(rule.levels)
+    assert tuple(told) == rule.reversals[: len(told)]
+    assert len(rule.reversals) - len(told) in (0, 1)

@@ -1,0 +1,467 @@
+"""What a bench file says of devices: read strictly, imported when named, refused when old."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from datetime import date
+
+import numpy as np
+import pytest
+from benches import gain_table, gain_toml
+from command_line import call
+from places import DOCS
+
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.lsl import LslSettings
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
+from tactometry.experiments.bench.bench_file import (
+    RAMP_S,
+    BenchFile,
+    Learnt,
+    SensorPart,
+    device_facts,
+    load_bench,
+    parse_bench,
+)
+from tactometry.experiments.bench.preflight import _strongest
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, load
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+from tactometry.signal import Signal
+
+STUDY = Limits(200.0)
+TODAY = date(2026, 11, 21)
+WHOLE = """
+[screen]
+height_m = "29.8 cm"
+
+[output]
+kind = "audio"
+rate_hz = "192 kHz"
+channels = [0, 1]
+device = "interface"
+
+[output.gain]
+volts_per_unit = 2.0
+amplifier_gain = 50.0
+measured_on = 2026-11-01
+measured_by = "ZG"
+measured_with = "audio interface, int32"
+max_age_days = 90
+
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+leak_resistance_ohm = "10 Mohm"
+
+[limits]
+voltage_peak_v = 100.0
+current_peak_a = "1 mA"
+duty = 0.5
+session_s = "1 h"
+
+[sensors.hand]
+kind = "lsl"
+stream = "force"
+rate_hz = "1 kHz"
+n_channels = 3
+source_id = "F7"
+delay_s = "5 ms"
+
+[force]
+sensor = "hand"
+channel = 2
+polynomial = [-0.5, 0.01]
+measured_on = 2026-10-01
+measured_by = "ZG"
+max_age_days = 60
+
+[position]
+sensor = "hand"
+channels = [0, 1]
+metres_per_count = 1e-6
+zero_counts = [100, 0]
+
+[time_reversal]
+responses = "learnt.npz"
+"""
+
+
+def read(tmp_path, text):
+    path = tmp_path / "bench.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_bench(path)
+
+
+def test_a_whole_bench_is_read_with_its_units(tmp_path):
+    bench = read(tmp_path, WHOLE)
+    assert bench.screen.height_m == pytest.approx(0.298)
+    assert bench.output.settings == AudioSettings(192e3, "interface", (0, 1))
+    assert bench.output.gain == Gain(2.0, 50.0, date(2026, 11, 1), "ZG", 90, "audio interface, int32")
+    assert bench.output.load == Load("electrode", 1e-9, 1e7)
+    assert bench.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
+    assert bench.sensors == {"hand": SensorPart(LslSettings("force", 1000.0, 3, "F7"), delay_s=5e-3)}
+    assert bench.force.calibration == ForceCalibration(
+        polynomial=(-0.5, 0.01), measured_on=date(2026, 10, 1), measured_by="ZG", max_age_days=60
+    )
+    assert (bench.position.channels, bench.position.zero_counts) == ((0, 1), (100.0, 0.0))
+    assert bench.time_reversal == Learnt("learnt.npz")
+
+
+def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
+    devices = read(tmp_path, WHOLE).devices(STUDY, TODAY)
+    assert devices.output.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
+    assert devices.output.load.capacitance_f == 1e-9
+    assert (devices.output.n_channels, devices.output.rate_hz) == (2, 192e3)
+    assert devices.force.name == devices.position.name == "lsl force"
+    assert list(devices.readers) == ["hand"]
+
+
+def test_without_a_file_the_bench_is_null_with_the_limits_of_the_study():
+    devices = load_bench(None).devices(STUDY, TODAY)
+    assert devices.output.name == "null"
+    devices.output.play(Signal(np.full((1, 3), 199.0), 1e3, "V"))
+    with pytest.raises(LimitExceeded, match="voltage_peak_v"):
+        devices.output.play(Signal(np.full((1, 3), 201.0), 1e3, "V"))
+    assert devices.force is None
+
+
+def test_a_connected_output_needs_limits_of_its_own(tmp_path):
+    limits = WHOLE[WHOLE.index("[limits]") : WHOLE.index("[sensors")]
+    output = read(tmp_path, WHOLE.replace(limits, "")).devices(STUDY, TODAY).output
+    with pytest.raises(LimitExceeded, match="found no limits.*state them in the bench.*nothing was played"):
+        output.open()
+
+
+@pytest.mark.parametrize(
+    ("today", "message"),
+    [
+        (date(2027, 3, 1), "output.gain: found a calibration of 2026-11-01, 120 days old, expected at most 90"),
+        (date(2026, 12, 20), "force: found a calibration of 2026-10-01, 80 days old, expected at most 60"),
+    ],
+)
+def test_an_old_calibration_is_a_failed_device(tmp_path, today, message):
+    with pytest.raises(DeviceFailed, match=f"^{message}.*nothing was played") as refused:
+        read(tmp_path, WHOLE).devices(STUDY, today)
+    assert refused.value.exit_status == 3
+
+
+@pytest.mark.parametrize(("age", "owner"), [("90", r"output\.gain\.max_age_days"), ("60", r"force\.max_age_days")])
+def test_an_age_below_0_is_refused_with_the_file(tmp_path, age, owner):
+    with pytest.raises(InvalidFile, match=f"{owner}: found -3, expected a whole number, at least 0"):
+        read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
+
+
+OUTPUTS = {
+    "audio": {"kind": "audio", "device": "Interface", "rate_hz": 192e3},
+    "packed": {"kind": "packed", "path": "board", "n_channels": 32, "rate_hz": 1e6},
+    "ni": {"kind": "ni", "channels": ["Dev1/ao0"], "rate_hz": 1e5},
+}
+CHAINS = {"audio": "audio Interface, int32", "packed": "packed board", "ni": "ni Dev1/ao0, 10 V"}
+FORCE = {
+    "sensors": {"hand": {"kind": "lsl", "stream": "force", "rate_hz": 1e3}},
+    "force": {"sensor": "hand", "newtons_per_count": 0.01},
+}
+
+
+def bench_of(kind, gain=None, output=None, **more):
+    table = {**OUTPUTS[kind], **({} if gain is None else {"gain": gain}), **(output or {})}
+    return parse_bench({"output": table, **(more or FORCE)})
+
+
+per_kind = pytest.mark.parametrize("kind", OUTPUTS)
+
+
+@per_kind
+def test_an_output_that_leads_to_an_amplifier_has_its_gain_in_the_file(tmp_path, capsys, kind):
+    """What reaches the load for a sample of 1 is never guessed."""
+    with pytest.raises(
+        InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
+    ):
+        bench_of(kind)
+    for name in ("volts_per_unit", "amplifier_gain"):
+        gain = {key: value for key, value in gain_table(CHAINS[kind]).items() if key != name}
+        with pytest.raises(InvalidParameter, match=rf"^output\.gain\.{name}: found no such key, expected a number"):
+            bench_of(kind, gain)
+    with pytest.raises(InvalidParameter, match=r"^output\.gain: found none"):
+        bench_of(kind, gain_table(CHAINS[kind])).output.settings.driver(None)
+    rows = "".join(f"{key} = {json.dumps(value)}\n" for key, value in OUTPUTS[kind].items())
+    (tmp_path / "bench.toml").write_text(f"[output]\n{rows}", encoding="utf-8")
+    to = ["--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", *to)
+    assert (status, "output.gain: found none" in said, said.count("\n")) == (2, True, 0)
+
+
+@per_kind
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"measured_on": None}, r"\.measured_on: found none, expected the day of its measurement"),
+        ({"measured_by": None}, r"\.measured_by: found none, expected who did"),
+        ({"measured_by": ""}, r"\.measured_by: found none, expected who did"),
+        ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
+        ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
+        (
+            {"system_volume": 0.5},
+            r"\.system_volume: found a gain of a volume of 50 %, expected one of a volume that is",
+        ),
+        (
+            {"measured_on": date(2025, 11, 20)},
+            ": found a calibration of 2025-11-20, 366 days old, expected at most 365",
+        ),
+    ],
+)
+def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
+    gain = {
+        key: value
+        for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
+        if value is not None
+    }
+    with pytest.raises(DeviceFailed, match=rf"^output\.gain{message}.*nothing was played"):
+        bench_of(kind, gain).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
+    assert bench_of(kind, gain).devices(STUDY, TODAY).output.full_scale_v == 100.0
+
+
+def test_what_writes_files_needs_no_gain():
+    for table in ({"kind": "file", "folder": "x"}, {"kind": "null"}, {}):
+        assert parse_bench({"output": table}).devices(STUDY, TODAY).output.driver.connected is False
+
+
+@pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
+def test_a_sound_card_has_a_name(device):
+    for tables in (
+        {"output": {**OUTPUTS["audio"], "device": device}},
+        {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
+    ):
+        with pytest.raises(InvalidParameter, match=r"\.device: found .*, expected the name of a card"):
+            parse_bench(tables)
+    with pytest.raises(InvalidParameter, match=r"^output\.device: found no such key, expected a text"):
+        parse_bench({"output": {"kind": "audio", "rate_hz": 192e3}})
+
+
+RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
+
+
+@per_kind
+def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
+    alone = bench_of(kind, gain, screen={})
+    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
+        alone.devices(STUDY, TODAY)
+    assert alone.devices(STUDY, TODAY, touched=False).force is None
+    recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
+    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
+        recorded.devices(STUDY, TODAY)
+    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
+        bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_what_is_ungated_is_told(kind):
+    ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
+    devices = ungated.devices(STUDY, TODAY)
+    assert ungated.cautions == ("bench file, output.ungated = true: nothing stops the output when the finger leaves",)
+    assert device_facts(ungated, devices)["output_ungated"] is True
+
+
+def test_a_recording_may_gate_what_leads_nowhere():
+    bench = parse_bench({"sensors": RECORDED, "force": FORCE["force"]})
+    assert bench.devices(STUDY, TODAY).force.name == "recorded old.csv"
+
+
+def test_packed_streams_have_no_ramps(tmp_path):
+    board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n' + gain_toml("packed board")
+    assert read(tmp_path, board).output.ramp_s == 0.0
+    assert BenchFile().output.ramp_s == RAMP_S
+    assert read(tmp_path, '[output]\nramp_s = "1 ms"\n').output.ramp_s == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('kind = "audio"', 'kind = "adio"'), "output.kind: found 'adio', expected one of null, file, .*mean 'audio'"),
+        (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, audio, touch, "),
+        (('kind = "lsl"\n', ""), "sensors.hand.kind: found None, expected one of lsl"),
+        (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
+        (
+            ('"5 ms"', '"60 ms"'),
+            "sensors.hand.delay_s: found 0.06, expected from 0 to 0.05 s: a stop comes so much later",
+        ),
+        (('"5 ms"', "-1"), "sensors.hand.delay_s: found -1, expected from 0 to 0.05 s"),
+        (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
+        (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),
+        (('"1 mA"', '"1 mV"'), "limits.current_peak_a: found '1 mV', expected a number in A"),
+        (('"1 nF"', '"1 nf"'), "output.load.capacitance_f: found '1 nf', expected a number in F"),
+        (("duty = 0.5", "duty = 2"), "limits.duty: found 2.0, expected at most 1"),
+        (
+            ('kind = "electrode"', 'kind = "finger"'),
+            "output.load.kind: found 'finger', expected one of electrode, piezo",
+        ),
+        (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
+        (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
+        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
+        (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: .*'soon', expected a date"),
+        (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
+        (("[screen]", '[screen]\nlanguage = "de"'), "screen.language: found 'de', expected one of en, fr"),
+        (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
+        (
+            ("zero_counts = [100, 0]", "zero_counts = [1]"),
+            "position.zero_counts: found 1, expected one for each channel",
+        ),
+        (("metres_per_count = 1e-6", "metres_per_count = 0"), "position.metres_per_count: found 0.0, expected"),
+        (
+            ("channels = [0, 1]\nmetres", "channels = []\nmetres"),
+            "position.channels: found none, expected at least one",
+        ),
+    ],
+)
+def test_anything_else_is_refused_in_one_sentence(tmp_path, change, message):
+    assert change[0] in WHOLE
+    with pytest.raises(InvalidFile, match=f"bench.toml[,:] {message}"):
+        read(tmp_path, WHOLE.replace(*change))
+
+
+@pytest.mark.parametrize("channels", [[], [0, 0], [0, -1]])
+def test_an_outlet_of_a_card_is_named_once(channels):
+    with pytest.raises(InvalidParameter, match=r"^output\.channels: found .*expected at least one outlet, each from 0"):
+        parse_bench({"output": {"kind": "audio", "rate_hz": 48e3, "device": "x", "channels": channels}})
+
+
+@pytest.mark.parametrize(
+    ("part", "table", "name", "value"),
+    [
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "rate_hz", 0),
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
+        ("output", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
+        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "range_v", 0),
+        ("output", {"kind": "ni", "rate_hz": 48e3, "channels": ["Dev1/ao0"]}, "rate_hz", -1),
+        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", []),
+        ("output", {"kind": "ni", "rate_hz": 48e3}, "channels", ["Dev1/ao0", "Dev1/ao0"]),
+        ("output", {"kind": "packed", "path": "x", "rate_hz": 48e3}, "n_channels", 0),
+        ("output", {"kind": "packed", "path": "x", "n_channels": 1}, "rate_hz", 0),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "n_channels", 0),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "block_s", 0),
+        ("sensors.s", {"kind": "audio", "device": "x", "rate_hz": 48e3}, "latency_s", -1),
+        ("sensors.s", {"kind": "lsl", "stream": "x", "rate_hz": 1e3}, "n_channels", -3),
+        ("sensors.s", {"kind": "lsl", "stream": "x"}, "rate_hz", 0),
+        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "baud", 0),
+        ("sensors.s", {"kind": "serial", "port": "x", "rate_hz": 1e3}, "n_channels", 0),
+        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "sensor_rate_hz", 0),
+        ("sensors.s", {"kind": "udp", "address": "127.0.0.1", "rate_hz": 1e3}, "port", 70_000),
+        ("sensors.s", {"kind": "touch", "path": "x"}, "rate_hz", 0),
+        ("sensors.s", {"kind": "recorded", "path": "x", "rate_hz": 1e3}, "n_channels", 0),
+    ],
+)
+def test_a_number_that_no_device_can_have_is_refused_with_the_file(part, table, name, value):
+    kept = {**table, name: value}
+    with pytest.raises(InvalidParameter, match=rf"^{part}\.{name}: found .*, expected "):
+        parse_bench({"sensors": {"s": kept}} if part == "sensors.s" else {part: kept})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("channel = 2", "channel = 3"), "force.channel: found 3, expected from 0 to 2, a channel of lsl force"),
+        (("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"), "position.channels: found -1, expected from 0"),
+    ],
+)
+def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
+    assert change[0] in WHOLE
+    with pytest.raises(InvalidParameter, match=message):
+        read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
+
+
+PAGE = (DOCS / "devices.md").read_text(encoding="utf-8")
+BENCHES = re.findall(r"```toml\n(.*?)```", PAGE, re.S)
+CLAIMS = re.findall(r"^\| ((?:`[a-z-]+`(?:, )?)+) \| (the one|`null` and `file`).* \| (?:`(.*)`)? ?\|$", PAGE, re.M)
+
+
+def test_every_built_in_study_has_its_bench_in_the_docs():
+    assert [name for studies, _, _ in CLAIMS for name in re.findall(r"`(.*?)`", studies)] == [
+        "tutorial",
+        "electrovibration-threshold",
+        "time-reversal-threshold",
+        "time-reversal-patterns",
+        "force-loss",
+        "hybrid-button",
+    ]
+    assert set(builtin()) == {name for studies, _, _ in CLAIMS for name in re.findall(r"`(.*?)`", studies)}
+    assert [parse_bench(tomllib.loads(text)).devices(STUDY, TODAY).output.name.split()[0] for text in BENCHES] == [
+        "audio",
+        "ni",
+    ]
+
+
+@pytest.mark.parametrize("study", builtin())
+def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study):
+    """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
+    [(row, (_, _, line))] = [each for each in enumerate(CLAIMS) if f"`{study}`" in each[1][0]]
+    text = BENCHES[row] if row < len(BENCHES) else '[output]\nkind = "file"\nfolder = "played"\n'
+    (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
+    assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
+    mine = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(mine.replace("[stimulus]\n", f"[stimulus]\n{line}\n"), encoding="utf-8")
+    at = [tmp_path / "mine.toml", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    assert call(capsys, "run", *at, "--participant", "P01", "--dry-run")[0] == 0
+    bench, experiment = load_bench(tmp_path / "bench.toml"), wire(load(str(at[0]))[0], study)
+    output = bench.devices(experiment.study.limits, TODAY).output
+    findings = list(_strongest(output, experiment, bench))
+    assert len(findings) >= 1
+    assert [each for each in findings if not each.fine] == []
+
+
+def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_path):
+    bench, experiment = parse_bench(tomllib.loads(BENCHES[0])), wire(load("tutorial")[0], "tutorial")
+    findings = list(_strongest(bench.devices(experiment.study.limits, TODAY).output, experiment, bench))
+    assert len(findings) == 2
+    for each in findings:
+        assert (
+            "with rate_hz 20000, expected 192000; state that rate_hz in the study's [stimulus] (or its setup)"
+            in each.found
+        )
+
+
+def test_reading_a_bench_file_loads_no_device_library(tmp_path):
+    (tmp_path / "bench.toml").write_text(WHOLE, encoding="utf-8")
+    script = (
+        "import sys, datetime, pathlib; from tactometry.experiments.bench.bench_file import load_bench\n"
+        "from tactometry.safety.limits import Limits\n"
+        "load_bench(pathlib.Path('bench.toml')).devices(Limits(1.0), datetime.date(2026, 11, 21))\n"
+        "print({'sounddevice', 'pylsl', 'serial', 'nidaqmx'} & set(sys.modules))\n"
+        "print([name for name in sys.modules if name.startswith('tactometry.devices.') and 'ni' in name.split('.')])"
+    )
+    result = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert result.stdout.split("\n")[:2] == ["set()", "[]"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "wanted"),
+    [
+        ("rate_hz = 44100\nchannels = [0]", "rate_hz 20000, expected 44100"),
+        ("rate_hz = 20000\nchannels = [0, 1]", "n_channels 1, expected 2"),
+    ],
+)
+def test_a_study_that_an_output_cannot_play_opens_no_window(tmp_path, capsys, settings, wanted):
+    calibrated = gain_toml("audio x, int32") + WHOLE[WHOLE.index("[output.load]") : WHOLE.index("[sensors.hand]")]
+    bench = tmp_path / "bench.toml"
+    bench.write_text(f'[output]\nkind = "audio"\ndevice = "x"\nungated = true\n{settings}\n{calibrated}')
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
+    assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said
+
+
+def test_responses_that_are_not_there_end_a_session_before_its_window(tmp_path, capsys):
+    bench = tmp_path / "bench.toml"
+    bench.write_text('[time_reversal]\nresponses = "nothing.npz"\n')
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")
+    assert (status, said.count("\n")) == (2, 0)
+    assert "nothing.npz: " in said

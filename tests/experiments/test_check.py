@@ -1,0 +1,241 @@
+"""`tactometry check`: what is fine and what is not, with real devices in other processes."""
+
+import importlib.util
+import io
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from datetime import date
+
+import numpy as np
+import pytest
+from benches import gain_table, gain_toml
+from emulated import Emulator, available
+from hands import LONGEST_WAIT_S
+
+from tactometry.cli.check import _table
+from tactometry.cli.hands_off import hands_are_off
+from tactometry.experiments.bench.bench_file import load_bench, parse_bench
+from tactometry.experiments.bench.preflight import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load as load_numbers
+from tactometry.rigs.pages.page import Page
+from tactometry.safety.limits import Limits
+
+LIMITS = '[limits]\nvoltage_peak_v = 80.0\nduration_s = 10.0\ncurrent_peak_a = "1 mA"\nduty = 0.5\nsession_s = "1 h"\n'
+LOAD = '[output.load]\nkind = "electrode"\ncapacitance_f = "1 nF"\n'
+AUDIO = '[output]\nkind = "audio"\ndevice = "tofile"\nrate_hz = 48000\nsample_format = "int16"\n'
+GAIN = gain_toml("audio tofile, int16")
+SCREEN = "[screen]\nfullscreen = false\n"
+SERIAL = '[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nn_channels = 3\nport = "{port}"\n'
+FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
+
+
+def checked(tmp_path, bench, *more, env=None):
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
+    command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json", "--hands-off"]
+    result = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False)
+    assert result.stdout, result.stderr
+    findings = {(each["part"], each["what"]): each for each in json.loads(result.stdout)["findings"]}
+    return result.returncode, findings
+
+
+def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, in_background, alsa):
+    if importlib.util.find_spec("sounddevice") is None or not available("serial"):
+        pytest.skip("no sounddevice or no pyserial: extras audio, serial")
+    device, ended = Emulator("serial", tmp_path, profile="1:250"), threading.Event()
+
+    def press_keys():
+        while not ended.wait(0.05):
+            display.tap("space")
+
+    in_background(press_keys)
+    try:
+        bench = SCREEN + AUDIO + GAIN + LOAD + LIMITS + SERIAL.format(port=device.port) + FORCE
+        env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
+        status, findings = checked(tmp_path, bench, "tutorial", env=env)
+    finally:
+        ended.set()
+        device.close()
+    assert status == 3, findings
+    assert ("sensor hand", "failed") not in findings, findings
+    expected = {
+        ("study", "tutorial"),
+        ("computer", "blas threads"),
+        ("disk", "free"),
+        ("disk", "a record, to disk"),
+        ("display", "frame period"),
+        ("display", "dropped frames"),
+        ("display", "key to record"),
+        ("sensor hand", "rate"),
+        ("sensor hand", "latency, median"),
+        ("force", "noise, sd"),
+        ("output", "underruns"),
+    }
+    assert expected <= findings.keys()
+    assert findings["display", "size"]["found"] == "1280 x 800 px"
+    assert findings["display", "key to record"]["found"].endswith("of 3 keys")
+    assert findings["sensor hand", "opened"]["fine"]
+    assert findings["force", "mean, at rest"]["found"] == "2.5 N"
+    assert findings["output", "test tone"]["found"] == "8 V, 0.5 s"
+    played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
+    assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(8.0, abs=0.01)
+    strongest = [each["found"] for (_, what), each in findings.items() if what.startswith("strongest")]
+    assert len(strongest) == 2
+    assert all(" of touch " in each or "level 34 of " in each for each in strongest)
+    assert all("found a signal with rate_hz 20000, expected 48000; state that rate_hz in" in each for each in strongest)
+
+
+def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, participant, hands, in_background):
+    """Of a key that was pressed before the page came, nothing is told; records take 50 ms here."""
+
+    def record():
+        time.sleep(0.05)
+        recorded_s.append(time.perf_counter())
+
+    def press():
+        onset_s = watched.shown.get(timeout=LONGEST_WAIT_S)
+        pressed_s.extend(hands.tap("space")[0] for _ in range(2))
+        assert all(pressed > onset_s for pressed in pressed_s)
+
+    recorded_s, pressed_s = [], []
+    hands.tap("space")
+    in_background(press)
+    delays_s = key_to_record_s(watched, Page(), record, n_keys=2, within_s=LONGEST_WAIT_S)
+    assert len(delays_s) == len(recorded_s) == 2
+    for delay_s, record_s, key_s in zip(delays_s, recorded_s, pressed_s, strict=True):
+        assert 0.05 <= delay_s <= record_s - key_s + 2e-3
+
+
+def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.KEYS_WITHIN_S", 0.1)
+    found = _pressed(watched, "fr", tmp_path)
+    assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
+    assert "sur la barre d'espace" in watched.pages[-1].items[1].words
+    assert _pressed(watched, "en", tmp_path / "none").fine is False
+
+
+def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):
+    bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
+    found = {each.what: each for each in _devices(bench, Limits(80.0), None, hands_off=False)}
+    assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
+    assert found["caution"].found.startswith("bench file, output.ungated = true: nothing stops the output")
+    assert "opened" not in found
+
+
+@pytest.mark.parametrize(
+    ("typed", "sure"), [("hands off", True), (" Hands Off ", True), ("yes", False), ("", False), (None, False)]
+)
+def test_hands_are_off_where_somebody_types_it_at_a_terminal(monkeypatch, capsys, typed, sure):
+    terminal = io.StringIO("" if typed is None else f"{typed}\n")
+    terminal.isatty = lambda: typed is not None
+    monkeypatch.setattr("sys.stdin", terminal)
+    assert hands_are_off() is sure
+    said = capsys.readouterr()
+    assert ("Type 'hands off' when no hand is on the surface" in said.err) is (typed is not None)
+
+
+def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
+    bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
+    failed = [each for each in _devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
+    assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
+    assert exit_status(failed) == 1
+
+
+def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
+    study = wire(load_numbers("tutorial")[0], "tutorial")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 10.0\n')
+    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    names = list(study.bank)
+    assert [each.what for each in found] == [f"strongest {name}" for name in names]
+    for each, name in zip(found, names, strict=True):
+        assert each.found.startswith(f"level 34 of {name}: limits.voltage_peak_v: found a peak of 47.6")
+        assert (each.fine, each.device) == (False, True)
+
+
+@pytest.mark.parametrize("hands_off", [False, True])
+def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_off):
+    """They stood in a row for each condition, and nowhere where no study was given."""
+    bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
+    for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
+        told = [each for each in _devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
+        assert [each.found.partition(",")[0] for each in told] == ["limits: found no duration_s"]
+        assert "no session_s, expected them for a load of kind 'electrode'" in told[0].found
+        assert exit_status(told) == 3
+
+
+def test_conditions_that_differ_in_the_touch_alone_share_their_strongest_stimulus(tmp_path):
+    study = wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 200.0\n')
+    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    assert [each.what for each in found] == [f"strongest {name}" for name in study.bank]
+    assert len(found) == 7 < len(study.cells) == 21
+
+
+def load(folder, text):
+    (folder / "bench.toml").write_text(text, encoding="utf-8")
+    return load_bench(folder / "bench.toml")
+
+
+@pytest.mark.parametrize(
+    ("bench", "part", "message"),
+    [
+        ("[output]\nungated = true\n" + AUDIO[9:] + GAIN + LIMITS, "output", "output 'audio tofile': found no load"),
+        (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
+    ],
+)
+def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
+    findings = list(_devices(load(tmp_path, bench), Limits(80.0), None, hands_off=True))
+    [failed] = [each for each in findings if each.fine is False]
+    assert failed.part == part
+    assert failed.found.startswith(message)
+    assert exit_status(findings) == 3
+
+
+def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
+        silent.bind(("127.0.0.1", 0))
+        port = silent.getsockname()[1]
+        sensor = {"kind": "udp", "address": "127.0.0.1", "port": port, "rate_hz": 1000}
+        bench = parse_bench({"sensors": {"hand": sensor}, **tomllib.loads(FORCE)})
+        failed = [each for each in _devices(bench, None, None, hands_off=False) if each.fine is False]
+    said = [(each.part, each.what, each.found, each.expected) for each in failed]
+    assert said == [
+        ("sensor hand", "samples", "0 in 0.1 s", "a sensor that sends"),
+        ("force", "samples", "0 in 0.05 s", "a sensor that sends"),
+    ]
+    assert exit_status(failed) == 3
+
+
+def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
+    words = "serial no/line: cannot open the line (No such file or directory), expected a device to read"
+    text = _table([Finding("disk", "free", "1 GB", fine=True), Finding("sensor hand", "failed", words, fine=False)])
+    assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 not fine"]
+    assert "see below" in text
+
+
+def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():
+    assert exit_status([Finding("study", "x", "", fine=False), Finding("disk", "free", "", fine=True)]) == 1
+    assert exit_status([Finding("a", "b", "c")]) == 0
+
+
+@pytest.mark.parametrize(
+    "output",
+    [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}],
+)
+def test_the_test_tone_keeps_the_limits(output):
+    gain = gain_table("packed x", 30.0, 1.0)
+    bench = parse_bench({"output": {**output, "gain": gain}, "limits": {"voltage_peak_v": 80.0}})
+    tone = tone_of(bench.devices(Limits(50.0), date.today(), touched=False).output)
+    assert tone.peak <= 50.0
+    if output["kind"] == "file":
+        assert tone.peak == pytest.approx(5.0, rel=1e-3)
+        assert np.abs(tone.samples[:, [0, -1]]).max() < 1e-3
+    else:
+        assert np.all(np.abs(tone.samples) == 30.0)

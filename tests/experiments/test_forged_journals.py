@@ -1,0 +1,196 @@
+"""Journals with right checksums and wrong content: one sentence with the line, whatever is done with them."""
+
+import json
+import os
+import shutil
+import zlib
+from pathlib import Path
+
+import pytest
+from command_line import call
+from hypothesis import given, settings, strategies as st
+from places import RECORDED
+
+from tactometry.errors import InvalidFile, TactometryError
+from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import parse
+from tactometry.records.journal import checksum, encode, read
+from tactometry.session.answer_rules import flaw
+from tactometry.session.request import Adjust, Adjusted, Enter, Fill, Filled, Question, Rate, Rated
+
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+SETS = ("console", "inquiries", "preference", "adjustment")
+VALUES = [None, True, 0, -1, 2**62, 3.5, 1e308, -1e308, "", "x", "../../x", "=x", "a\nb", [], [1], {}, {"a": 1}]
+
+
+def journal_of(root):
+    return next(path for path in sorted((root / "journals").glob("*.jsonl")) if "interruptions" not in path.name)
+
+
+def lines_of(path):
+    tables = [json.loads(line) for line in path.read_bytes().split(b"\n")[:-1]]
+    return [{key: value for key, value in table.items() if key != "crc32"} for table in tables]
+
+
+def write(path, tables):
+    content, before = b"", 0
+    for table in tables:
+        line = encode(table, before)
+        content, before = content + line, checksum(line)
+    path.write_bytes(content)
+
+
+def leaves(value, place=()):
+    """Where the values of a table stand, those of tables and lists within it too."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, part in inner:
+        yield (*place, key)
+        yield from leaves(part, (*place, key))
+
+
+def change(table, place, value):
+    *way, last = place
+    for key in way:
+        table = table[key]
+    table[last] = value
+
+
+def forged(name, tmp_path, *changes):
+    """A copy of a data set with some values of its journal changed: (line from 0, place, value)."""
+    root = Path(shutil.copytree(RECORDED / name, tmp_path / name))
+    path = journal_of(root)
+    tables = lines_of(path)
+    for line, place, value in changes:
+        change(tables[line], place, value)
+    write(path, tables)
+    return root
+
+
+def resume(root):
+    content = (root / "study.toml").read_bytes()
+    experiment, who = wire(parse(content, "study.toml"), "study.toml"), Who("P01", seed=None)
+    record(experiment, content, root, who, simulated(experiment, who), resume=True)
+
+
+@given(
+    name=st.sampled_from(SETS),
+    line=st.integers(0, 10**6) | st.just(0),
+    place=st.integers(0, 10**6),
+    value=st.sampled_from(VALUES),
+    n_left=st.integers(0, 10**6),
+)
+@settings(max_examples=1000 if SOAK else 25)
+def test_a_forged_value_never_gives_a_traceback(tmp_path_factory, name, line, place, value, n_left):
+    root = Path(shutil.copytree(RECORDED / name, tmp_path_factory.mktemp("forged") / "d"))
+    path = journal_of(root)
+    tables = lines_of(path)
+    n = line % len(tables)
+    places = list(leaves(tables[n]))
+    change(tables[n], places[place % len(places)], value)
+    write(path, tables[: max(n + 1, n_left % (len(tables) + 1))])
+    for use in (validate, replay_data_set, resume, rebuild_data_set, validate):
+        try:
+            use(root)
+        except TactometryError:
+            continue
+
+
+HEADS = {
+    "participant": "../../etc",
+    "study": "Not A Name",
+    "study_sha256": "abc",
+    "session": -1,
+    "number": 0,
+    "seed": -1,
+    "rig": "nobody",
+    "format": 99,
+    "started_utc": "yesterday",
+}
+
+
+@pytest.mark.parametrize("key", HEADS)
+def test_a_head_holds_what_a_head_can(tmp_path, key):
+    root = forged("bench", tmp_path, (0, (key,), HEADS[key]))
+    with pytest.raises(InvalidFile, match=rf"line 1: found the {key} .*, expected the head of a journal"):
+        read(journal_of(root))
+
+
+def n_of(root, request):
+    """The first line, from 0, of such a request."""
+    return next(n for n, table in enumerate(lines_of(journal_of(root))) if table.get("request") == request)
+
+
+ANSWERS = {
+    "option": ("console", "Choose", ("answer", "option"), 9, "the option 9, expected one of 0, 1"),
+    "values": ("inquiries", "Fill", ("answer", "values"), [1.0], "1 values, expected one for each of"),
+    "value": ("inquiries", "Fill", ("answer", "values", 0), 999.0, "the value 999, expected from"),
+    "reading": ("force-loss", "Enter", ("answer", "value"), -1.0, "the value -1, expected from 0 to 1e+15"),
+    "level": ("adjustment", "Adjust", ("answer", "level"), 1e9, "the value 1e+09, expected from 0 to 40"),
+    "request": ("console", "Choose", ("request",), [1], r"the request \[1\]"),
+    "unknown request": ("console", "Choose", ("request",), "Chose", "the request 'Chose'"),
+    "key of an answer": ("console", "Choose", ("answer", "more"), 1, "the key 'more'"),
+    "key of a trial": ("console", "Record", ("asked", "trial", "levl"), 1, "the key 'levl'"),
+    "key of a line": ("console", "Choose", ("more",), 1, "a line of 'request', 'asked', 'answer', 'more'"),
+    "type": ("console", "Choose", ("answer", "latency_s"), "soon", "Expected `float`, got `str`"),
+}
+
+
+@pytest.mark.parametrize("wrong", ANSWERS)
+def test_an_answer_is_one_that_its_request_can_have(tmp_path, capsys, wrong):
+    name, request, place, value, message = ANSWERS[wrong]
+    if request == "Wait":
+        request = "Choose"
+    line = n_of(RECORDED / name, request)
+    root = forged(name, tmp_path, (line, place, value))
+    with pytest.raises(InvalidFile, match=rf"line {line + 1}: found {message}".replace("+", r"\+")):
+        read(journal_of(root))
+    status, said, _ = call(capsys, "replay", root)
+    assert status == 2
+    assert f"line {line + 1}: found" in said
+
+
+@pytest.mark.parametrize(
+    "body", [b'{"end":"complet"', b'{"end":"complete","x":1', b"{", b"[1", b'{"a":' + b"[" * 5000, b'{"a\xff":1']
+)
+def test_a_line_that_is_none_is_told_with_its_number(tmp_path, body):
+    path = tmp_path / "j.jsonl"
+    first = (journal_of(RECORDED / "bench")).read_bytes().split(b"\n")[0] + b"\n"
+    path.write_bytes(first + b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, checksum(first))))
+    with pytest.raises(InvalidFile, match="line 2: found .*, expected a"):
+        read(path)
+
+
+@pytest.mark.parametrize("key", ["participant", "seed", "number", "study_sha256"])
+def test_the_sittings_of_a_session_agree(tmp_path, key):
+    name = "bench-repeated"
+    tables = lines_of(journal_of(RECORDED / name))
+    other = {"participant": "P02", "seed": 1, "number": 7, "study_sha256": "0" * 64}
+    path = tmp_path / "j.jsonl"
+    write(path, [tables[0], {"sitting": {**tables[0], "started_utc": None}}, *tables[1:]])
+    assert len(read(path).sittings) == 2
+    write(path, [tables[0], {"sitting": {**tables[0], key: other[key]}}, *tables[1:]])
+    with pytest.raises(InvalidFile, match="line 2: found a sitting of another session than the first line's"):
+        read(path)
+
+
+def test_a_trial_without_a_key_has_its_default(tmp_path, capsys):
+    line = n_of(RECORDED / "bench", "Record")
+    root = Path(shutil.copytree(RECORDED / "bench", tmp_path / "d"))
+    tables = lines_of(journal_of(root))
+    del tables[line]["asked"]["trial"]["onset_s"]
+    write(journal_of(root), tables)
+    status, _, out = call(capsys, "validate", root)
+    assert status == 1
+    assert "found another row than the journal holds" in out
+
+
+def test_steps_may_miss_their_bounds_by_a_rounding():
+    adjust = Adjust("tone", 0.1, 0.1, 0.0, 0.3)
+    assert flaw(adjust, Adjusted(adjust.level(2), 0.0, 1.0)) is None
+    assert flaw(adjust, Adjusted(0.31, 0.0, 1.0)) == "the value 0.31, expected from 0 to 0.3"
+    assert flaw(Rate("x", 0.0, 1.0, None, "", ""), Rated(None, 0.0, 1.0)) is None
+    assert flaw(Enter("x", 0.0), Rated(1e16, 0.0, 1.0)) == "the value 1e+16, expected from 0 to 1e+15"
+    assert flaw(Fill("f", (Question("a", {}),), 1.0, 7.0, 7), Filled((None,), 0.0, 1.0)) is None

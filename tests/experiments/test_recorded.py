@@ -1,0 +1,59 @@
+"""Data sets that earlier versions recorded: this one reads, validates, replays, analyses and resumes them."""
+
+import io
+import shutil
+from pathlib import Path
+
+import pytest
+from command_line import call
+from places import RECORDED
+
+DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
+SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not in name]
+
+
+def files(root):
+    return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("name", DATA_SETS)
+def test_it_is_sound(capsys, name):
+    status, said, out = call(capsys, "validate", RECORDED / name)
+    assert (status, said) == (0, ""), out
+
+
+@pytest.mark.parametrize("name", DATA_SETS)
+def test_its_protocol_asks_what_it_asked(capsys, name):
+    assert call(capsys, "replay", RECORDED / name)[:2] == (0, "")
+
+
+@pytest.mark.parametrize("name", DATA_SETS)
+def test_it_is_analysed(capsys, name):
+    status, said, out = call(capsys, "analyse", RECORDED / name)
+    if name.endswith("localisation") and status:
+        assert "found no valid answer of a yes/no" in said
+    else:
+        assert (status, said) == (0, "")
+        assert out
+
+
+@pytest.mark.parametrize("name", SIMULATED)
+def test_resuming_what_is_complete_changes_nothing(capsys, tmp_path, name):
+    root = Path(shutil.copytree(RECORDED / name, tmp_path / name))
+    for session in {path.name.split("_")[1].removeprefix("session-") for path in (root / "data").glob("*.csv")}:
+        words = ("run", root / "study.toml", "--participant", "P01", "--session", session, "--rig", "simulated")
+        status, said, _ = call(capsys, *words, "--out", root, "--resume")
+        assert (status, said) == (0, "")
+    assert files(root) == files(RECORDED / name)
+
+
+def test_an_unfinished_session_goes_on(capsys, tmp_path, monkeypatch):
+    root = Path(shutil.copytree(RECORDED / "console", tmp_path / "console"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n0\n1\n1\n" * 10))
+    words = ("run", root / "study.toml", "--participant", "P03", "--rig", "console", "--out", root, "--resume")
+    assert call(capsys, *words)[0] == 0
+    status, _, out = call(capsys, "validate", root)
+    assert status == 0
+    assert "not finished" not in out
+    assert call(capsys, "replay", root)[0] == 0
+    assert call(capsys, "analyse", root)[0] == 0

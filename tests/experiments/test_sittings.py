@@ -1,0 +1,222 @@
+"""Each sitting of a session has a head of its own, and what changed from one to the next is told."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from places import RECORDED
+from sound_sitting import SOUND, sit
+from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load
+from tactometry.records.data_set import Session
+from tactometry.records.journal import read
+from tactometry.records.sittings import differences, heads
+from tactometry.session.request import Record
+
+
+def test_what_is_another_in_a_later_sitting_is_told_and_stays_in_the_journal(tmp_path):
+    assert sit(tmp_path, SOUND, stops_at=4) == []
+    louder = {**SOUND, "output_volts_per_unit": 400.0, "output_n_underruns": 9, "utc_minus_clock_s": 2.0}
+    assert sit(tmp_path, louder, stops_at=3, resume=True) == [
+        "this sitting is not as the last one: output_volts_per_unit was 200.0, is 400.0"
+    ]
+    assert sit(tmp_path, louder, resume=True) == []
+    recording = read(journal_of(tmp_path))
+    assert [head.facts["output_volts_per_unit"] for head in recording.sittings] == [200.0, 400.0, 400.0]
+    assert [head.started_utc is None for head in recording.sittings] == [False] * 3
+    assert heads(journal_of(tmp_path)) == recording.sittings
+    change = "sitting 2 differs from the one before: output_volts_per_unit was 200.0, is 400.0"
+    assert validate(tmp_path).notes == (f"journals/{journal_of(tmp_path).name}: {change}",)
+    assert validate(tmp_path).defects == ()
+    assert replay_data_set(tmp_path)[0].changes == (change,)
+
+
+def test_a_sitting_begins_when_the_last_one_had_ended(tmp_path):
+    sit(tmp_path, SOUND, stops_at=4)
+    ended_s = [answer.at_s for request, answer in read(journal_of(tmp_path)).entries if isinstance(request, Record)]
+    sit(tmp_path, SOUND, resume=True)
+    assert [head.begun_s for head in read(journal_of(tmp_path)).sittings] == [0.0, ended_s[-1]]
+
+
+def test_sittings_in_which_no_trial_was_finished_are_not_forgotten(tmp_path):
+    for n in range(4):
+        sit(tmp_path, {**SOUND, "output_volts_per_unit": 100.0 * n}, stops_at=1, resume=n > 0)
+    sit(tmp_path, SOUND, resume=True)
+    assert [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings] == [
+        0.0,
+        100.0,
+        200.0,
+        300.0,
+        200.0,
+    ]
+    assert validate(tmp_path).defects == ()
+
+
+def test_a_complete_session_gets_no_other_head(tmp_path):
+    sit(tmp_path, SOUND)
+    before = journal_of(tmp_path).read_bytes()
+    assert sit(tmp_path, {}, resume=True) == []
+    assert journal_of(tmp_path).read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after", "is_told"),
+    [
+        ("frame_period_s", 0.016667, 0.016701, False),
+        ("frame_period_s", 0.016667, 0.013333, True),
+        ("hand_n_samples", 1, 2, False),
+        ("hand_clock_offset_s", 1.0, 2.0, False),
+        ("force_measured", "2026-11-01 ZG", "2026-11-01 AB", True),
+        ("position_sensor", None, "udp", True),
+        ("limit_voltage_peak_v", 100.0, 101.0, True),
+        ("limit_duty", 0.030999999999999996, 0.031, False),
+    ],
+)
+def test_counts_and_clocks_differ_always_and_are_not_told(whole, name, before, after, is_told):
+    head = read(journal_of(whole)).head
+    found = differences(replace(head, facts={name: before}), replace(head, facts={name: after}))
+    assert bool(found) == is_told
+
+
+def test_another_version_is_told(whole):
+    head = read(journal_of(whole)).head
+    older = replace(head, versions={**head.versions, "numpy": "1.0"})
+    assert differences(older, head) == [f"version of numpy was 1.0, is {head.versions['numpy']}"]
+
+
+# --- sessions that were recorded before
+
+
+@pytest.fixture
+def repeated(tmp_path):
+    return Path(shutil.copytree(RECORDED / "bench-repeated", tmp_path / "d"))
+
+
+def older(root):
+    study, toml = load(str(root / "study.toml"))
+    return {"experiment": wire(study, "study.toml"), "toml": toml, "who": Who("P01")}
+
+
+def test_a_session_that_an_older_version_began_goes_on_in_its_form(repeated):
+    before = next((repeated / "data").glob("*.csv")).read_bytes()
+    described = (repeated / "dataset_description.json").read_bytes()
+    sit(repeated, SOUND, resume=True, **older(repeated))
+    after = next((repeated / "data").glob("*.csv")).read_bytes()
+    assert after.startswith(before)
+    assert after.count(b",sus,") == 10
+    assert (repeated / "dataset_description.json").read_bytes() == described
+    assert (validate(repeated).defects, replay_data_set(repeated)[0].complete) == ((), True)
+    assert [head.format for head in read(next((repeated / "journals").glob("*.jsonl"))).sittings] == [1, 1]
+
+
+def test_a_new_session_beside_older_ones_has_the_new_columns(repeated, capsys):
+    from tactometry.analysis.reading.trials import read_trials
+
+    given = older(repeated)
+    sit(repeated, SOUND, resume=True, **given)
+    sit(repeated, SOUND, **{**given, "who": Who("P02", seed=1)})
+    assert validate(repeated).defects == ()
+    rows = read_trials(repeated).rows
+    assert rows.groupby("participant")["rig"].unique().map(list).to_dict() == {"P01": [""], "P02": ["bench"]}
+    described = json.loads((repeated / "dataset_description.json").read_text())["variableMeasured"]
+    assert [each["name"] for each in described][-4:] == ["rig", "speed_in_band", "invalid_reason", "n_gaps"]
+
+
+def test_a_journal_of_a_format_that_is_yet_to_come_is_refused(lived):
+    from tactometry.records.journal import encode
+
+    head, *_ = journal_of(lived).read_bytes().splitlines(keepends=True)
+    values = {name: value for name, value in json.loads(head).items() if name != "crc32"}
+    journal_of(lived).write_bytes(encode({**values, "format": 3}))
+    with pytest.raises(InvalidFile, match="line 1: found the format 3, expected the head of a journal of format 2"):
+        read(journal_of(lived))
+
+
+# --- people and simulated participants
+
+
+def columns_of(root, name):
+    header, *rows = (line.split(",") for line in next((root / "data").glob("*.csv")).read_text().splitlines())
+    return {row[header.index(name)] for row in rows}
+
+
+@pytest.mark.parametrize("rig", ["bench", "console"])
+def test_every_row_names_its_rig(tmp_path, whole, rig):
+    sit(tmp_path, SOUND, rig=rig)
+    assert columns_of(tmp_path, "rig") == {rig}
+    assert columns_of(whole, "rig") == {"simulated"}
+
+
+def simulate(root, who):
+    return record(EXPERIMENT, TOML, root, who, simulated(EXPERIMENT, who))
+
+
+def files(root):
+    return {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_a_simulated_participant_beside_people_is_refused_before_anything_is_written(tmp_path):
+    sit(tmp_path, SOUND)
+    before = files(tmp_path)
+    with pytest.raises(
+        InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
+    ):
+        simulate(tmp_path, Who("P02", seed=1))
+    assert files(tmp_path) == before
+
+
+def test_so_is_one_of_the_same_code(tmp_path):
+    sit(tmp_path, SOUND)
+    before, other = files(tmp_path), Who(WHO.participant, seed=2)
+    with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
+        simulate(tmp_path, other)
+    with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
+        record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
+    assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize("is_older", [False, True], ids=["marked", "recorded before"])
+def test_people_beside_a_simulated_participant_are_refused(tmp_path, lived, is_older):
+    root = Path(shutil.copytree(RECORDED / "yes-no", tmp_path / "older")) if is_older else lived
+    before = files(root)
+    given = older(root) if is_older else {}
+    with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none beside"):
+        sit(root, SOUND, **{**given, "who": Who("P77", seed=1)})
+    assert files(root) == before
+
+
+def test_a_data_set_of_simulated_participants_says_so(lived, tmp_path):
+    described = json.loads((lived / "dataset_description.json").read_text())
+    assert described["keywords"] == ["simulated data"]
+    assert described["description"] == f"{STUDY.description} Simulated participants: no person took part."
+    sit(tmp_path / "people", SOUND)
+    described = json.loads((tmp_path / "people" / "dataset_description.json").read_text())
+    assert "keywords" not in described
+    assert described["description"] == STUDY.description
+
+
+def test_what_a_person_added_to_the_description_stays(lived):
+    path = lived / "dataset_description.json"
+    edited = {**json.loads(path.read_text()), "author": [{"name": "A. Author"}], "description": "Mine."}
+    path.write_text(json.dumps(edited))
+    simulate(lived, Who("P02", seed=1))
+    assert json.loads(path.read_text()) == edited
+    assert validate(lived).defects == ()
+
+
+def test_a_description_without_its_study_is_somebody_elses(tmp_path):
+    (tmp_path / "dataset_description.json").write_text("{}")
+    with pytest.raises(InvalidFile, match=r"found no list 'variableMeasured'"):
+        simulate(tmp_path, WHO)
+    (tmp_path / "dataset_description.json").write_text('{"variableMeasured": []}')
+    with pytest.raises(InvalidFile, match=r"found the description of a data set without its study\.toml"):
+        simulate(tmp_path, WHO)
+    assert not Session("P01", 1, "tutorial").journal(tmp_path).exists()

@@ -1,0 +1,244 @@
+"""Journal and data set: whole lines, damage named, locks, full disks, rebuilt tables."""
+
+import os
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import catalogue
+import numpy as np
+import pytest
+from hard_cases import exact_case
+from hypothesis import given, settings, strategies as st
+from places import ROOT
+from tutorial_session import EXPERIMENT, TOML, journal_of, live
+
+from tactometry.errors import DeviceFailed, InvalidFile, SessionInUse
+from tactometry.experiments.sessions.recording import Who, record, simulated
+from tactometry.records.data_set import Session, trials_csv
+from tactometry.records.journal import encode_entry, read
+from tactometry.records.open_journal import Journal
+from tactometry.session.request import Choose, Chosen, Done, Record, Wait
+from tactometry.trials.trial import Trial
+
+
+def files(root):
+    return {
+        str(path.relative_to(root)): path.read_bytes()
+        for path in sorted(root.rglob("*"))
+        if path.is_file() and not path.name.endswith("_interruptions.jsonl")
+    }
+
+
+def test_the_same_seed_gives_the_same_bytes(tmp_path):
+    live(tmp_path / "a")
+    live(tmp_path / "b")
+    assert files(tmp_path / "a") == files(tmp_path / "b")
+
+
+def test_another_seed_gives_other_answers(tmp_path):
+    live(tmp_path / "a", Who("P01", seed=1))
+    live(tmp_path / "b", Who("P01", seed=2))
+    assert files(tmp_path / "a") != files(tmp_path / "b")
+
+
+def test_the_trials_file_is_derived_from_the_journal(lived):
+    recording = read(journal_of(lived))
+    columns = EXPERIMENT.design(TOML).columns
+    trials = next((lived / "data").glob("*.csv")).read_bytes()
+    assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), "simulated", columns)
+
+
+def test_a_recorded_session_is_not_overwritten(lived):
+    before = files(lived)
+    with pytest.raises(InvalidFile, match="this session has been recorded already, expected a new one"):
+        live(lived)
+    assert files(lived) == before
+
+
+@given(cut=st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_path_factory, cut):
+    torn = Path(shutil.copytree(whole, tmp_path_factory.mktemp("torn") / "d"))
+    journal = journal_of(torn)
+    with journal.open("r+b") as file:
+        file.truncate(cut % (journal.stat().st_size + 1))
+    live(torn, resume=True)
+    assert files(torn) == files(whole)
+    exact_case("a journal cut at any byte", against="the same bytes after going on")
+
+
+def test_what_was_cut_off_is_kept_and_said(lived):
+    journal = journal_of(lived)
+    content = journal.read_bytes()
+    journal.write_bytes(content[:-400])
+    recorded = live(lived, resume=True)
+    assert "the last sitting ended after " in recorded.repaired
+    assert next((lived / "journals").glob("*_interruptions.jsonl")).stat().st_size > 0
+
+
+@given(line=st.integers(0, 10**6), bit=st.integers(0, 7), place=st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_path_factory, line, bit, place):
+    root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("damaged") / "d"))
+    journal = journal_of(root)
+    lines = journal.read_bytes().split(b"\n")[:-1]
+    n = line % len(lines)
+    hurt = bytearray(lines[n])
+    hurt[place % len(hurt)] ^= 1 << bit
+    if b"\n" in hurt:
+        return
+    lines[n] = bytes(hurt)
+    journal.write_bytes(b"\n".join(lines) + b"\n")
+    before = files(root)
+    with pytest.raises(InvalidFile, match=rf"line {n + 1}: the line is damaged"):
+        live(root, resume=True)
+    assert files(root) == before
+    exact_case("any bit of a journal turned", against="its line is named, nothing changes")
+
+
+def test_a_second_process_is_refused(lived):
+    script = (
+        "import sys; from pathlib import Path; from tactometry.records.open_journal import Journal\n"
+        "try: Journal(Path(sys.argv[1]), resume=True)\n"
+        "except Exception as error: print(type(error).__name__, error)"
+    )
+    held = Journal(journal_of(lived), resume=True)
+    try:
+        other = subprocess.run(
+            [sys.executable, "-c", script, str(journal_of(lived))], capture_output=True, text=True, check=True
+        )
+    finally:
+        held.close()
+    assert other.stdout.startswith("SessionInUse")
+    assert "another process is writing this session" in other.stdout
+
+
+def test_the_lock_goes_with_its_holder(lived):
+    Journal(journal_of(lived), resume=True).close()
+    live(lived, resume=True)
+
+
+def test_a_second_journal_in_this_process_is_refused(lived):
+    held = Journal(journal_of(lived), resume=True)
+    with pytest.raises(SessionInUse, match="another process is writing this session"):
+        Journal(journal_of(lived), resume=True)
+    held.close()
+
+
+@pytest.mark.parametrize("n_bytes", [0, 1, 2000, 5000, 9000])
+def test_a_full_disk_stops_clearly_and_loses_nothing(whole, tmp_path, n_bytes):
+    full = tmp_path / "full"
+    child = os.fork()
+    if child == 0:
+        os._exit(_live_on_small_disk(full, n_bytes))
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    assert status == 3
+    live(full, resume=True)
+    assert files(full) == files(whole)
+    exact_case("a disk that is full", against="the same bytes after going on")
+
+
+def _live_on_small_disk(root, n_bytes):
+    """Runs in a child: no file may grow past `n_bytes`, as on a disk that is full."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
+    try:
+        live(root)
+    except DeviceFailed as error:
+        return error.exit_status if "expected room on the disk" in str(error) else 99
+    except BaseException:
+        return 98
+    return 0
+
+
+FILL_DISK = """
+import sys
+from pathlib import Path
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.sessions.simulation import Simulation, simulate
+from tactometry.experiments.study.study_file import load
+
+disk = Path(sys.argv[1])
+try:
+    list(simulate(Simulation(load("tutorial")[1], "tutorial", disk, 50, 1)))
+except DeviceFailed as error:
+    print(error)
+journals = [path.read_bytes() for path in (disk / "journals").glob("*.jsonl")]
+print("whole" if all(content.endswith(b"\\n") for content in journals if content) else "torn")
+"""
+
+
+def test_a_real_full_disk(tmp_path):
+    """A small disk in a mount namespace of its own, which goes with its process."""
+    script, disk = tmp_path / "fill.py", tmp_path / "disk"
+    disk.mkdir()
+    script.write_text(FILL_DISK)
+    words = f"mount -t tmpfs -o size=64k tmpfs {disk} || exit 77; exec {sys.executable} {script} {disk}"
+    done = subprocess.run(["unshare", "--mount", "sh", "-c", words], capture_output=True, text=True, check=False)
+    if done.returncode in (1, 77) and not done.stdout:
+        pytest.skip("mounting a small disk needs the rights of root")
+    said, journals = done.stdout.splitlines()
+    assert "No space left on device" in said
+    assert "expected room on the disk" in said
+    assert journals == "whole"
+
+
+def test_a_number_that_is_not_finite_is_not_written(tmp_path):
+    journal = Journal(tmp_path / "j.jsonl", resume=False)
+    with pytest.raises(DeviceFailed, match="cannot be kept without loss, expected finite numbers"):
+        journal.append(Wait(1.0), Done(float("nan")))
+    journal.close()
+    assert (tmp_path / "j.jsonl").read_bytes() == b""
+
+
+@given(
+    factors=st.dictionaries(
+        st.from_regex(r"[a-z]{1,8}_hz", fullmatch=True), st.floats(allow_nan=False, allow_infinity=False)
+    ),
+    level=st.none() | st.floats(allow_nan=False, allow_infinity=False),
+    response=st.none() | st.integers(0, 9) | st.text(max_size=20),
+)
+def test_any_trial_reads_back_as_it_was(factors, level, response):
+    import msgspec
+
+    from tactometry.records.journal import decode_entry
+
+    trial = Trial(1, 1, factors, "staircase", level, "V", "yes_no", response)
+    line = encode_entry(Record(trial), Done(0.5))
+    assert decode_entry(msgspec.json.decode(line)) == (Record(trial), Done(0.5))
+
+
+def test_choices_keep_their_type():
+    import msgspec
+
+    from tactometry.records.journal import decode_entry
+
+    entry = (Choose("felt", (0, 1), ("no", "yes")), Chosen(1, 0.5, 0.25, "2026-01-01T00:00:00+00:00"))
+    assert decode_entry(msgspec.json.decode(encode_entry(*entry))) == entry
+
+
+def test_another_study_in_the_same_folder_is_refused(lived):
+    with pytest.raises(InvalidFile, match="study.toml: found another study or other numbers"):
+        record(EXPERIMENT, TOML + b"\n# edited", lived, Who("P02", seed=1), simulated(EXPERIMENT, Who("P02", seed=1)))
+
+
+def test_the_head_says_what_it_was_made_with(lived):
+    head = read(journal_of(lived)).head
+    assert (head.seed, head.participant, head.rig, head.study) == (1, "P01", "simulated", "tutorial")
+    assert head.versions["tactometry"]
+    assert head.observer["kind"] == "SignalDetectionObserver"
+    assert (lived / "study.toml").read_bytes() == TOML
+
+
+def test_the_catalogue_names_every_built_in_study():
+    assert {path.stem for path in (ROOT / "experiments").glob("*.toml")} <= set(catalogue.PROTOCOLS)
+
+
+def test_streams_differ_by_use():
+    from tactometry.experiments.study.random_streams import stream
+
+    draws = {tuple(stream(1, *keys).integers(2**60, size=2)) for keys in [("a",), ("b",), ("a", 1), ("a", 1, 2), ()]}
+    assert len(draws) == 5
+    assert np.array_equal(stream(3, "x").random(4), stream(3, "x").random(4))

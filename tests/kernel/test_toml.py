@@ -1,0 +1,122 @@
+"""Every file in TOML that is read: what cannot be is one sentence with the file and what was expected."""
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+from places import ROOT
+
+from tactometry.analysis.plan import read_plan
+from tactometry.analysis.reading.column_map import read_column_map
+from tactometry.config.toml import LARGEST_FILE
+from tactometry.errors import InvalidFile, TactometryError
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.study.study_file import parse
+from tactometry.questionnaire import parse as parse_questionnaire
+from tactometry.stimuli.scenes.file import load_scene
+from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "a bench file": load_bench,
+    "a column map": read_column_map,
+    "a plan of analysis": read_plan,
+    "a plate": read_plate,
+    "a questionnaire": lambda path: parse_questionnaire(path.read_bytes(), str(path)),
+    "a scene file": load_scene,
+    "a study file": lambda path: parse(path.read_bytes(), str(path)),
+}
+DAMAGES = {
+    "nested": (b"a = " + b"[" * 100_000, "found no valid TOML (maximum recursion depth exceeded"),
+    "not UTF-8": (b"a = '\xe9'", "byte 5: found a byte that is not UTF-8"),
+    "cut off": (b"a = ", "found no valid TOML (Invalid value (at end of document))"),
+}
+
+
+@pytest.mark.parametrize("what", READERS)
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damage_is_told_in_one_sentence(tmp_path: Path, what: str, damage: str) -> None:
+    content, found = DAMAGES[damage]
+    path = tmp_path / "file.toml"
+    path.write_bytes(content)
+    with pytest.raises(InvalidFile) as refused:
+        READERS[what](path)
+    said = str(refused.value)
+    assert said.startswith(str(path))
+    assert found in said
+    assert f"expected {what}" in said
+
+
+@pytest.mark.parametrize("what", sorted(set(READERS) - {"a questionnaire", "a study file"}))
+def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
+    with pytest.raises(InvalidFile, match=f"none.toml: cannot be read .No such file or directory., expected {what}"):
+        READERS[what](tmp_path / "none.toml")
+
+
+ANALYSIS = (ROOT / "docs" / "analysis.md").read_text("utf-8")
+
+
+def indented(begin: str, end: str) -> str:
+    """What a page of the docs shows from one line to another."""
+    begins = ANALYSIS.index(f"    {begin}")
+    shown = ANALYSIS[begins : ANALYSIS.index(f"    {end}", begins)] + end
+    return re.sub("^    ", "", shown, flags=re.MULTILINE)
+
+
+SOUND = {
+    "a bench file": re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "devices.md").read_text("utf-8"), re.DOTALL)[0],
+    "a column map": indented('missing = ["None"]', "n = 0"),
+    "a plan of analysis": indented('primary = "anova"', "force_n = 1.0"),
+    "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',
+    "a questionnaire": (ROOT / "tactometry" / "questionnaires" / "sus.toml").read_text("utf-8"),
+    "a scene file": (ROOT / "experiments" / "scenes" / "a4-screen.toml").read_text("utf-8"),
+    "a study file": (ROOT / "experiments" / "tutorial.toml").read_text("utf-8"),
+}
+ODD = ["-1", "1e300", "nan", "-inf", "true", '""', "[]", "{}", "[[1]]", "1979-05-27", '"9 parsecs"', "9" * 20, "[1, 1]"]
+
+
+@pytest.mark.parametrize("what", READERS)
+def test_what_is_sound_is_read(tmp_path: Path, what: str) -> None:
+    (tmp_path / "file.toml").write_text(SOUND[what], "utf-8")
+    READERS[what](tmp_path / "file.toml")
+
+
+def refusal(what: str, path: Path) -> str | None:
+    """Why a file is refused; None if it is read."""
+    try:
+        READERS[what](path)
+    except TactometryError as error:
+        return str(error)
+    return None
+
+
+@pytest.mark.parametrize("what", READERS)
+@given(data=st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_file_with_other_values_or_bytes_is_read_or_refused_in_one_sentence(
+    tmp_path: Path, what: str, data: st.DataObject
+) -> None:
+    """Some values are others or gone, or a few bytes are."""
+    lines, path, begun_s = SOUND[what].splitlines(), tmp_path / "file.toml", time.process_time()
+    stated = [n for n, line in enumerate(lines) if re.match(r"[\w.]+ *=", line)]
+    for n in data.draw(st.lists(st.sampled_from(stated), min_size=1, max_size=3)):
+        value = data.draw(st.sampled_from([*ODD, None]))
+        lines[n] = "" if value is None else f"{lines[n].partition('=')[0]} = {value}"
+    content = bytearray("\n".join(lines).encode())
+    if data.draw(st.booleans()):
+        place = data.draw(st.integers(0, len(content) - 1))
+        content[place : place + data.draw(st.integers(0, 4))] = data.draw(st.binary(max_size=3))
+    path.write_bytes(content)
+    refused = refusal(what, path)
+    assert refused is None or re.fullmatch("[^\n]*found [^\n]*expected[^\n]*", refused)
+    assert time.process_time() - begun_s < 5
+
+
+@pytest.mark.parametrize("what", sorted(set(READERS) - {"a questionnaire", "a study file"}))
+def test_a_file_larger_than_anybody_writes_is_not_read(tmp_path: Path, what: str) -> None:
+    with (tmp_path / "file.toml").open("wb") as file:
+        file.truncate(2**30)
+    with pytest.raises(InvalidFile, match=f"found {2**30} bytes, expected {what} of at most {LARGEST_FILE}"):
+        READERS[what](tmp_path / "file.toml")

@@ -1,0 +1,111 @@
+"""What the rule that puts the threshold first promises, in reduced form: benchmarks/procedures.py has it in full.
+
+A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
+of the observer's standard deviation. Many observers are simulated at once by the benchmark, whose estimates are held
+against those of the rule itself.
+"""
+
+import doctest
+import importlib.util
+import math
+import os
+from functools import cache
+
+import numpy as np
+import pytest
+from places import ROOT
+from scipy.special import ndtr
+
+from tactometry.protocols import QuestPlusSettings
+
+FULL = os.environ.get("TACTOMETRY_SOAK") == "1"
+N, N_TOGETHER = (1000, 10_000) if FULL else (30, 500)
+AT_1E_4 = 3.72
+"""One-sided normal quantile of 1e-4."""
+NORMAL_WIDTH = 2 * 1.6448536269514722
+TASKS = {"2AFC": (0.5, 0.19), "yes/no": (0.02, 0.115)}
+FIRST = "threshold first, variance"
+
+
+@pytest.fixture(scope="module")
+def benchmark():
+    place = importlib.util.spec_from_file_location("benchmark_of_procedures", ROOT / "benchmarks" / "procedures.py")
+    module = importlib.util.module_from_spec(place)
+    place.loader.exec_module(module)
+    return module
+
+
+@cache
+def errors_after_160(benchmark, guess, name):
+    rng, task = np.random.default_rng(), benchmark.Task("", guess)
+    truths_db = rng.uniform(-benchmark.SPAN_DB, benchmark.SPAN_DB, N_TOGETHER)
+    found_db = benchmark.together(benchmark.rules(task)[name], n_max=160)(task, truths_db, rng)[:, -1]
+    return (found_db - truths_db) / benchmark.SD_DB
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_observers_together_are_estimated_as_by_the_rule_itself(benchmark, task):
+    benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if FULL else 60)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_the_error_after_160_trials_is_near_the_bound(benchmark, task):
+    guess, most = TASKS[task]
+    squares = errors_after_160(benchmark, guess, FIRST) ** 2
+    assert squares.mean() - AT_1E_4 * squares.std() / math.sqrt(N_TOGETHER) <= most**2
+
+
+def test_putting_the_threshold_first_beats_asking_for_all_parameters(benchmark):
+    first, whole = (errors_after_160(benchmark, 0.5, name) ** 2 for name in (FIRST, "QUEST+"))
+    assert first.mean() < whole.mean()
+
+
+@pytest.mark.parametrize(("guess", "known", "unknown"), [(0.5, 0.1737, 0.1855), (0.02, 0.1032, 0.1054)])
+def test_the_bounds_are_those_of_the_literature_and_of_the_design_without_slope_and_lapse(
+    benchmark, guess, known, unknown
+):
+    task = benchmark.Task("", guess)
+    assert math.sqrt(task.bound() / 160) == pytest.approx(known, abs=5e-5)
+    assert task.bound_unknown(160) == pytest.approx(unknown, abs=5e-5)
+
+
+def rule(guess, n_trials, sd_stop=None):
+    return QuestPlusSettings(
+        low=-3.0,
+        high=3.0,
+        n_levels=31,
+        width_low=NORMAL_WIDTH / 2,
+        width_high=NORMAL_WIDTH * 2,
+        n_widths=7,
+        width_prior_factor=1.5,
+        shape="normal",
+        guess_rates=(guess,),
+        lapse_rates=(0.0, 0.02, 0.04),
+        n_trials=n_trials,
+        sd_stop=sd_stop,
+        criterion="variance",
+    ).procedure()
+
+
+def runs(start, guess, rng):
+    """The end of each observer's run, and its error."""
+    for truth in rng.uniform(-1.5, 1.5, N):
+        at = start
+        while not at.finished:
+            at = at.after(bool(rng.random() < guess + (0.98 - guess) * ndtr(at.level - truth)))
+        yield at, at.mean("threshold") - truth
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_stop_at_a_spread_is_reached_and_honest(task):
+    guess, _ = TASKS[task]
+    ends = list(runs(rule(guess, 400, sd_stop=0.25), guess, np.random.default_rng()))
+    share = np.mean([at.ended == "converged" for at, _ in ends])
+    assert share >= 0.9 - AT_1E_4 * math.sqrt(0.9 * 0.1 / N)
+    errors = np.array([error for at, error in ends if at.ended == "converged"])
+    assert math.sqrt(np.mean(errors**2)) <= 0.25 * (1 + AT_1E_4 / math.sqrt(2 * len(errors)))
+
+
+def test_the_page_on_procedures_says_what_is_true():
+    page = ROOT / "docs" / "procedures.md"
+    assert doctest.testfile(str(page), module_relative=False).failed == 0

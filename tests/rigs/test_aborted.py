@@ -1,0 +1,162 @@
+"""What ends unfinished is told at once, and by the closing summary and the exit status; questionnaires between blocks
+keep their condition, and are no trials."""
+
+import csv
+import json
+
+import pytest
+from command_line import call
+from places import RECORDED
+
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import load
+from tactometry.records.journal import read
+from tactometry.session.request import Record
+from tactometry.trials.trial import tally
+
+STUDY = RECORDED / "inquiries" / "study.toml"
+
+
+def study_in(folder, **changes):
+    """Two blocks of six trials, each with a questionnaire, and one at the end."""
+    text = STUDY.read_text(encoding="utf-8")
+    for old, new in {"n_attempts = 2": "n_attempts = 1", **changes}.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "study.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(capsys, folder, *more, **changes):
+    words = ("run", study_in(folder, **changes), "--participant", "P01", "--rig", "simulated", "--seed", 2)
+    return call(capsys, *words, "--out", folder / "d", *more)
+
+
+def rows_of(root):
+    [path] = (root / "data").glob("*.csv")
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def events_of(root):
+    [path] = (root / "journals").glob("*_events.tsv")
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines(), delimiter="\t"))
+
+
+def recording_of(root):
+    return read(next((root / "journals").glob("*.jsonl")))
+
+
+STEADY, SHAKY = {"waver_cv = 0.12": "waver_cv = 0.0"}, {"waver_cv = 0.12": "waver_cv = 0.3"}
+
+
+def test_a_session_that_came_to_its_end_has_status_0(tmp_path, capsys):
+    status, _, out = run(capsys, tmp_path, **STEADY)
+    assert status == 0
+    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 1 came to their last trial, 1 censored" in out
+
+
+def test_one_block_of_several_that_is_aborted_is_told_by_summary_status_and_events(tmp_path, capsys):
+    status, _, out = run(capsys, tmp_path)
+    assert status == 1
+    [abort] = [event for event in events_of(tmp_path / "d") if event["trial_type"] == "abort"]
+    lost = [row for row in rows_of(tmp_path / "d") if row["valid"] == "0"]
+    assert [(row["block"], row["trial"], row["attempt"]) for row in lost] == [
+        (abort["block"], abort["trial"], abort["attempt"])
+    ]
+    why = "1 presentation in a row, or of one trial, was not valid"
+    assert abort["text"] == f"block {abort['block']} is aborted: {why}"
+    assert "2 procedures: " in out
+    assert "1 came to their last trial" in out
+    assert "1 aborted" in out
+    assert "next: tactometry analyse" in out
+    assert validate(tmp_path / "d").defects == ()
+
+
+def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
+    status, _, out = run(capsys, tmp_path, **SHAKY)
+    assert status == 1
+    assert "2 procedures: 2 aborted; next: mend what made the touches invalid: no block came to its end" in out
+    said = json.loads(run(capsys, tmp_path, "--session", "1", "--resume", "--json", **SHAKY)[2])
+    assert (said["ended"], said["not_valid"]) == ({"aborted": 2}, 2)
+
+
+def test_what_a_resumed_session_lost_of_its_table_of_events_is_written_anew(tmp_path, capsys):
+    run(capsys, tmp_path)
+    events = events_of(tmp_path / "d")
+    next((tmp_path / "d" / "journals").glob("*_events.tsv")).unlink()
+    assert next(each.text for each in validate(tmp_path / "d").defects).startswith(
+        "found no such file, expected the events"
+    )
+    run(capsys, tmp_path, "--resume")
+    assert events_of(tmp_path / "d") == events
+
+
+def test_simulate_tells_what_was_aborted(tmp_path, capsys):
+    words = ("simulate", study_in(tmp_path), "--participants", 2, "--seed", 2, "--out", tmp_path / "d")
+    status, _, out = call(capsys, *words)
+    n_aborted = sum(
+        event["trial_type"] == "abort"
+        for path in (tmp_path / "d" / "journals").glob("*.tsv")
+        for event in csv.DictReader(path.read_text().splitlines(), delimiter="\t")
+    )
+    assert status == 0
+    assert n_aborted > 0
+    assert "2 simulated participants, " in out
+    assert f"{n_aborted} procedure{'s' * (n_aborted > 1)} aborted" in out
+
+
+@pytest.mark.parametrize("longest_s", [10, 0.5])
+def test_parts_for_which_there_was_no_time_are_told(tmp_path, capsys, longest_s):
+    status, _, out = run(
+        capsys, tmp_path, **STEADY, **{"[procedure]": f"[plan]\nlongest_s = {longest_s}\n\n[procedure]"}
+    )
+    assert status == 1
+    assert "not begun" in out
+
+
+def test_a_block_that_lasts_too_long_says_so(tmp_path, capsys):
+    status, _, _ = run(capsys, tmp_path, **{**STEADY, "n_attempts = 2": "longest_s = 2.0"})
+    assert status == 1
+    texts = [event["text"] for event in events_of(tmp_path / "d")]
+    assert texts == [f"block {n} is aborted: it has lasted longer than 2 s" for n in (1, 3)]
+
+
+# --- questionnaires on their own
+
+
+@pytest.fixture(scope="module")
+def asked(tmp_path_factory):
+    from tactometry.experiments.sessions.recording import Who, record, simulated
+    from tactometry.experiments.study.experiment import wire
+
+    folder = tmp_path_factory.mktemp("asked")
+    study, toml = load(str(study_in(folder, **STEADY)))
+    experiment, who = wire(study, "study"), Who("P01", seed=2)
+    record(experiment, toml, folder / "d", who, simulated(experiment, who))
+    return folder / "d"
+
+
+def test_a_questionnaire_after_a_block_has_its_condition_and_one_after_the_session_none(asked):
+    rows = rows_of(asked)
+    felt = {row["block"]: row["frequency_hz"] for row in rows if row["task"] == "yes_no"}
+    after_blocks = [row for row in rows if row["procedure"] == "pleasantness-vas"]
+    assert [row["frequency_hz"] for row in after_blocks] == [felt[str(int(row["block"]) - 1)] for row in after_blocks]
+    assert {row["frequency_hz"] for row in after_blocks} == {"60", "240"}
+    assert {row["frequency_hz"] for row in rows if row["procedure"] == "sus"} == {""}
+
+
+def test_a_questionnaire_by_condition_is_analysed_by_condition(asked, capsys):
+    status, _, out = call(capsys, "analyse", asked, "--json")
+    assert status == 0
+    forms = json.loads(out)["questionnaires"]
+    assert [row["frequency_hz"] for row in forms["pleasantness-vas"]] == [60, 60, 240, 240]
+    assert len(forms["sus"]) == 1
+
+
+def test_answers_to_questionnaires_are_no_trials(asked):
+    recording = recording_of(asked)
+    assert len(recording.trials) == 10 + 2 * 2 + 10
+    assert (tally(recording.trials).n_trials, tally(recording.trials).n_answers) == (10, 14)
+    records = [request for request, _ in recording.entries if isinstance(request, Record)]
+    assert not any(request.aborted for request in records)

@@ -1,0 +1,379 @@
+"""The experimenter's terminal, a real pseudo-terminal: what is typed there, and what comes of it in a window."""
+
+import os
+import select
+import threading
+import time
+from contextlib import suppress
+from dataclasses import replace
+
+import pytest
+from hands import LONGEST_WAIT_S
+from sampled import Sampled
+
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.errors import InvalidParameter, Stopped
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, order_of
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
+from tactometry.stimuli.electrovibration import Sine
+from tactometry.trials.trial import Trial
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=20.0)
+FELT = Choose("felt", (0, 1), ("no", "yes"))
+ROW = Record(Trial(2, 7, {}, "staircase", 5.0, "V", "yes_no", 1))
+
+
+class Terminal:
+    """Both ends of a pseudo-terminal: the desk has one, the experimenter's hands and eyes the other."""
+
+    def __init__(self):
+        self._master, slave = os.openpty()
+        self._file = os.fdopen(slave, "r+b", buffering=0)
+        self.source, self.output = open(slave, closefd=False), open(slave, "w", closefd=False)  # noqa: SIM115
+        self.desk = ExperimenterTerminal(self.source, self.output)
+        self._seen = b""
+
+    def types(self, line):
+        os.write(self._master, line.encode() + b"\n")
+
+    def sees(self, words):
+        """Whether these words stand in the terminal by now."""
+        while select.select([self._master], [], [], 0)[0]:
+            self._seen += os.read(self._master, 4096)
+        return words.encode() in self._seen
+
+    def shows(self, words):
+        """Wait until these words stand in the terminal."""
+        end_s = time.monotonic() + LONGEST_WAIT_S
+        while not self.sees(words):
+            assert time.monotonic() < end_s, self._seen
+            time.sleep(0.005)
+
+    def goes_away(self):
+        os.close(self._master)
+        self._master = None
+
+    def close(self):
+        if self._master is not None:
+            self.goes_away()
+        for file in (self.source, self.output, self._file):
+            with suppress(OSError):
+                file.close()
+
+
+class Kept:
+    """Events in a list."""
+
+    recorded_s = None
+
+    def __init__(self):
+        self.events = []
+
+    def note(self, event):
+        self.events.append(event)
+
+    @property
+    def told(self):
+        return [(event.kind, event.facts.get("text")) for event in self.events]
+
+
+@pytest.fixture
+def terminal():
+    made = Terminal()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def kept():
+    return Kept()
+
+
+@pytest.fixture
+def bench_with(watched, output, kept, terminal, log):
+    rigs = []
+
+    def make(force_n=None):
+        sensor = None
+        if force_n is not None:
+            reader = Reader(Sampled(force_n, log))
+            sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
+        texts, more = texts_in("en", {}), {"log": kept, "desk": terminal.desk}
+        rigs.append(
+            Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, release=False, **more)
+        )
+        return rigs[-1]
+
+    yield make
+    for rig in rigs:
+        rig.close()
+
+
+def waits_until(bench, seen):
+    end_s = time.monotonic() + LONGEST_WAIT_S
+    while not seen():
+        assert time.monotonic() < end_s
+        bench.wait(Wait(0.1))
+
+
+def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):
+    terminal.types("n the participant coughed, twice")
+    bench = bench_with()
+    waits_until(bench, lambda: terminal.sees("noted"))
+    assert kept.told == [("remark", "the participant coughed, twice")]
+    assert 0 <= kept.events[0].at_s < LONGEST_WAIT_S
+    assert kept.events[0].timestamp_utc.endswith("+00:00")
+
+
+def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_again(
+    bench_with, terminal, kept, watched, hands, in_background
+):
+    def act():
+        watched.shown.get(timeout=LONGEST_WAIT_S)
+        terminal.types("p")
+        watched.shown.get(timeout=LONGEST_WAIT_S)
+        hands.tap("y")
+        time.sleep(0.2)
+        terminal.types("g")
+        again_s.append(watched.shown.get(timeout=LONGEST_WAIT_S))
+        hands.tap("n")
+
+    again_s, bench = [], bench_with()
+    in_background(act)
+    chosen = bench.choose(FELT)
+    assert (chosen.option, chosen.valid) == (0, True)
+    assert chosen.onset_s == pytest.approx(again_s[0] - bench._attendant.zero_s, abs=1e-5)
+    assert kept.told == [("pause", "the experimenter"), ("resume", "the experimenter")]
+    assert kept.events[1].at_s - kept.events[0].at_s >= 0.2
+
+
+def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_with, terminal, kept, log, in_background):
+    def act():
+        while "play 5 V" not in log:
+            time.sleep(0.005)
+        terminal.types("p")
+        while ("pause", "the experimenter") not in kept.told:
+            time.sleep(0.005)
+        n_played.append(log.count("play 5 V"))
+        time.sleep(0.4)
+        n_played.append(log.count("play 5 V"))
+        terminal.types("g")
+
+    n_played, bench = [], bench_with(lambda time_s: 1.0)
+    in_background(act)
+    touched = bench.press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
+    assert (touched.valid, touched.invalid_reason) == (False, "experimenter")
+    assert n_played == [1, 1]
+    assert log[log.index("play 5 V") + 1] == "output.stop"
+
+
+def test_nothing_plays_in_a_pause_however_well_the_force_is_held(bench_with, terminal, kept, log, in_background):
+    def act():
+        while ("pause", "the experimenter") not in kept.told:
+            time.sleep(0.005)
+        time.sleep(2.5)
+        n_played.append(log.count("play 5 V"))
+        terminal.types("g")
+
+    n_played = []
+    terminal.types("pause")
+    bench = bench_with(lambda time_s: 1.0)
+    in_background(act)
+    assert bench.press(Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=2.0, timeout_s=20.0)).valid
+    assert n_played == [0]
+
+
+def test_a_stimulus_without_a_touch_is_played_again_after_a_pause(bench_with, terminal, kept, log, in_background):
+    def act():
+        while "play 5 V" not in log:
+            time.sleep(0.005)
+        terminal.types("p\ng")
+
+    bench = bench_with()
+    in_background(act)
+    bench.play(Play("tone", 5.0, 0.5))
+    assert log.count("play 5 V") == 1 + kept.told.count(("resume", "the experimenter"))
+
+
+def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
+    bench_with, terminal, kept, participant, watched
+):
+    bench = bench_with()
+    terminal.types("r")
+    touched = bench.press(PRESS)
+    watched.shown.queue.clear()
+    participant.answers("y")
+    chosen = bench.choose(FELT)
+    bench.record(ROW)
+    again = bench.press(PRESS)
+    assert (touched.valid, chosen.valid, again.valid) == (False, False, True)
+    assert (touched.invalid_reason, again.invalid_reason) == ("experimenter", None)
+    assert kept.told[0] == ("repeat", "the experimenter")
+    terminal.shows("this trial will be asked again")
+    terminal.shows("trial 2: tone 5")
+
+
+ITEM = Question("item", {"en": ("", "low", "high")})
+
+
+@pytest.mark.parametrize(
+    ("ask", "keys"),
+    [
+        (Rate("rate", 1.0, 5.0, 5, "low", "high"), ("3", "Return")),
+        (Enter("how_strong", 0.0), ("7", "Return")),
+        (Fill("form", (ITEM,), 1.0, 5.0, 5), ("3", "Return")),
+        (Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0), ("Return",)),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, participant, watched, ask, keys):
+    bench = bench_with()
+    bench.press(PRESS)
+    watched.shown.queue.clear()
+    terminal.types("r")
+    participant.answers(0.3, *keys)
+    assert not ask.put_to(bench).valid
+    bench.record(ROW)
+    watched.shown.queue.clear()
+    participant.answers(0.3, *keys)
+    assert ask.put_to(bench).valid
+
+
+def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
+    terminal.shows("no answer, not valid: too light")
+
+
+def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
+    bench.press(PRESS)
+    bench.record(Record(replace(ROW.trial, attempt=2)))
+    terminal.shows("trial 2: tone 5")
+    terminal.shows("1, valid (trial 7, attempt 2)")
+
+
+def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, terminal):
+    bench = bench_with()
+    bench.press(PRESS)
+    bench.close()
+    terminal.output.write("$")
+    terminal.output.flush()
+    terminal.shows("\r\n$")
+
+
+def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
+    bench = bench_with()
+    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
+    assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
+
+
+def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):
+    def rows(level, n_trial):
+        item = replace(ROW.trial, trial=n_trial, task="rating", procedure="vas", level=level, response=3.0)
+        return [Record(replace(item, item=name)) for name in ("pleasant", "intense")]
+
+    bench = bench_with()
+    for row in [*rows(5.0, 7), *rows(None, 8), *rows(5.0, 9)]:
+        bench.wait(Wait(0.05))
+        bench.record(row)
+    bench.wait(Wait(0.0))
+    trials = [event.facts for event in kept.events if event.kind == "trial"]
+    assert [facts["trial"] for facts in trials] == [7, 9]
+    assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
+    bench.press(PRESS)
+    terminal.shows("trial 3: tone 5")
+    assert terminal._seen.count(b"valid") == 2
+
+
+def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
+    bench = bench_with()
+    terminal.types("r")
+    waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
+    assert bench.press(PRESS).valid
+    assert kept.told == []
+
+
+@pytest.mark.parametrize("paused", [False, True], ids=["at once", "in a pause"])
+def test_stop_puts_the_output_to_zero_first(bench_with, terminal, kept, log, paused):
+    bench = bench_with()
+    terminal.types("p\nstop" if paused else "stop")
+    with pytest.raises(Stopped, match="the experimenter stopped the session; what was recorded is safe: go on with"):
+        bench.press(PRESS)
+    assert kept.told[-1] == ("stop", "the experimenter stopped the session")
+    assert log.index("output.stop") < log.index("output.close") < log.index("screen.close")
+
+
+def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watched, screen, in_background):
+    def close():
+        watched.shown.get(timeout=LONGEST_WAIT_S)
+        screen._window.winHandle.dispatch_event("on_close")
+
+    bench = bench_with()
+    in_background(close)
+    with pytest.raises(Stopped, match="the window was closed"):
+        bench.choose(FELT)
+    assert kept.told == [("stop", "the window was closed")]
+
+
+def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
+    touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).press(PRESS)
+    assert touched.valid
+    assert kept.told == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
+    terminal.shows("paused: the force sensor is silent")
+
+
+def test_the_terminal_tells_trial_level_force_and_answer(bench_with, terminal, participant, watched):
+    bench = bench_with(lambda time_s: 0.5 if time_s < 2.5 else 1.0)
+    bench.press(PRESS)
+    for words in ("trial 1: tone 5", "0.50 N", "played, 1.00 N"):
+        terminal.shows(words)
+    watched.shown.queue.clear()
+    participant.answers("y")
+    bench.choose(FELT)
+    bench.record(ROW)
+    terminal.shows("answered in")
+    terminal.shows("1, valid")
+
+
+def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, kept):
+    for line in ("pasue", "n", "s now", "", "\x00\xff"):
+        terminal.types(line)
+    terminal.types("?")
+    waits_until(bench_with(), lambda: terminal.sees("found 's now', expected one of: p pause"))
+    terminal.shows("found 'pasue', expected one of: p pause")
+    terminal.shows("did you mean 'pause'?")
+    assert kept.told == []
+
+
+def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):
+    bench = bench_with(lambda time_s: 1.0)
+    terminal.goes_away()
+    assert bench.press(PRESS).valid
+    assert log[-1] == "output.stop"
+
+
+def test_without_a_terminal_a_desk_is_silent(tmp_path, capsys):
+    path = tmp_path / "orders"
+    path.write_text("stop\n")
+    n_threads = threading.active_count()
+    with path.open() as source, (tmp_path / "told").open("w") as output:
+        desk = ExperimenterTerminal(source, output)
+        desk.tell("words")
+        assert desk.orders() == []
+    assert (tmp_path / "told").read_text() == ""
+    assert threading.active_count() == n_threads
+
+
+@pytest.mark.parametrize("line", ["", "x", "pause now", "note", "n   "])
+def test_an_order_is_exact(line):
+    with pytest.raises(InvalidParameter, match="expected one of: p pause"):
+        order_of(line)

@@ -1,0 +1,369 @@
+"""Touches with a force that is sampled in real time: held, late, lost, and left."""
+
+import math
+import threading
+import time
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hands import LONGEST_WAIT_S
+from hard_cases import exact_case
+from sampled import Sampled
+
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader, SampleBlock
+from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.errors import LimitExceeded, Stopped
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.pages.page import Text
+from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Adjust, Play, Press, Record, Slide, Wait
+from tactometry.stimuli.electrovibration import Sine
+from tactometry.trials.trial import Trial
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)
+
+
+@pytest.fixture
+def bench_with(watched, output, log):
+    rigs = []
+
+    def make(force_n, output=output, screen=watched, limits=None, release=False):
+        reader = Reader(Sampled(force_n, log))
+        sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
+        texts = texts_in("en", {})
+        rigs.append(Bench(screen, output, {"tone": TONE}, limits=limits, texts=texts, sensor=sensor, release=release))
+        return rigs[-1]
+
+    yield make
+    for rig in rigs:
+        rig.close()
+
+
+class Slow:
+    """An output that takes its time to begin."""
+
+    def __init__(self, output, takes_s):
+        self._output, self._takes_s = output, takes_s
+        self.begins = threading.Event()
+
+    def __getattr__(self, name):
+        return getattr(self._output, name)
+
+    def play(self, signal):
+        self.begins.set()
+        time.sleep(self._takes_s)
+        return self._output.play(signal)
+
+
+def held_from(start_s, force_n):
+    return lambda time_s: force_n if time_s >= start_s else 0.3
+
+
+def test_the_stimulus_waits_for_the_held_force(bench_with, log):
+    touched = bench_with(held_from(0.5, 1.1)).press(PRESS)
+    assert touched.valid
+    assert touched.onset_s >= 0.5 + 0.2
+    assert touched.force_mean_n == pytest.approx(1.1, rel=1e-9)
+    assert (touched.force_sd_n, touched.force_in_band) == (pytest.approx(0, abs=1e-9), 1.0)
+    assert touched.digest == TONE.at(5.0).digest()
+    assert log == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log):
+    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
+    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).press(request)
+    assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
+    assert touched.invalid_reason == "timeout"
+    assert log == ["output.open"]
+
+
+@pytest.mark.parametrize(
+    ("afterwards", "reason"),
+    [(None, "sensor_lost"), (math.nan, "sensor_lost"), (0.02, "lifted")],
+    ids=["the sensor is silent", "samples are lost", "the finger leaves"],
+)
+def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards, reason):
+    request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
+    felt = iter([1.0] * 300)
+    touched = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0).press(request)
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
+    assert touched.force_mean_n is not None
+    assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_the_output_stops_when_the_thread_of_the_sensor_hangs(bench_with, log):
+    def hangs(time_s):
+        if "play 5 V" in log:
+            hung.wait(LONGEST_WAIT_S)
+        return 1.0
+
+    hung = threading.Event()
+    touched = bench_with(hangs).press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
+    hung.set()
+    assert not touched.valid
+    assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+class Held:
+    """A screen whose frames last until the output has stopped, once it plays."""
+
+    def __init__(self, screen, log):
+        self._screen, self._log = screen, log
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        while "play 5 V" in self._log and "output.stop" not in self._log:
+            time.sleep(0.01)
+        time.sleep(PRESS.duration_s)
+        return self._screen.refresh(page)
+
+
+def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(bench_with, watched, log):
+    felt = iter([1.0] * 100)
+    held = Held(watched, log)
+    touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).press(PRESS)
+    assert touched.force_in_band == 1.0
+    assert not touched.valid
+
+
+def test_a_force_above_its_limit_stops_the_output(bench_with, log):
+    request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
+    touched = bench_with(lambda time_s: 3.1 if "play 5 V" in log else 1.0, limits=Limits(50.0, force_peak_n=3.0)).press(
+        request
+    )
+    assert (touched.valid, touched.invalid_reason) == (False, "too_heavy")
+    assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
+
+
+def test_a_touch_of_more_force_than_its_limit_is_refused(bench_with, log):
+    bench = bench_with(lambda time_s: 1.0, limits=Limits(50.0, force_peak_n=1.1))
+    with pytest.raises(
+        LimitExceeded, match=r"limits\.force_peak_n: found a force of up to 1\.2 N, the limit is 1\.1 N"
+    ):
+        bench.press(PRESS)
+    assert "play 5 V" not in log
+
+
+def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_anew(bench_with, log, watched):
+    heavy = iter([11.0] * 300)
+    bench = bench_with(lambda time_s: next(heavy, 1.0) if "play 5 V" in log else 1.0)
+    bench.play(Play("tone", 5.0, 1.0))
+    assert log[:3] == ["output.open", "play 5 V", "output.stop"]
+    assert (log.count("play 5 V"), bench._attendant._n_pauses) == (2, 1)
+
+
+class Fast:
+    """A sensor whose stamps run at a rate that is not ours; it holds its force from the first sample on."""
+
+    name, n_channels, rate_hz = "fast", 1, 1000.0
+
+    def __init__(self, rate):
+        self._rate = rate
+
+    def open(self):
+        self._zero_s, self._n_read = time.perf_counter(), 0
+
+    def receive(self):
+        time.sleep(2e-3)
+        n_due = int((time.perf_counter() - self._zero_s) * 1000)
+        stamps_s = self._zero_s + self._rate * np.arange(self._n_read, n_due) / 1000
+        self._n_read = n_due
+        return SampleBlock(stamps_s, np.ones((len(stamps_s), 1)))
+
+    def close(self):
+        pass
+
+    def facts(self):
+        return {}
+
+
+class Timed:
+    """An output that notes when it plays."""
+
+    def __init__(self, output):
+        self._output, self.played_s = output, []
+
+    def __getattr__(self, name):
+        return getattr(self._output, name)
+
+    def play(self, signal):
+        self.played_s.append(time.perf_counter())
+        return self._output.play(signal)
+
+
+@pytest.mark.parametrize("rate", [1.01, 1.1, 1.3, 10.0])
+def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, rate):
+    """By our clock: those that ran 1.3 times as fast opened it after 0.23 of 0.3 s."""
+    sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(newtons_per_count=1.0)), Timed(output)
+    bench = Bench(watched, timed, {"tone": TONE}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False)
+    participant.answers(1.0, "Escape")
+    begin_s = time.perf_counter()
+    with suppress(Stopped):
+        bench.press(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
+    bench.close()
+    assert all(played_s >= begin_s + 0.3 for played_s in timed.played_s)
+    assert len(timed.played_s) == (rate < 1.3)
+
+
+STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=0.8)
+
+
+def test_a_force_that_never_left_its_band_lets_nothing_through(bench_with, log, watched):
+    """A sensor that is stuck from the beginning: the page says to lift the finger."""
+    touched = bench_with(lambda time_s: 1.0, release=True).press(STUCK)
+    assert (touched.valid, touched.invalid_reason) == (False, "timeout")
+    assert log == ["output.open"]
+    assert "Lift your finger, then press again" in words_of(watched.drawn[-1])
+
+
+@pytest.mark.parametrize(
+    ("between_n", "plays"), [(1.0, False), (0.9, False), (1.3, True), (0.1, True), (math.nan, False)]
+)
+def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched, between_n, plays):
+    """It was 0.3 N before the first; after the first stimulus it is so much for a while, then held."""
+    ended = []
+
+    def force_n(time_s):
+        if "output.stop" not in log:
+            return 1.0 if time_s > 0.3 else 0.3
+        ended.append(time_s)
+        return between_n if len(ended) < 100 else 1.0
+
+    bench = bench_with(force_n, release=True)
+    assert bench.press(STUCK).valid
+    time.sleep(0.2)
+    touched = bench.press(STUCK)
+    assert touched.valid is plays
+    assert log.count("play 5 V") == 1 + plays
+    assert ("Lift your finger, then press again" in words_of(watched.drawn[-1])) is not plays
+
+
+def words_of(page):
+    return [item.words for item in page.items if isinstance(item, Text)]
+
+
+@pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
+def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log, drifted_n, reason):
+    touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).press(PRESS)
+    assert (touched.valid, touched.invalid_reason) == (False, reason)
+    assert touched.force_in_band < 0.8
+
+
+class Kept:
+    """Events in a list."""
+
+    recorded_s = None
+
+    def __init__(self):
+        self.events = []
+
+    def note(self, event):
+        self.events.append(event)
+
+
+def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_later(watched, output, log):
+    """It is out of its band, and back, while the stimulus plays: the gate opens once more."""
+    left = iter([0.7] * 50)
+    reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
+    sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
+    kept, tone = Kept(), Sine(frequency_hz=60.0, duration_s=0.8, ramp_s=0.02, level_unit="V")
+    bench = Bench(
+        watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False, log=kept
+    )
+    touched = bench.press(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
+    bench.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
+    bench.wait(Wait(0.0))
+    bench.close()
+    assert touched.valid
+    [told] = [event for event in kept.events if event.kind == "trial"]
+    assert 0 <= told.facts["gate_delay_s"] < 0.2
+
+
+def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
+    touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).press(PRESS)
+    assert touched.onset_s >= 0.18 + 0.2
+    exact_case("a gap in the samples of a held force", against="a hold anew")
+
+
+def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, participant, log):
+    participant.answers("Escape")
+    with pytest.raises(Exception, match="Escape was pressed"):
+        bench_with(held_from(60.0, 1.0)).press(PRESS)
+    assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
+
+
+def test_what_begins_as_the_time_is_over_is_a_stimulus_like_any_other(bench_with, output, log):
+    request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
+    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).press(request)
+    assert touched.digest == TONE.at(5.0).digest()
+    assert touched.valid
+    assert log == ["output.open", "play 5 V", "output.stop"]
+
+
+class Failing:
+    """A screen that fails while an output begins."""
+
+    def __init__(self, screen, output):
+        self._screen, self._output = screen, output
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        if self._output.begins.is_set():
+            raise OSError("no screen")
+        return self._screen.refresh(page)
+
+
+def test_nothing_is_closed_while_an_output_begins_in_another_thread(bench_with, watched, output, log):
+    slow = Slow(output, 0.5)
+    bench = bench_with(held_from(0.0, 1.0), slow, Failing(watched, slow))
+    with pytest.raises(OSError, match="no screen"):
+        bench.press(PRESS)
+    assert log == ["output.open", "play 5 V", "output.stop", "output.close", "sensor.close", "screen.close"]
+
+
+def test_a_slide_is_held_like_a_press(bench_with, log):
+    request = Slide("tone", None, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
+    touched = bench_with(held_from(0.0, 1.0)).slide(request)
+    assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
+    assert "play 5 V" not in log
+
+
+@pytest.mark.parametrize("lost", [None, math.nan], ids=["silent", "lost samples"])
+def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_with, log, lost):
+    said = iter([lost] * 300)
+    bench = bench_with(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
+    played = bench.play(Play("tone", 5.0, 1.0))
+    assert log[:3] == ["output.open", "play 5 V", "output.stop"]
+    assert log.count("play 5 V") == 2
+    assert log[-1] == "play 5 V"
+    assert played.digest == TONE.at(5.0).digest()
+
+
+def test_an_interval_under_a_sensor_that_speaks_plays_once(bench_with, log):
+    bench_with(lambda time_s: 1.0).play(Play("tone", 5.0, 0.3))
+    assert log == ["output.open", "play 5 V"]
+
+
+def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, log, participant):
+    said, again = iter([None] * 300), threading.Event()
+
+    def force_n(time_s):
+        if "play 5 V" not in log:
+            return 1.0
+        if log[-1] == "play 5 V" and "output.stop" in log[log.index("play 5 V") :]:
+            again.set()
+        return next(said, 1.0)
+
+    bench = bench_with(force_n)
+    participant.answers(again, 0.5, "Return")
+    assert bench.adjust(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
+    assert bench._attendant._n_pauses == 1
+    assert log[-1] == "output.stop"

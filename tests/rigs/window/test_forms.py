@@ -1,0 +1,227 @@
+"""Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
+
+import threading
+from dataclasses import replace
+
+import pytest
+from command_line import call
+from learnt_file import write_responses
+from places import ROOT
+from screens import entry_page, form_page
+
+from tactometry.devices.outputs.output import with_ramps
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.bench.bench_file import RAMP_S, Learnt
+from tactometry.experiments.bench.learnt_stimuli import bank_of
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load as load_study
+from tactometry.protocols.tasks.rating import pages
+from tactometry.questionnaire import load
+from tactometry.records.journal import read
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.pages import form
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Enter, Press, Show
+
+HAPTIC = load("attrakdiff-haptic")
+(PAGE,) = pages(HAPTIC, HAPTIC.items)
+ROW = (form.TOP - form.BOTTOM) / len(PAGE.questions)
+OK = (0.0, -0.32)
+
+
+def place(row, k, n=7):
+    """Where ring `k` of a row lies."""
+    return ((k + 0.5) / n - 0.5) * form.SCALE_LENGTH, form.TOP - (row + 0.5) * ROW
+
+
+@pytest.fixture
+def bench(watched, output):
+    rig = Bench(watched, output, {}, limits=None, texts=texts_in("en", {}))
+    yield rig
+    rig.close()
+
+
+def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
+    participant.answers(*"1234567", "Return")
+    filled = bench.fill(PAGE)
+    assert filled.values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    assert filled.latency_s > 0
+    assert filled.timestamp_utc.endswith("+00:00")
+
+
+def test_a_page_is_filled_by_touch_in_any_order_and_answers_can_be_changed(bench, participant):
+    touches = [place(row, row) for row in (6, 2, 0, 1, 5, 4, 3)]
+    participant.answers(*touches, place(6, 0), 0.05, OK)
+    assert bench.fill(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
+
+
+def test_arrows_begin_in_the_middle_and_move_between_rows(bench, participant):
+    participant.answers(*"1111111", "Up", "Right", "Right", "Up", "Up", "Left", "Return")
+    values = bench.fill(PAGE).values
+    assert values == (1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0)
+
+
+def test_leaving_with_gaps_asks_once(bench, participant, watched):
+    hint, asked = texts_in("en", {}).message("hint_gaps"), threading.Event()
+
+    def refresh(page):
+        if hint in {getattr(item, "words", None) for item in page.items}:
+            asked.set()
+        return watched._window.refresh(page)
+
+    watched.refresh = refresh
+    participant.answers("4", "Return", asked, "Return")
+    assert bench.fill(PAGE).values == (4.0, *(None,) * 6)
+
+
+def test_nothing_is_marked_before_an_answer(bench):
+    blank = form.Marks((None,) * 7)
+    page = form.form_page(bench._form(PAGE), blank, 1.6)
+    assert not [item for item in page.items if getattr(item, "fill", None) == form.GOOD]
+
+
+def test_a_continuous_line_is_answered_where_it_is_touched(bench, participant):
+    vas = load("pleasantness-vas")
+    (page,) = pages(vas, vas.items)
+    pitch = (form.TOP - form.BOTTOM) / 2
+    y = form.TOP - 0.5 * pitch - 0.2 * pitch
+    participant.answers((0.25 * form.SCALE_LENGTH, y), (0.0, y - pitch), 0.05, OK)
+    high, middle = bench.fill(page).values
+    assert high == pytest.approx(75, abs=1)
+    assert middle == pytest.approx(50, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("acts", "value"),
+    [
+        (("1", "2", "period", "5", "Return"), 12.5),
+        (("9", "BackSpace", "3", "KP_Enter"), 3.0),
+        (("Return", "7", "space"), 7.0),
+        (((-0.16, 0.12), (0.0, -0.21), 0.05, (0.42, -0.21)), 70.0),
+    ],
+    ids=["keys", "corrected", "not empty", "touch"],
+)
+def test_a_number_is_typed_or_touched(bench, participant, acts, value):
+    participant.answers(*acts)
+    assert bench.enter(Enter("how_strong", 0.0)).value == value
+
+
+def test_a_number_beside_its_bounds_is_not_taken(bench, participant):
+    participant.answers("5", "0", "Return", 0.1, "BackSpace", "Return")
+    assert bench.enter(Enter("how_strong", 0.0, 10.0)).value == 5.0
+
+
+def test_a_timed_page_passes_by_itself(bench):
+    before_s = bench.show(Show("right", duration_s=0.1)).at_s
+    assert bench.show(Show("wrong", duration_s=0.3)).at_s - before_s >= 0.3
+
+
+def test_a_questionnaire_without_the_language_is_refused(bench, watched, output):
+    german = Bench(watched, output, {}, limits=None, texts=replace(texts_in("en", {}), language="de"))
+    with pytest.raises(InvalidParameter, match="item 'ATT1': found no words in 'de', expected one of en, fr"):
+        german.fill(PAGE)
+
+
+@pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
+def test_pages_are_drawn_for_a_look(screen, artefacts, name, language):
+    image = screen.picture(form_page(name, language, screen.aspect))
+    image.save(artefacts / f"form_{name}.png")
+    assert len(set(image.convert("L").getdata())) > 20
+
+
+def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
+    screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
+
+
+# --- studies from start to end
+
+LEARNT = "time-reversal-threshold"
+SHORT = {
+    "time-reversal-threshold": (
+        ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
+        ("levels = [12.0, 16.0, 20.0, 24.0, 28.0, 32.0]\nrepeats = 20", "levels = [20.0, 28.0]\nrepeats = 1"),
+        ("n_correct = 4 ", "n_correct = 1 "),
+    ),
+    "time-reversal-patterns": (
+        ('["P0", "P1", "P2", "P3", "P4", "P5", "P6"]', '["P0", "P4"]'),
+        ('form = "attrakdiff" ', 'form = "attrakdiff-haptic" '),
+        ("n_touches = 3 ", "n_touches = 1 "),
+    ),
+    "hybrid-button": (("repeats = 2", "repeats = 1"), ("n_touches = 2", "n_touches = 1")),
+    "electrovibration-threshold": (
+        ("force_n = [0.5, 1.5, 3.0] ", "force_n = [1.5] "),
+        ("frequency_hz = [30, 60, 120, 180, 240, 320, 480]", "frequency_hz = [240]"),
+        ("n_trials = 40", "n_trials = 4"),
+    ),
+}
+FAST = (('hold_s = "500 ms"', 'hold_s = "50 ms"'), ('hold_s = "300 ms"', 'hold_s = "50 ms"'))
+
+
+@pytest.fixture
+def in_the_window(display, screen, capsys):
+    """Runs a command line whose window opens in front of that of the other tests; keys that lead through every page are
+    tapped, over and over, until it ends. The keyboard of both windows is one, and ends with the command's."""
+    ended = threading.Event()
+
+    def tap_all():
+        while not ended.wait(0.02):
+            for key in ("space", "y", "4"):
+                display.tap(key, 0.01)
+
+    def run(*arguments):
+        fingers = threading.Thread(target=tap_all, daemon=True)
+        fingers.start()
+        try:
+            return call(capsys, *arguments)
+        finally:
+            ended.set()
+            fingers.join(5)
+            screen._keyboard.start()
+
+    return run
+
+
+def shortened(name):
+    text = (ROOT / "experiments" / f"{name}.toml").read_text("utf-8")
+    for old, new in SHORT[name]:
+        assert old in text, old
+        text = text.replace(old, new)
+    for old, new in FAST:
+        text = text.replace(old, new)
+    return text
+
+
+def learnt(name, folder):
+    """What a bench file says of the responses that were learnt on it."""
+    if name != LEARNT:
+        return ""
+    write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
+    played = f'[output]\nkind = "file"\nfolder = "{folder / "played"}"\n'
+    return f'{played}[time_reversal]\nresponses = "{folder / "learnt.npz"}"\n'
+
+
+def check_played(folder):
+    """What was played came from the learnt responses."""
+    [journal] = (folder / "d" / "journals").glob("*.jsonl")
+    recording = read(journal)
+    assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
+    bank = bank_of(wire(load_study(str(folder / "s.toml"))[0], "s.toml"), Learnt(str(folder / "learnt.npz")))
+    felt = [(request, answer) for request, answer in recording.entries if isinstance(request, Press) and answer.digest]
+    assert felt
+    for request, answer in felt:
+        assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_shortened_study_is_completed_in_the_window_and_replays(in_the_window, tmp_path, name):
+    (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
+    (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")
+    run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")
+    status, errors, _ = in_the_window(*run, "--out", tmp_path / "d")
+    assert (status, errors) == (0, "")
+    assert validate(tmp_path / "d").defects == ()
+    assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
+    if name == LEARNT:
+        check_played(tmp_path)

@@ -1,0 +1,52 @@
+"""How many presses may wait in the keyboard's queue of a window, and that the queue ends with its window."""
+
+import os
+import subprocess
+import sys
+
+from places import ROOT
+
+SCRIPT = """
+import os, time
+from hands import Hands
+from tactometry.rigs.window import Window
+
+def n_threads():
+    return len(os.listdir("/proc/self/task"))
+
+def n_heard(window, n):
+    found, deadline_s = [], time.perf_counter() + 20
+    while len(found) < n and time.perf_counter() < deadline_s:
+        time.sleep(0.05)
+        found += window.events()
+    return len(found)
+
+hands = Hands(None)
+window = Window(fullscreen=False, size=(320, 200))
+for _ in range(5200):
+    hands.tap("y", 0)
+print(n_heard(window, 5200))
+n_open = n_threads()
+window.close()
+window.close()
+print(n_open - n_threads())
+hands.tap("y", 0)
+window = Window(fullscreen=False, size=(320, 200))
+hands.tap("n", 0)
+print(n_heard(window, 1), window.events())
+window.close()
+"""
+
+
+def test_presses_wait_until_they_are_read_and_none_is_heard_without_a_window(display, tmp_path):
+    """The queue of PsychoPy's own size ends the process by a segmentation fault after 5 000 presses."""
+    environment = {
+        **os.environ,
+        "HOME": str(tmp_path),
+        "PYTHONPATH": os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path]),
+    }
+    ran = subprocess.run(
+        [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False, timeout=100
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]

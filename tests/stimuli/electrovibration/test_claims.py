@@ -1,0 +1,239 @@
+"""What electrovibration says of itself is so: each claim against the force or the motion that it speaks of."""
+
+import doctest
+import re
+
+import numpy as np
+import pytest
+from places import DOCS
+
+from tactometry.errors import InvalidParameter
+from tactometry.stimuli.electrovibration import (
+    LAWS,
+    CoulombFriction,
+    DryFriction,
+    Finger,
+    FrictionLag,
+    Layer,
+    Sine,
+    Skin,
+    Step,
+    Travel,
+    WithOffset,
+    electrostatic_force_n_at,
+    force_form,
+    lagged_friction_n,
+    sliding,
+    sliding_many,
+    stick_slip,
+)
+from tactometry.stimuli.electrovibration.attraction import closed_form as closed
+
+P0, AREA_M2 = Skin(), 1e-4
+FORM = force_form("sc_layer", P0, AREA_M2)
+PIECES = Sine(frequency_hz=60.0, ramp_s=0.0, duration_s=0.1).pieces(40.0)
+T_S = np.linspace(0, 0.1, 401)
+TONE = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
+SKINS = [
+    P0,
+    Skin(body_resistance_ohm=1e4),
+    Skin(body_resistance_ohm=1e6),
+    Skin(tissue=Layer(5e-3, 1e4, 2.0)),
+    Skin(gap_m=2e-6, body_resistance_ohm=1e5),
+]
+
+
+def remarked_s(remark: str) -> float:
+    found = re.search(r"\((\S+) ms\)", remark)
+    assert found is not None
+    return 1e-3 * float(found[1])
+
+
+def force_after_a_step_n(skin: Skin, law: str, t_s) -> np.ndarray:
+    pieces = Step(duration_s=100.0, rate_hz=10.0).pieces(40.0)
+    return electrostatic_force_n_at(t_s, pieces, skin=skin, area_m2=AREA_M2, law=law)
+
+
+@pytest.mark.parametrize("skin", SKINS)
+def test_where_an_offset_is_said_to_be_blocked_its_force_has_gone(skin: Skin) -> None:
+    remark = TONE.remark(skin, "sc_layer", AREA_M2)
+    assert remark is not None
+    assert "blocks" in remark
+    after_s = remarked_s(remark)
+    peak_n = force_after_a_step_n(skin, "sc_layer", np.linspace(0, after_s, 5001)).max()
+    left_n = force_after_a_step_n(skin, "sc_layer", after_s * np.array([1.0, 1.5, 3.0]))
+    assert (left_n < 0.01 * peak_n).all()
+    assert force_after_a_step_n(skin, "sc_layer", 0.2 * after_s) > 0.01 * peak_n
+
+
+@pytest.mark.parametrize("skin", SKINS)
+def test_where_an_offset_is_said_to_stay_its_force_has_risen(skin: Skin) -> None:
+    remark = TONE.remark(skin, "interface", AREA_M2)
+    assert remark is not None
+    assert "keeps" in remark
+    after_s = remarked_s(remark)
+    t_s = after_s * np.array([0.0, 0.2, 1.0, 50.0])
+    start_n, early_n, then_n, last_n = force_after_a_step_n(skin, "interface", np.minimum(t_s, 99.0))
+    assert start_n < 0.95 * last_n
+    assert early_n < then_n
+    assert then_n == pytest.approx(last_n, rel=0.02)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_without_a_remark_the_force_of_a_constant_does_not_change(law: str) -> None:
+    skin = P0 if law in ("total_thickness", "parallel_plate") else Skin(corneum_resistivity_ohm_m=np.inf)
+    assert TONE.remark(skin, law) is None
+    first_n, last_n = force_after_a_step_n(skin, law, [1e-6, 50.0])
+    assert first_n == pytest.approx(last_n, rel=1e-12)
+    assert first_n > 0
+
+
+def slid(friction: CoulombFriction, force_n: float):
+    return sliding(T_S, PIECES, FORM, finger=Finger(), friction=friction, force_n=force_n)
+
+
+def lagged_n(lag: FrictionLag, friction: CoulombFriction, force_n: float, speed_m_per_s: float = 0.05, t_s=T_S):
+    return lagged_friction_n(
+        t_s, PIECES, FORM, lag=lag, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
+    )
+
+
+def test_without_load_a_constant_coefficient_leaves_the_friction_of_the_voltage() -> None:
+    motion = slid(CoulombFriction(0.5), 0.0)
+    np.testing.assert_array_equal(motion.lateral_n, 0.5 * motion.electrostatic_n)
+    assert motion.lateral_n.max() > 1e-5
+
+
+@pytest.mark.parametrize("friction", [CoulombFriction(0.5), CoulombFriction(0.5, load_exponent=1.0)])
+def test_the_friction_without_load_is_the_limit_of_a_small_load(friction: CoulombFriction) -> None:
+    np.testing.assert_allclose(slid(friction, 0.0).lateral_n, slid(friction, 1e-14).lateral_n, rtol=0, atol=1e-13)
+    without_n, small_n = (lagged_n(FrictionLag(), friction, force_n) for force_n in (0.0, 1e-14))
+    np.testing.assert_allclose(without_n, small_n, rtol=0, atol=1e-13)
+
+
+def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions() -> None:
+    stuck_or_slipping = stick_slip(
+        T_S,
+        PIECES,
+        FORM,
+        finger=Finger(),
+        friction=DryFriction(0.5, 0.5),
+        force_n=0.0,
+        travel=Travel(10.0),
+    )
+    slips = stuck_or_slipping.direction == 1
+    assert slips.sum() > 100
+    expected_n = slid(CoulombFriction(0.5), 0.0).lateral_n
+    np.testing.assert_allclose(stuck_or_slipping.lateral_n[slips], expected_n[slips], rtol=1e-9, atol=1e-15)
+
+
+def test_a_coefficient_that_grows_without_limit_is_refused_without_load() -> None:
+    with pytest.raises(
+        InvalidParameter, match=r"found -0.1 for a normal force of 0.0 N, expected a coefficient within"
+    ):
+        slid(CoulombFriction(load_exponent=-0.1), 0.0)
+
+
+@pytest.mark.parametrize(("force_n", "mu"), [(0.5, 0.5 * 0.5**-0.3), (1.0, 0.5), (3.0, 0.5 * 3**-0.3)])
+def test_the_coefficient_depends_on_the_load_in_every_friction(force_n: float, mu: float) -> None:
+    friction = CoulombFriction(0.5, load_exponent=-0.3)
+    motion = slid(friction, force_n)
+    expected_n = mu * (force_n + motion.electrostatic_n)
+    np.testing.assert_allclose(motion.lateral_n, expected_n, rtol=1e-13)
+    many = sliding_many(T_S, [PIECES], FORM, finger=Finger(), friction=friction, force_n=force_n)
+    np.testing.assert_allclose(many.lateral_n[0], expected_n, rtol=1e-13)
+    np.testing.assert_allclose(friction.modulation_n(0.01, force_n), mu * 0.01, rtol=1e-13)
+    assert lagged_n(FrictionLag(), friction, force_n)[0] == pytest.approx(mu * force_n, rel=1e-13)
+
+
+def test_the_corner_of_the_lag_is_intercept_plus_slope_times_speed() -> None:
+    lag = FrictionLag(slope_hz_per_m_per_s=1000.0, intercept_hz=200.0, floor_hz=150.0)
+    assert lag.cutoff_hz(0.1) == pytest.approx(300.0)
+    assert lag.gain(300.0, 0.1) == pytest.approx(np.sqrt(0.5))
+    assert FrictionLag(1000.0, 200.0, 250.0).cutoff_hz(0.01) == 250.0
+
+
+def test_a_stretched_finger_starts_from_its_stretch_and_breaks_away_sooner() -> None:
+    finger, quiet = Finger(), Step(duration_s=0.1).pieces(-6000.0)
+
+    def breaks_away_s(stretch_m: float) -> float:
+        travel = Travel(0.05, stretch_m=stretch_m)
+        arguments = {"finger": finger, "friction": DryFriction(0.6, 0.5), "force_n": 0.5, "travel": travel}
+        motion = stick_slip(T_S, quiet, FORM, **arguments)
+        assert motion.stretch_m[0] == stretch_m
+        return float(motion.events_s[0])
+
+    hold_m = (0.6 * 0.5 - finger.damping_n_s_per_m * 0.05) / finger.stiffness_n_per_m
+    for stretch_m in (0.0, 0.5e-3, -0.5e-3):
+        assert breaks_away_s(stretch_m) == pytest.approx((hold_m - stretch_m) / 0.05, rel=1e-12)
+
+
+CLOSED_FORMS = {
+    "step_voltage_v": lambda skin: closed.step_voltage_v([0.0, 1e-4], 100.0, skin),
+    "step_impulse_n_s": lambda skin: closed.step_impulse_n_s(100.0, skin, AREA_M2),
+    "rise_peak_v": lambda skin: closed.rise_peak_v(1e-3, 100.0, skin),
+    "sine_voltage_v": lambda skin: closed.sine_voltage_v([0.0, 1e-4], 60.0, 100.0, skin),
+    "sine_mean_force_n": lambda skin: closed.sine_mean_force_n(60.0, 100.0, skin, AREA_M2),
+    "square_edge_v": lambda skin: closed.square_edge_v(60.0, 100.0, skin),
+    "square_mean_force_n": lambda skin: closed.square_mean_force_n(60.0, 100.0, skin, AREA_M2),
+    "square_harmonic_force_n": lambda skin: closed.square_harmonic_force_n(1, 60.0, 100.0, skin, AREA_M2),
+}
+
+
+@pytest.mark.parametrize("call", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
+def test_a_closed_form_refuses_a_skin_that_it_has_no_term_for(call) -> None:
+    assert np.isfinite(call(Skin(gap_m=1e-6))).all()
+    with pytest.raises(InvalidParameter, match=r"found a skin with Skin.body_resistance_ohm other than 0.0"):
+        call(Skin(body_resistance_ohm=1.0))
+    with pytest.raises(InvalidParameter, match=r"found a skin with Skin.tissue other than None"):
+        call(Skin(tissue=Layer(5e-3, 1e4, 2.0)))
+
+
+@pytest.mark.parametrize("n_harmonic", [0, -1, 1.5, [1, 0], float("nan")])
+def test_harmonics_of_a_square_are_counted_from_1(n_harmonic) -> None:
+    with pytest.raises(InvalidParameter, match="square_harmonic_force_n.n_harmonic"):
+        closed.square_harmonic_force_n(n_harmonic, 60.0, 100.0, P0, AREA_M2)
+
+
+def swept_n(corner_hz: float, t_s) -> np.ndarray:
+    """A lagging friction of a sine in `sc_layer`, written out: squares of exponentials, each lagged by itself."""
+    (gain,), (decay_per_s,) = FORM.relaxations.gains, FORM.relaxations.rates_per_s
+    rate_per_s, omega = 2 * np.pi * corner_hz, 2 * np.pi * 60.0
+    response = gain * 1j * omega / (1j * omega + decay_per_s)
+    rates = np.array([1j * omega, -1j * omega, -decay_per_s])
+    heights = 100.0 * np.array([response / 2j, -np.conj(response) / 2j, -response.imag])
+    sums, products = np.add.outer(rates, rates).ravel(), np.outer(heights, heights).ravel()
+    moving = np.exp(np.outer(t_s, sums)) - np.exp(-rate_per_s * np.asarray(t_s))[:, None]
+    return 0.5 * FORM.newton_per_v2 * (moving @ (products * rate_per_s / (sums + rate_per_s))).real
+
+
+@pytest.mark.parametrize("corner_hz", [1e2, 1e4, 1e6, 1e8, 9.9e9])
+def test_a_lag_that_is_not_refused_is_exact(corner_hz: float) -> None:
+    t_s = np.linspace(0, 0.1, 101)
+    found_n = lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=t_s)
+    expected_n = swept_n(corner_hz, t_s)
+    np.testing.assert_allclose(found_n, expected_n, rtol=0, atol=1e-9 * expected_n.max())
+
+
+@pytest.mark.parametrize("corner_hz", [1.1e10, 1e15])
+def test_a_lag_too_short_to_be_resolved_is_refused(corner_hz: float) -> None:
+    with pytest.raises(InvalidParameter, match=r"lagged_friction_n.lag: found a corner of .* expected a product of at"):
+        lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=np.linspace(0, 0.1, 101))
+
+
+def test_the_first_time_is_resolved_too() -> None:
+    with pytest.raises(InvalidParameter, match=r"with times up to 0.09 s apart"):
+        lagged_n(FrictionLag(0.0, 0.0, 1e9), CoulombFriction(), 0.0, t_s=[0.09, 0.091])
+
+
+@pytest.mark.parametrize(("speed_m_per_s", "sentence"), [(1e8, "lag: found a corner of"), (1e200, "found 1e\\+200")])
+def test_a_speed_beyond_all_is_refused(speed_m_per_s: float, sentence: str) -> None:
+    with pytest.raises(InvalidParameter, match=sentence):
+        lagged_n(FrictionLag(), CoulombFriction(), 0.5, speed_m_per_s=speed_m_per_s)
+
+
+def test_the_examples_of_the_page_are_true() -> None:
+    page = DOCS / "electrovibration.md"
+    failed, tried = doctest.testfile(str(page), module_relative=False)
+    assert failed == 0
+    assert tried > 30

@@ -1,0 +1,305 @@
+"""Scene files and the command: strict, with key paths; the plan in words; figures that are drawn."""
+
+import json
+import math
+import tomllib
+from dataclasses import replace
+
+import pytest
+from places import DOCS
+
+from tactometry.cli import main
+from tactometry.cli.output import say
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.scenes import names, path_of
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.explain import explained
+from tactometry.stimuli.scenes.file import load_scene, scene_of
+from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.result import computed
+from tactometry.target import resolve
+
+TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
+LAW = {"kind": "force_law", "law": "sc_layer"}
+
+
+def table(**changes):
+    return {"outputs": ["t_s", "electrostatic_force_n"], "surface": TONE, "effects": [LAW], **changes}
+
+
+def call(*arguments):
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    return ended.value.code
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"accurcy": 0.1}, r"accurcy: found an unknown key, .*did you mean 'accuracy'\?"),
+        ({"accuracy": "fine"}, r"accuracy: found 'fine', expected a number"),
+        ({"accuracy": 2.0}, r"^accuracy: found 2\.0, expected above 0 and at most 1"),
+        ({"surface": {**TONE, "kind": "electrovibraton"}}, r"surface\.kind: found .*did you mean 'electrovibration'"),
+        ({"surface": {"kind": "electrovibration"}}, r"surface\.frequency_hz: found no such key"),
+        ({"surface": {**TONE, "frequency_hz": "60 m"}}, r"surface\.frequency_hz: found '60 m', expected .* Hz"),
+        ({"effects": [LAW, {"kind": "skin_leekage"}]}, r"effects\[1\]\.kind: .*did you mean 'skin_leakage'"),
+        ({"effects": [{"law": "sc_layer"}]}, r"effects\[0\]\.kind: found no such key, expected"),
+        ({"effects": [{**LAW, "law": "sc_laver"}]}, r"effects\[0\]\.law: found 'sc_laver', expected one of"),
+        ({"effects": [{**LAW, "x": 1}]}, r"effects\[0\]\.x: found an unknown key"),
+        ({"effects": [LAW, {"kind": "air_gap", "gap_m": -1.0}]}, r"effects\[1\]\.gap_m: found -1\.0"),
+        ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* leave the contact out"),
+        ({"contacts": [{"force": 1.0}]}, r"contacts\[0\]\.force: found an unknown key"),
+        ({"given": {"level": 1.0}}, r"given\.level: found an unknown quantity, expected one of level_db_re_1v"),
+        ({"outputs": []}, r"^outputs: found none"),
+    ],
+)
+def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
+    with pytest.raises(InvalidParameter, match=message) as refused:
+        scene_of(table(**changes))
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ({"n_samples": 0}, r"settings\.sampling\.n_samples: found 0, expected a whole number above 0, such as \d+"),
+        ({"n_samples": 33.5}, r"settings\.sampling\.n_samples: found 33\.5, expected a whole number above 0"),
+        ({"n_samples": "many"}, r"settings\.sampling\.n_samples: found 'many', expected a whole number"),
+        ({"n_sample": 33}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
+    ],
+)
+def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(setting, message):
+    given = {"level_db_re_1v": 40.0}
+    ours = scene_of(table(settings={"sampling": {"n_samples": 33}}, given=given)).scene
+    assert ours.resolve().run(given)["t_s"].size == 33
+    with pytest.raises(InvalidParameter, match=message):
+        scene_of(table(settings={"sampling": setting})).scene.resolve()
+
+
+def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path):
+    """It said "predicted error inf"."""
+    page = (DOCS / "scenes.md").read_text("utf-8")
+    (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
+    assert call("scene", tmp_path / "s.toml") == 0
+    assert "predicted error not known (a setting is given)" in capsys.readouterr().out
+
+
+def test_settings_that_no_memory_holds_are_one_sentence():
+    huge = scene_of(table(settings={"sampling": {"n_samples": 10**15}}, given={"level_db_re_1v": 40.0}))
+    with pytest.raises(
+        InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
+    ):
+        computed(huge.scene.resolve(), huge.given)
+
+
+def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
+    assert call("scene", "electrovibration-panel", "--movie", "a.gif") == 2
+    assert "--movie: found a scene on 'electrovibration', which has no wave" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("level", [float("nan"), float("inf")])
+def test_what_is_given_is_finite(level):
+    found = scene_of(table(given={"level_db_re_1v": level}))
+    with pytest.raises(InvalidParameter, match=r"given\.level_db_re_1v: found (nan|inf), expected a finite number"):
+        found.scene.resolve().run(found.given)
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("level_db_re_1v", r"^outputs\[1\]: found 'level_db_re_1v', which each run is given, .*; remove it"),
+        ("skin", r"^outputs\[1\]: found 'skin', which stages hand on to each other, .*; remove it"),
+    ],
+)
+def test_what_is_given_or_no_number_is_no_output(output, message):
+    with pytest.raises(InvalidParameter, match=message):
+        scene_of(table(outputs=["t_s", output])).scene.resolve()
+
+
+def test_an_unknown_output_names_the_known_ones():
+    scene = scene_of(table(outputs=["electrostatic_force"])).scene
+    with pytest.raises(
+        InvalidParameter, match=r"^outputs: found nothing that gives 'electrostatic_force', .*did you mean 'electrost"
+    ):
+        scene.resolve()
+
+
+@pytest.mark.parametrize(
+    ("outputs", "effect", "place"),
+    [("t_s", "skin_leekage", "effects[0].kind"), ("nonsense_n", "skin_leakage", "outputs")],
+)
+def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, outputs, effect, place):
+    file = tmp_path / "own.toml"
+    file.write_text(
+        f'outputs = ["{outputs}"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60.0\n'
+        f'[[effects]]\nkind = "{effect}"\n',
+        encoding="utf-8",
+    )
+    for explain in ([], ["--explain"]):
+        assert call("scene", file, *explain) == 2
+        assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
+
+
+def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
+    bad = tmp_path / "bad.toml"
+    bad.write_text("outputs = [", encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"found no valid TOML"):
+        load_scene(bad)
+    with pytest.raises(InvalidFile, match=r"cannot be read"):
+        load_scene(tmp_path / "absent.toml")
+    assert call("scene", "electrovibration-panell") == 2
+
+
+def roughly(name):
+    found = load_scene(path_of(name))
+    return replace(found, scene=replace(found.scene, accuracy=0.1))
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
+    found = roughly(name)
+    result = computed(found.scene.resolve(), found.given)
+    assert set(result.values) == set(found.scene.outputs)
+    assert result.plan.error <= found.scene.accuracy
+    assert result.versions["numpy"]
+    for output in result.values:
+        assert result.unit(output) or output in {"movie"}
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
+    found = roughly(name)
+    lines = explained(found.scene, found.given).splitlines()
+    assert max(map(len, lines)) <= 100
+    rule = lines.index("-" * 100)
+    rows = [line for line in lines[rule + 1 : -3] if not line.startswith("    ")]
+    assert {row[24:26] for row in rows} == {"  "}
+    assert {row[26:30].strip() for row in rows} == {"on", "off"}
+    on = [row.split()[0] for row in rows if row[26:30].strip() == "on"]
+    assert on == [stage.name for stage in found.scene.resolve().stages]
+    assert lines[-2].startswith(f"accuracy {found.scene.accuracy:g}: predicted error")
+    assert lines[-1].startswith("one more digit")
+
+
+def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
+    found = load_scene(path_of("a4-screen"))
+    given = replace(found.scene, outputs=("peak_m",))
+    said = " ".join(explained(given, found.given).partition("\nStage")[0].split())
+    assert said.startswith("taken for granted: edges simply supported all around; a thin plate, without shear")
+    assert "patches have neither mass nor stiffness" in said
+    assert "it pulls as well as it presses" in said
+    assert "transducers that push at points" not in said  # 'patches' takes its place
+    assert "losses" not in said  # there are some
+    assert "radiated" not in said  # sound is not asked for
+    bare = replace(given, effects=())
+    assert "transducers that push at points" in " ".join(bare.assumed())
+    assert "a plate without losses" in bare.assumed()
+
+
+@pytest.mark.parametrize("kind", EFFECTS)
+def test_every_effect_says_what_it_takes_for_granted(kind):
+    assumes = resolve(EFFECTS[kind]).assumes
+    assert isinstance(assumes, tuple)
+    assert all(words and words == words.strip(" .;") for words in assumes)
+
+
+def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
+    plate = '[surface]\nkind = "time_reversal"\nlength_m = 0.12\nwidth_m = 0.09\nn_transducers = 8\nfocus_x_m = 0.05\n'
+    plate += "focus_y_m = 0.04\nband_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
+    rest = '[[effects]]\nkind = "one_bit"\n[[effects]]\nkind = "finger_load"\n[given]\nvoltage_v = 30.0\n'
+    pulled = {}
+    for force_n in (0.01, 20.0):
+        file = tmp_path / f"{force_n}.toml"
+        contact = f"[[contacts]]\nforce_n = {force_n}\n"
+        file.write_text(f'accuracy = 0.1\noutputs = ["t_s", "contact_force_n"]\n{plate}{contact}{rest}')
+        assert call("scene", file) == 0
+        assert ("note: finger 1 pulls by up to" in capsys.readouterr().out) == (force_n < 1)
+        assert call("scene", file, "--json") == 0
+        told = json.loads(capsys.readouterr().out)
+        pulled[force_n] = told["pulls_n"][0]
+        assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
+    assert pulled[0.01] > 0 == pulled[20.0]
+
+
+def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
+    found = load_scene(path_of("electrovibration-panel"))
+    finer = replace(found.scene, accuracy=found.scene.accuracy / 10).resolve()
+    ratio = finer.predicted_s / found.scene.resolve().predicted_s
+    last = explained(found.scene, found.given).splitlines()[-1]
+    assert last.startswith(f"one more digit (accuracy {found.scene.accuracy / 10:g}): ")
+    assert last.endswith(f", {ratio:.1f} times as long")
+
+
+def test_the_measured_column_is_that_of_a_run(monkeypatch):
+    found = load_scene(path_of("electrovibration-panel"))
+    n_stages = len(found.scene.resolve().stages)
+    monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (12.5,) * n_stages)
+    lines = explained(found.scene, found.given).splitlines()
+    assert sum(line.endswith("12.5 s") for line in lines) == n_stages
+    assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s")
+
+
+def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
+    found = load_scene(path_of("electrovibration-panel"))
+    said = explained(found.scene, found.given)
+    kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
+    for kind in found.scene.surface.effects:
+        assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
+
+
+def test_a_stage_is_for_those_that_run_behind_it():
+    found = load_scene(path_of("thin-screen"))
+    said = explained(replace(found.scene, outputs=("peak_m",)), found.given)
+    assert "shear                     on    for attenuation, learning" in said
+    assert "attenuation               on    for learning" in said
+
+
+def test_an_effect_that_nothing_needs_says_so():
+    sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
+    found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
+    assert "friction                  off   no output needs it" in explained(found.scene, found.given)
+
+
+def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        'outputs = ["peak_force_n"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60\nduration_s = 0.05\n'
+        'ramp_s = 0.01\n[[effects]]\nkind = "force_law"\nlaw = "sc_layer"\n',
+        encoding="utf-8",
+    )
+    assert call("scene", file) == 2
+    assert "given.level_db_re_1v: found no such key" in capsys.readouterr().err
+    file.write_text(file.read_text(encoding="utf-8") + "[given]\nlevel_db_re_1v = 40.0\n", encoding="utf-8")
+    assert call("scene", file, "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["units"] == {"peak_force_n": "N"}
+    assert 0.02 < said["outputs"]["peak_force_n"] < 0.022
+    for outputs in ('["peak_force_n"]', '["t_s", "peak_force_n"]'):
+        file.write_text(file.read_text(encoding="utf-8").replace('["peak_force_n"]', outputs), encoding="utf-8")
+        assert call("scene", file, "--figure", tmp_path / "a.png") == 2
+        assert "add it to outputs" in capsys.readouterr().err
+    wave = file.read_text(encoding="utf-8").replace('"peak_force_n"]', '"electrostatic_force_n"]')
+    file.write_text(wave, encoding="utf-8")
+    assert call("scene", file, "--explain", "--figure", tmp_path / "a.png") == 0
+    assert "one more digit" in capsys.readouterr().out
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_the_figure_is_drawn(tmp_path, capsys):
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.png") == 0
+    assert (tmp_path / "a.png").stat().st_size > 20_000
+    assert "sensation" in capsys.readouterr().out
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.doc") == 2
+    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "no" / "a.png") == 3
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_built_in_file_says_what_is_unverified(name):
+    text = path_of(name).read_text(encoding="utf-8")
+    assert "unverified" in text
+    assert tomllib.loads(text)["title"]
+
+
+def test_json_has_null_for_a_level_that_is_not_finite(capsys):
+    say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3}, as_json=True)
+    assert json.loads(capsys.readouterr().out) == {"silent_db": None, "courses": [[1.0, None]], "n": 3}

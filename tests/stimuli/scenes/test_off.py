@@ -1,0 +1,184 @@
+"""Off costs nothing: an effect that is absent is not imported, has no stage, and changes no call of the run."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import pytest
+from fresh_processes import told
+from places import ROOT
+from scene_cases import ELECTROVIBRATION, LEVEL, TIME_REVERSAL, VOLT, small_screen
+
+from tactometry.stimuli.scenes.effects import EFFECTS
+
+LAW = {"kind": "force_law", "law": "sc_layer"}
+TONE = {"frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
+PLATE = {name: value for name, value in asdict(small_screen()).items() if name != "glass"}
+REST, SLIDE = {"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}
+CASES = {**ELECTROVIBRATION, **TIME_REVERSAL, "force_law": ({"law": "sc_layer"}, (), "electrostatic_force_n")}
+FELT = {"sensitivity", "receptors", "focus_detection"}
+RUBBED = {"friction", "dry_friction"}
+OWNERS = {
+    "electrovibration.waveforms.amplitude_modulated": {"carrier"},
+    "electrovibration.attraction.offset": {"dc_offset"},
+    "electrovibration.attraction.contact_area": {"contact_area"},
+    "electrovibration.motion.friction": RUBBED,
+    "electrovibration.motion.finger": {"finger_dynamics"},
+    "electrovibration.motion.compiled_loops": {"friction_lag", "finger_dynamics"},
+    "electrovibration.motion.stick_slip": {"dry_friction"},
+    "electrovibration.motion.power_series": {"dry_friction"},
+    "perception.channels": {"receptors"},
+    "perception.detection": FELT,
+    "perception.sensitivity": FELT,
+    "scenes.stages.spectrum": {"sensitivity", "receptors"},
+    "scenes.stages.contact": {"finger_load"},
+    "scenes.stages.map": {"movie"},
+    "time_reversal.screen.temperature": {"temperature_drift"},
+    "time_reversal.finger.finger": {"finger_load", "focus_detection"},
+    "time_reversal.focusing.pattern": {"repetition"},
+    "time_reversal.rectangle.ritz": {"edges"},
+    "time_reversal.stimulus.sensation": {"focus_detection"},
+    "time_reversal.focusing.sigma_delta": {"sigma_delta"},
+    "time_reversal.field.sound": {"airborne_sound"},
+}
+"""Physics that some effects alone need."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A surface, the effects that keep it company, and what is asked of it without any effect and with those."""
+
+    surface: Mapping[str, object]
+    effects: tuple[Mapping[str, object], ...]
+    bare: tuple[str, ...]
+    outputs: tuple[str, ...]
+    kinds: tuple[str, ...]
+
+
+SIDES = {
+    "electrovibration": Side(
+        {"kind": "electrovibration", **TONE},
+        (LAW,),
+        ("voltage_v",),
+        ("electrostatic_force_n",),
+        ("force_law", *ELECTROVIBRATION),
+    ),
+    "time_reversal": Side({"kind": "time_reversal", **PLATE}, (), ("peak_m",), ("peak_m",), tuple(TIME_REVERSAL)),
+    "hybrid": Side(
+        {"kind": "hybrid", "electrovibration": TONE, "time_reversal": PLATE},
+        (LAW, {"kind": "attenuation"}),
+        ("electrode_voltage_v", "peak_m"),
+        ("peak_m", "electrostatic_force_n"),
+        tuple(CASES),
+    ),
+}
+EVERY = [(side, kind) for side in SIDES for kind in SIDES[side].kinds]
+
+
+def table(side: str, effects, outputs):
+    given = {"electrovibration": LEVEL, "time_reversal": VOLT}.get(side, {**LEVEL, **VOLT})
+    contacts = {"electrovibration": [SLIDE], "time_reversal": [REST]}.get(side, [REST, SLIDE])
+    surface = dict(SIDES[side].surface)
+    return {
+        "surface": surface, "effects": list(effects), "outputs": outputs, "given": given, "contacts": contacts,
+        "accuracy": 0.1,
+    }  # fmt: skip
+
+
+def named(kind: str):
+    """The effect and what it needs."""
+    return [{"kind": name, **CASES[name][0]} for name in (kind, *CASES[kind][1])]
+
+
+def without(side: str, kind: str):
+    company = [effect for effect in SIDES[side].effects if effect["kind"] != kind]
+    bare, outputs = SIDES[side].bare, SIDES[side].outputs
+    return table(side, company, bare if kind == "force_law" else outputs)
+
+
+def with_it(side: str, kind: str):
+    _, needs, output = CASES[kind]
+    company = [effect for effect in SIDES[side].effects if effect["kind"] not in {kind, *needs}]
+    slid = side == "hybrid" and output == "sensation_db" and kind in ELECTROVIBRATION
+    return table(side, [*company, *named(kind)], (*SIDES[side].outputs, f"sliding_{output}" if slid else output))
+
+
+@pytest.fixture(scope="module")
+def answers():
+    """Of every surface without effects, and of every effect: without it, with it, and without it again."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork for a process per effect")
+    asked = {
+        side: (
+            table(side, (), SIDES[side].bare),
+            {kind: (without(side, kind), with_it(side, kind)) for kind in SIDES[side].kinds},
+        )
+        for side in SIDES
+    }
+    here = ROOT / "tests" / "support" / "fresh_processes.py"
+    done = subprocess.run([sys.executable, here], input=json.dumps(asked), capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+def module_of(kind: str) -> str:
+    return EFFECTS[kind].partition(":")[0]
+
+
+def kinds_in(scene) -> set[str]:
+    return {effect["kind"] for effect in scene["effects"]}
+
+
+def imported(answer) -> set[str]:
+    """Effects whose module is there."""
+    return {kind for kind in EFFECTS if module_of(kind) in answer["modules"]}
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_surface_without_effects_imports_none_and_nothing_that_only_effects_need(answers, side):
+    plain = answers[0][side]
+    assert not imported(plain)
+    assert not {f"tactometry.stimuli.{name}" for name in OWNERS} & set(plain["modules"])
+    assert not any(name.startswith("matplotlib") for name in plain["modules"])
+    if side == "electrovibration":
+        assert "numba" not in plain["modules"]
+
+
+@pytest.mark.parametrize(("side", "kind"), EVERY)
+def test_an_effect_that_is_absent_is_not_imported_has_no_stage_and_costs_no_call(answers, side, kind):
+    never, on, lost = answers[1][side][kind]
+    assert imported(never) == kinds_in(without(side, kind))
+    assert imported(on) == kinds_in(with_it(side, kind)) | imported(never)
+    assert not {kind, module_of(kind)} & {name for stage in never["stages"] for name in stage}
+    assert {kind, module_of(kind)} & {name for stage in on["stages"] for name in stage}
+    assert lost["stages"] == never["stages"]
+    assert lost["calls"] == never["calls"] != on["calls"]
+
+
+@pytest.mark.parametrize("physics", OWNERS)
+def test_the_physics_of_an_effect_is_imported_with_it_alone(answers, physics):
+    module = f"tactometry.stimuli.{physics}"
+    for side, kind in EVERY:
+        never, on, _ = answers[1][side][kind]
+        named = kinds_in(with_it(side, kind))
+        assert module not in never["modules"]
+        assert (module in on["modules"]) == bool(OWNERS[physics] & named), (side, kind)
+
+
+# --- an effect that is there, but that no output needs
+
+OTHER = {**dict.fromkeys(TIME_REVERSAL, ("electrode_voltage_v",)), **dict.fromkeys(ELECTROVIBRATION, ("peak_m",))}
+
+
+@pytest.fixture(scope="module")
+def other_side():
+    return {outputs: told(table("hybrid", (), outputs)) for outputs in set(OTHER.values())}
+
+
+@pytest.mark.parametrize("kind", OTHER)
+def test_an_effect_on_one_side_of_a_hybrid_scene_costs_the_other_side_no_call(other_side, kind):
+    got, alone = told(table("hybrid", named(kind), OTHER[kind])), other_side[OTHER[kind]]
+    assert got["stages"] == alone["stages"]
+    assert got["calls"] == alone["calls"]

@@ -1,0 +1,247 @@
+"""An effect that stands in a scene but that no output needs acts on nothing: plan, bytes, imports, words, refusals."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from places import ROOT
+from scene_cases import (
+    ELECTROVIBRATION,
+    LEVEL,
+    RESTING,
+    SLIDING,
+    TIME_REVERSAL,
+    VOLT,
+    default,
+    effect,
+    panel,
+    screen,
+    small_screen,
+    tuned,
+    with_needs,
+)
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.scenes import names, path_of
+from tactometry.stimuli.scenes.effect import FingerContact
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.explain import explained
+from tactometry.stimuli.scenes.file import load_scene
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+
+PANEL = (
+    "t_s", "voltage_v", "electrostatic_force_n", "peak_force_n", "friction_force_n", "skin_displacement_m",
+    "slip_events_s", "channels_db", "sensation_db",
+)  # fmt: skip
+PLATE = (
+    "peak_m", "peaks_m", "t_s", "focus_displacement_m", "x_m", "y_m", "field_m", "frames_s", "movie_m",
+    "contact_displacement_m", "contact_force_n", "sound_level_dba", "energy_j", "power_w", "sensation_db",
+)  # fmt: skip
+BOTH = (
+    *PLATE, "sliding_t_s", "electrode_voltage_v", "sliding_sensation_db",
+    *(name for name in PANEL if name not in {"t_s", "voltage_v", "sensation_db"}),
+)  # fmt: skip
+OUTPUTS = {"electrovibration": PANEL, "time_reversal": PLATE, "hybrid": BOTH}
+COMPANY = {
+    "electrovibration": [effect("force_law", law="sc_layer")],
+    "time_reversal": [],
+    "hybrid": [effect("force_law", law="sc_layer")],
+}
+BARE = {
+    "electrovibration": Scene(Electrovibration(5.0, 0.4, 0.05), (), ("voltage_v",), 0.05, SLIDING),
+    "time_reversal": Scene(small_screen(), (), ("peak_m",), 0.1, RESTING),
+    "hybrid": Scene(
+        Hybrid(Electrovibration(5.0, 0.4, 0.05), small_screen()),
+        (),
+        ("peak_m",),
+        0.1,
+        (FingerContact(2.0), FingerContact(2.0, 0.05, 0.09, 0.06)),
+    ),
+}
+"""Slow tones: there the swing of a finger pad is the fastest thing in the scene."""
+
+
+def scenes():
+    """Every surface with the least company, and every built-in scene."""
+    for kind, scene in BARE.items():
+        yield f"bare {kind}", replace(scene, effects=tuple(COMPANY[kind]))
+    for name in names():
+        yield name, load_scene(path_of(name)).scene
+
+
+SCENES = dict(scenes())
+EVERY = [(name, kind) for name, scene in SCENES.items() for kind in scene.surface.effects]
+
+
+def needs_of(kind):
+    return tuned(kind) if kind in TIME_REVERSAL else with_needs(kind) if kind in ELECTROVIBRATION else [default(kind)]
+
+
+def pair(scene, kind):
+    """The effects of a scene without one and with it: what shares a slot with it or acts on it is left out."""
+    mine, *needs = [found for found in scene.effects if found.kind == kind] or needs_of(kind)
+    added = (mine, *needs)
+    slots = {found.slot for found in added}
+    barred = {name for found in added for name in (found.kind, *found.excludes)}
+    company = [found for found in scene.effects if found.slot not in slots and mine.slot not in found.requires]
+    company = [found for found in company if found.kind not in barred and barred.isdisjoint(found.excludes)]
+    apart = [found for found in needs if mine.slot not in found.requires]
+    return (*company, *apart), (*company, *needs, mine)
+
+
+def is_had(scene):
+    try:
+        scene.resolve()
+    except InvalidParameter:
+        return False
+    return True
+
+
+def unneeded(name, kind):
+    """Of every output that does not need an effect: the output, the plan without the effect, the plan with it."""
+    scene = SCENES[name]
+    without, with_it = pair(scene, kind)
+    for output in OUTPUTS[scene.surface.kind]:
+        asked = replace(scene, outputs=(output,), settings={}, contacts=scene.contacts or RESTING)
+        one = replace(asked, effects=without)
+        if is_had(one):
+            both = replace(asked, effects=with_it)
+            if kind in {found.kind for found in both.off()}:
+                yield output, one.resolve(), both.resolve()
+
+
+ALWAYS = {"carrier", "dc_offset", "texture"}
+"""Every output of a panel alone comes behind its voltage."""
+
+
+@pytest.mark.parametrize(("name", "kind"), EVERY)
+def test_an_effect_that_an_output_does_not_need_leaves_its_plan_as_it_is(name, kind):
+    found = [output for output, one, both in unneeded(name, kind) if one == both]
+    assert found == [output for output, _, _ in unneeded(name, kind)]
+    panel_alone = SCENES[name].surface.kind == "electrovibration"
+    assert bool(found) is not (panel_alone and kind in ALWAYS)
+
+
+KINDS = {"electrovibration": tuple(ELECTROVIBRATION), "time_reversal": tuple(TIME_REVERSAL)}
+HEAVY = {"movie_m", "field_m", "sound_level_dba", "energy_j", "slip_events_s"}
+
+
+@pytest.mark.parametrize(("side", "kind"), [(side, kind) for side in KINDS for kind in KINDS[side]])
+def test_an_effect_that_an_output_does_not_need_leaves_its_bytes_as_they_are(side, kind):
+    given = {**LEVEL, **VOLT}
+    for output, one, both in unneeded(f"bare {side}", kind):
+        if output in HEAVY:
+            continue
+        values = [np.asarray(plan.run({name: given[name] for name in plan.given})[output]) for plan in (one, both)]
+        assert values[0].tobytes() == values[1].tobytes()
+
+
+def test_which_outputs_a_finger_pad_and_a_body_act_on():
+    """Friction in full slip knows no motion, and nothing behind the output changes its voltage."""
+    pad = [output for output, _, _ in unneeded("bare electrovibration", "finger_dynamics")]
+    assert pad == ["t_s", "voltage_v", "electrostatic_force_n", "peak_force_n", "friction_force_n"]
+    body = [output for output, _, _ in unneeded("bare electrovibration", "body_resistance")]
+    assert body == ["t_s", "voltage_v"]
+
+
+# --- imports
+
+TONE = {"frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
+GLASS = {name: value for name, value in asdict(small_screen()).items() if name != "glass"}
+CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
+UNASKED = {
+    **dict.fromkeys(TIME_REVERSAL, "electrode_voltage_v"),
+    **dict.fromkeys(ELECTROVIBRATION, "electrode_voltage_v"),
+    **dict.fromkeys(ALWAYS, "peak_m"),
+}
+
+
+def table(kinds, output):
+    return {
+        "surface": {"kind": "hybrid", "electrovibration": TONE, "time_reversal": GLASS},
+        "effects": [{"kind": kind, **CASES[kind][0]} for kind in kinds],
+        "outputs": [output],
+        "contacts": [{"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}],
+        "given": {**LEVEL, **VOLT},
+        "accuracy": 0.1,
+    }
+
+
+@pytest.fixture(scope="module")
+def told():
+    """Modules of each scene without and with an effect that its output does not need, in processes of their own."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork for a process per effect")
+    pairs = {
+        kind: (table((), UNASKED[kind]), table((kind, *CASES[kind][1]), UNASKED[kind]))
+        for kind in UNASKED
+    }  # fmt: skip
+    here = ROOT / "tests" / "support" / "fresh_processes.py"
+    asked = json.dumps({"hybrid": (table((), "electrode_voltage_v"), pairs)})
+    done = subprocess.run([sys.executable, here], input=asked, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)[1]["hybrid"]
+
+
+@pytest.mark.parametrize("kind", UNASKED)
+def test_an_effect_that_no_output_needs_imports_no_more_than_its_name(told, kind):
+    without, with_it, _ = told[kind]
+    named = {EFFECTS[name].partition(":")[0] for name in (kind, *CASES[kind][1])}
+    assert set(with_it["modules"]) - set(without["modules"]) == named
+    assert with_it["stages"] == without["stages"]
+    assert with_it["calls"] == without["calls"]
+
+
+# --- words and refusals
+
+
+def words(scene, given):
+    """The explanation but for the times that were measured."""
+    lines = explained(scene, given).splitlines()
+    return [
+        line[:86].rstrip() if not line.startswith("accuracy") else line.partition(", measured")[0] for line in lines
+    ]
+
+
+def others(lines, kinds):
+    """Lines of other effects."""
+    return [line for line in lines if line.partition(" ")[0] not in kinds]
+
+
+@pytest.mark.parametrize(
+    ("side", "kind"), [(side, kind) for side in KINDS for kind in KINDS[side] if kind not in ALWAYS]
+)
+def test_the_explanation_tells_of_an_effect_that_no_output_needs_that_it_is_off(side, kind):
+    scene = SCENES[f"bare {side}"]
+    output = next(output for output, _, _ in unneeded(f"bare {side}", kind))
+    without, with_it = (replace(scene, outputs=(output,), effects=effects) for effects in pair(scene, kind))
+    told = words(with_it, {**LEVEL, **VOLT})
+    off = next(line for line in told if line.startswith(kind))
+    assert off.split() == [kind, "off", "no", "output", "needs", "it"]
+    added = {found.kind for found in with_it.effects} - {found.kind for found in without.effects}
+    assert others(told, added) == others(words(without, {**LEVEL, **VOLT}), added)
+
+
+@pytest.mark.parametrize(
+    ("scene", "output"),
+    [
+        (replace(panel(default("skin_leakage")), surface=Electrovibration(60.0, 0.05, 0.0)), "voltage_v"),
+        (replace(panel(default("body_resistance")), surface=Electrovibration(60.0, 0.05, 0.0)), "voltage_v"),
+        (screen(effect("movie", n_frames=400_000, span_s=1e-4), accuracy=1e-3), "focus_displacement_m"),
+        (screen(effect("movie", span_s=1.0)), "peak_m"),
+    ],
+)
+def test_what_no_output_needs_is_not_refused(scene, output):
+    replace(scene, outputs=(output,)).resolve()
+
+
+def test_the_side_of_a_hybrid_scene_that_no_output_needs_is_not_refused():
+    fine = replace(BARE["hybrid"], outputs=("electrode_voltage_v",), accuracy=1e-10)
+    fine.resolve()
+    with pytest.raises(InvalidParameter, match="expected at most"):
+        replace(fine, outputs=("peak_m",)).resolve()

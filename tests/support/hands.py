@@ -1,0 +1,38 @@
+"""Hands that press keys and touch the screen of a display by real X events."""
+
+import time
+
+SCREEN_PX = (1280, 800)
+
+LONGEST_WAIT_S = 30.0
+
+
+class Hands:
+    """Presses keys and touches the screen by real X events, from a connection of its own."""
+
+    def __init__(self, name):
+        from Xlib import XK, X, display
+        from Xlib.ext import xtest
+
+        self._X, self._XK, self._xtest = X, XK, xtest
+        self._display = display.Display(name)
+
+    def _send(self, kind, detail=0, x=0, y=0):
+        self._xtest.fake_input(self._display, kind, detail, x=x, y=y)
+        self._display.sync()
+
+    def tap(self, key, hold_s=0.03):
+        """Press and release a key, named by its X keysym: when it went down and up on time.perf_counter."""
+        code = self._display.keysym_to_keycode(self._XK.string_to_keysym(key))
+        down_s = time.perf_counter()
+        self._send(self._X.KeyPress, code)
+        time.sleep(hold_s)
+        self._send(self._X.KeyRelease, code)
+        return down_s, time.perf_counter()
+
+    def touch(self, x, y):
+        """A click of no duration at (x, y) in heights of the screen, from its middle."""
+        width, height = SCREEN_PX
+        self._send(self._X.MotionNotify, x=round(width / 2 + x * height), y=round(height / 2 - y * height))
+        self._send(self._X.ButtonPress, 1)
+        self._send(self._X.ButtonRelease, 1)

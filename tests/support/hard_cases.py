@@ -1,0 +1,156 @@
+"""Hard cases say what they are: their reference, their bound and the error they saw make docs/stability.md.
+
+A test calls `hard_case` or `exact_case`; names, references and bounds are literals, so that they can be read without a
+run. `make stability` writes the page from a run of the tests that hold hard cases.
+"""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+from places import DOCS, ROOT
+
+TESTS = ROOT / "tests"
+OWN = TESTS / "whole" / "test_stability.py"
+PAGE = DOCS / "stability.md"
+ROOMS = {
+    "stimuli/time_reversal/": "Time reversal",
+    "stimuli/electrovibration/": "Electrovibration",
+    "stimuli/perception/": "Perception",
+    "stimuli/scenes/": "Scenes",
+    "analysis/": "Fits and statistics",
+    "kernel/test_psychometric": "Psychometric functions",
+    "protocols/test_proc": "Procedures",
+    "protocols/test_quest": "Procedures",
+    "devices/": "Devices",
+    "kernel/test_force_gate": "Devices",
+    "rigs/window/": "Window",
+    "kernel/test_limits": "Devices",
+    "": "Sessions and data",
+}
+"""The first that the path of a test's file, from the folder of tests, opens with."""
+HEAD = """# Hard cases
+
+Every hard case of the tests with its reference, the worst error that the run which wrote this page has seen, and the
+bound that every run asserts. An error is relative to the size of what is expected, unless the case says otherwise;
+0 is equality. The page is written from the tests' own data by `make stability`; a test fails when it names a case that
+is gone or lacks one, or when an error has grown a hundredfold (and passes a thousandth of its bound).
+"""
+DRIFT, MARGIN, ROUNDING = 100.0, 1e-3, 1e-14
+"""An error may grow by the first factor, or up to the second part of its bound: other processors round otherwise."""
+UNSEEN = "-"
+SEEN: dict[str, float] = {}
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    against: str
+    bound: float | None
+    file: str
+    test: str
+
+    @property
+    def room(self) -> str:
+        return next(room for prefix, room in ROOMS.items() if self.file.startswith(prefix))
+
+    def row(self, error: str) -> str:
+        bound = "see there" if self.bound is None else f"{self.bound:.2g}"
+        return f"| {self.name} | {self.against} | {error} | {bound} | `{self.file}::{self.test}` |"
+
+
+def hard_case(case, found, expected, bound, *, against, floor=0.0):
+    """Assert |found - expected| <= bound (|expected| + floor) everywhere, and note the largest such error."""
+    del against
+    found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
+    away, size = np.abs(found - expected), np.abs(expected) + floor
+    error = float(np.max(np.divide(away, size, out=np.where(away == 0, 0.0, np.inf), where=size > 0), initial=0.0))
+    assert error <= bound, f"{case}: found an error of {error:.3g}, the bound is {bound:g}"
+    before = stated().get(case, np.inf)
+    assert error <= max(DRIFT * before, MARGIN * bound, ROUNDING), (
+        f"{case}: found an error of {error:.3g} where docs/stability.md says {before}; run make stability"
+    )
+    SEEN[case] = max(SEEN.get(case, 0.0), error)
+
+
+def exact_case(case, *, against):
+    """Note that what came before in this test held exactly."""
+    del against
+    SEEN[case] = 0.0
+
+
+def cases() -> list[Case]:
+    """All hard cases in the tests' sources, by room and file."""
+    found = [case for path in sorted(TESTS.rglob("test_*.py")) if path != OWN for case in _cases_of(path)]
+    order = list(dict.fromkeys(ROOMS.values()))
+    return sorted(found, key=lambda case: order.index(case.room))
+
+
+def file_of(path: Path) -> str:
+    """A test's file as the page names it: from the folder of tests, without suffix."""
+    return path.relative_to(TESTS).with_suffix("").as_posix()
+
+
+def _cases_of(path: Path) -> Iterator[Case]:
+    source = path.read_text(encoding="utf-8")
+    if "_case(" not in source:
+        return
+    for function in ast.walk(ast.parse(source)):
+        if isinstance(function, ast.FunctionDef) and function.name.startswith("test_"):
+            for call in ast.walk(function):
+                if isinstance(call, ast.Call) and getattr(call.func, "id", "") in ("hard_case", "exact_case"):
+                    words = {word.arg: word.value for word in call.keywords}
+                    bound = call.args[-1] if call.func.id == "hard_case" else ast.Constant(0.0)
+                    name, against = ast.literal_eval(call.args[0]), ast.literal_eval(words["against"])
+                    yield Case(name, against, _number(bound), file_of(path), function.name)
+
+
+def _number(bound: ast.expr) -> float | None:
+    """The bound, or None if it is computed."""
+    return float(ast.literal_eval(bound)) if isinstance(bound, ast.Constant) else None
+
+
+@cache
+def rows() -> dict[str, str]:
+    """The error that the page states for each case."""
+    lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.endswith("` |")]
+    return {cell[0]: cell[2] for cell in cells}
+
+
+def page(seen: dict[str, float]) -> str:
+    """The page from the errors of the cases; one that was never seen has none."""
+    lines = [HEAD]
+    for room, part in groupby(cases(), key=lambda case: case.room):
+        lines += [f"## {room}", "", "| case | reference | worst error seen | bound | test |", "|---|---|---|---|---|"]
+        lines += [*(case.row(_stated(seen.get(case.name))) for case in part), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _stated(error: float | None) -> str:
+    return UNSEEN if error is None else f"{error:.1e}" if error else "0"
+
+
+def stated() -> dict[str, float]:
+    """The errors on the page."""
+    return {name: float(error) for name, error in rows().items() if error != UNSEEN}
+
+
+def only_hard_cases(items):
+    wanted = {(case.file, case.test) for case in cases()}
+    return [item for item in items if (file_of(item.path), item.originalname) in wanted]
+
+
+def pytest_addoption(parser):
+    parser.addoption("--stability", action="store_true", help="run the hard cases alone, and write docs/stability.md")
+
+
+def pytest_sessionfinish(session, exitstatus):
+    """Write the page; a case that this run left out, as one of a single file does, keeps the error that was stated."""
+    if session.config.getoption("--stability") and exitstatus == 0:
+        rows.cache_clear()
+        PAGE.write_text(page(stated() | SEEN), encoding="utf-8")

@@ -1,0 +1,10 @@
+"""Where things stand in the repository, so that a test may stand in any folder."""
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+RECORDED = ROOT / "tests" / "recorded"
+FOREIGN = ROOT / "tests" / "foreign"
+SHARED = ROOT.parent / "shared"
+"""Data sets of others: absent on most machines."""

@@ -1,0 +1,137 @@
+"""A bench that notes when its output falls to zero."""
+
+import threading
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import player
+import pytest
+from emulated import wait_for
+from sampled import Sampled
+from sound_server import heard_part
+
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import with_ramps
+from tactometry.devices.sensors.force_calibration import ForceCalibration
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.emitter import RAMP_S
+from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+from tactometry.session.request import Press
+
+RATE_HZ = 48_000.0
+
+PRESS = Press("noise", 1.0, 20.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=30.0)
+
+
+class Noting:
+    """A driver that notes when it was told to stop or close, and how many frames it had given by then."""
+
+    def __init__(self, driver):
+        self._driver, self.n_given, self.told_s = driver, None, None
+
+    def __getattr__(self, name):
+        return getattr(self._driver, name)
+
+    def _note(self):
+        if self.n_given is None and self._driver._course is not None:
+            self.n_given, self.told_s = self._driver._course._at, time.perf_counter()
+
+    def stop(self):
+        self._note()
+        self._driver.stop()
+
+    def close(self):
+        self._note()
+        self._driver.close()
+
+
+class Scene:
+    """A touch of a noise of 20 s, of which `happens` tells how it ends once the sink hears it."""
+
+    def __init__(self, watched, driver, sink):
+        self.sink, self.driver, self.force_n = sink, driver, 1.0
+        self.screen = Failing(watched)
+        self.source = Sampled(self.felt)
+        sensor = streamed_force(Reader(self.source), 0, ForceCalibration(newtons_per_count=1.0))
+        output = Guarded(driver, LIMITS, Load("electrode", 1e-9))
+        bank, texts = {"noise": Noise(20.0), "short": Noise(0.5)}, texts_in("en", {})
+        self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor, release=False)
+
+    def felt(self, time_s):
+        del time_s
+        return self.force_n
+
+    def when_heard(self, happens, *args):
+        wait_for(lambda: self.sink.heard() > 2 * N_HEARD)
+        happens(*args)
+
+    def heard(self, stimulus="noise"):
+        """How many frames the sink heard before its silence: the stimulus's, where no gap was reported."""
+        frames = self.sink.end()
+        assert not frames[-4800:].any()
+        heard = heard_part(frames)
+        if self.driver.facts()["n_underruns"]:
+            return np.count_nonzero(heard.any(axis=1))
+        final = self.bench._emitter._output.check(with_ramps(self.bench._emitter._bank[stimulus].at(1.0), RAMP_S))[1]
+        wanted = np.round(final.samples.T / 50.0 * 32767).astype("<i2")
+        wanted = wanted[np.flatnonzero(wanted.any(axis=1))[0] :]
+        n_whole = max(0, len(heard) - 48)
+        assert np.array_equal(heard[:n_whole], wanted[:n_whole])
+        return len(heard)
+
+
+N_HEARD = 4800
+
+LIMITS = Limits(voltage_peak_v=50.0, current_peak_a=1.0, duty=1.0, session_s=600.0, duration_s=30.0)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """No sample of it is zero."""
+
+    duration_s: float
+    unit = "V"
+
+    def at(self, level):
+        del level
+        return player.noise(2, RATE_HZ, self.duration_s)
+
+
+@pytest.fixture
+def driver(sink, monkeypatch):
+    """Sound to the sink from this process: its PortAudio begins anew in the sink's environment."""
+    sounddevice = pytest.importorskip("sounddevice")
+    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
+        monkeypatch.setenv(name, sink.env[name])
+    sounddevice._terminate()
+    sounddevice._initialize()
+    yield Noting(
+        player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
+    )
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
+
+
+class Failing:
+    """A screen that fails when it is told to."""
+
+    def __init__(self, screen):
+        self._screen, self.fails = screen, threading.Event()
+
+    def __getattr__(self, name):
+        return getattr(self._screen, name)
+
+    def refresh(self, page):
+        if self.fails.is_set():
+            raise BadError
+        return self._screen.refresh(page)
+
+
+class BadError(Exception):
+    pass

@@ -1,0 +1,223 @@
+"""The command line as people call it: help with examples, JSON, the same bytes wherever it is computed, Ctrl-C."""
+
+import io
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from places import ROOT
+
+from tactometry.cli import COMMANDS, main
+
+
+def call(capsys, *arguments):
+    with pytest.raises(SystemExit) as ended:
+        main(list(map(str, arguments)))
+    said = capsys.readouterr()
+    assert ended.value.code == 0, said.err
+    return said.out
+
+
+def files(root):
+    return {
+        str(path.relative_to(root)): path.read_bytes()
+        for path in sorted(root.rglob("*"))
+        if path.is_file() and "report" not in str(path.relative_to(root))
+    }
+
+
+def simulate(root, *options):
+    main(["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(root), *options])
+
+
+PARTS = {"calibrate": ("gain", "force", "display", "responses")}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_an_example(capsys, command):
+    assert f"Example: tactometry {command}" in call(capsys, command, "--help")
+    for words in ([command, part] for part in PARTS[command]) if command in PARTS else [[command]]:
+        assert "--json" in call(capsys, *words, "--help")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_list_of_commands_says_what_each_one_is(capsys, command):
+    assert re.search(rf"^  {command} +\w", call(capsys, "--help"), re.MULTILINE)
+
+
+@pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
+def test_a_session_ends_in_good_order_where_the_system_or_a_closed_terminal_ends_it(capsys, number):
+    call(capsys, "studies")
+    with pytest.raises(SystemExit) as ended:
+        signal.raise_signal(getattr(signal, number))
+    assert ended.value.code == 128 + getattr(signal, number)
+
+
+def test_studies_are_listed(capsys):
+    assert set(json.loads(call(capsys, "studies", "--json"))) >= {"electrovibration-threshold", "tutorial"}
+
+
+def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call(capsys, "new", "tutorial", "--out", "mine.toml")
+    call(capsys, "run", "mine.toml", "--participant", "P01", "--rig", "simulated", "--out", "d")
+    assert "sound" in call(capsys, "validate", "d")
+    assert "rows agree" in call(capsys, "replay", "d")
+
+
+def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_session(capsys):
+    planned = json.loads(call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run", "--json"))
+    said = call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run")
+    assert "at most 1 trial, 28 items" in said
+    longest = int(said.rsplit("at most ", 1)[1].split()[0])
+    assert longest - 1 < planned["minutes_at_most"] <= longest
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "d"],
+        ["run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", "e"],
+        ["run", "tutorial", "--participant", "P01", "--dry-run"],
+        ["new", "tutorial", "--out", "x.toml"],
+    ],
+    ids=lambda arguments: " ".join(arguments[:2]),
+)
+def test_results_come_as_json(tmp_path, capsys, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    assert json.loads(call(capsys, *arguments, "--json"))
+
+
+def test_validate_replay_and_analyse_give_json(tmp_path, capsys):
+    call(capsys, "simulate", "tutorial", "--participants", 2, "--seed", 1, "--out", tmp_path / "d")
+    assert json.loads(call(capsys, "validate", tmp_path / "d", "--json"))["defects"] == []
+    assert [session["complete"] for session in json.loads(call(capsys, "replay", tmp_path / "d", "--json"))] == [
+        True
+    ] * 2
+    assert json.loads(call(capsys, "analyse", tmp_path / "d", "--json"))
+
+
+@pytest.mark.parametrize("options", [["--jobs", "2"], ["--jobs", "-1"]])
+def test_processes_change_no_byte(tmp_path, options):
+    for name, extra in (("one", []), ("many", options)):
+        with pytest.raises(SystemExit) as ended:
+            simulate(tmp_path / name, *extra)
+        assert ended.value.code == 0
+    assert files(tmp_path / "one") == files(tmp_path / "many")
+
+
+def test_a_cluster_changes_no_byte(tmp_path):
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    simulate_here = tmp_path / "here"
+    with pytest.raises(SystemExit):
+        simulate(simulate_here)
+    script = (
+        "import distributed, subprocess, sys\n"
+        "if __name__ == '__main__':\n"
+        "    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:\n"
+        "        words = [sys.executable, '-m', 'tactometry', *sys.argv[1:]]\n"
+        "        words += ['--scheduler', cluster.scheduler_address]\n"
+        "        sys.exit(subprocess.run(words).returncode)\n"
+    )
+    (tmp_path / "cluster.py").write_text(script)
+    words = ["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(tmp_path / "cluster")]
+    done = subprocess.run(
+        [sys.executable, tmp_path / "cluster.py", *words], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert files(simulate_here) == files(tmp_path / "cluster")
+
+
+def test_a_scheduler_that_does_not_answer_is_a_failed_device(tmp_path, capsys):
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    with pytest.raises(SystemExit) as ended:
+        simulate(tmp_path / "d", "--scheduler", "nonsense://nowhere")
+    assert ended.value.code == 3
+    assert "no Dask scheduler answers at 'nonsense://nowhere'" in capsys.readouterr().err
+
+
+def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("perhaps\n" * 100))
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "tutorial", "--participant", "P01", "--rig", "console", "--out", str(tmp_path / "d")])
+    said = capsys.readouterr()
+    assert ended.value.code == 1
+    assert said.out.count("found 'perhaps', expected an answer to: [trial 1] Did you feel something?") == 20
+    assert "20 lines were no answers" in said.err
+
+
+@pytest.fixture
+def interruptible():
+    """A job in the background ignores interrupts, and so would its children."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
+def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
+    call(capsys, *words, "--out", whole)
+    child = subprocess.Popen(
+        [sys.executable, "-m", "tactometry", *words, "--out", stopped],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not list(stopped.glob("data/*.csv")):
+        assert child.poll() is None
+        time.sleep(0.01)
+    child.send_signal(signal.SIGINT)
+    _, said = child.communicate()
+    assert (child.returncode, said.strip()) == (
+        130,
+        "tactometry: interrupted; what was recorded is safe: go on with --resume",
+    )
+    call(capsys, *words, "--out", stopped, "--resume")
+    kept = {name: content for name, content in files(stopped).items() if "_interruptions" not in name}
+    assert kept == files(whole)
+
+
+def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
+    study = Path("sine.toml").read_text("utf-8")
+    Path("sine.toml").write_text(study.replace('kind = "amplitude_modulated"', 'kind = "sine"'), "utf-8")
+    call(capsys, "simulate", "sine.toml", "--participants", 6, "--seed", 2, "--out", "d")
+    out = call(capsys, "analyse", "d")
+    assert re.search(r" 30 │ .*of 6: \d above the", out)
+    assert "95 % interval between participants" in out
+    assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
+    assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
+
+
+def test_the_main_job_end_to_end(tmp_path, capsys):
+    out = call(capsys, "demo", "--out", tmp_path / "demo")
+    assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
+    assert "report:" in out
+    assert len(list((tmp_path / "demo" / "data").glob("*.csv"))) == 10
+
+
+def readme_commands():
+    text = (ROOT / "README.md").read_text("utf-8")
+    blocks = re.findall(r"```console\n(.*?)```", text, re.DOTALL)
+    return [
+        line.removeprefix("$ ") for block in blocks for line in block.splitlines() if line.startswith("$ tactometry")
+    ]
+
+
+def test_the_commands_of_the_readme_work_as_printed(tmp_path):
+    commands = readme_commands()
+    assert len(commands) >= 5
+    environment = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    for command in commands:
+        done = subprocess.run(
+            command, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, input=""
+        )
+        assert done.returncode == 0, (command, done.stderr)

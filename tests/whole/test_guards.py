@@ -1,0 +1,247 @@
+"""The doors of the house stay shut: imports, contracts of import-linter, what a commit may not hold."""
+
+import ast
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from places import ROOT
+
+ROOMS = ("stimuli", "protocols", "analysis", "experiments")
+FOLDERS = ("tactometry", *ROOMS)
+SCRIPTS = Path(sys.executable).parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+DRIVEN = ("sounddevice", "serial", "pylsl", "nidaqmx")
+WORDS = """
+numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seaborn pyarrow msgspec jinja2
+joblib dask distributed h5py psychopy psychtoolbox pyglet
+"""
+HEAVY = frozenset((*WORDS.split(), *DRIVEN))
+IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg"}
+
+
+def sources() -> list[Path]:
+    found = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+    return sorted(path for path in found if not any(part.is_symlink() for part in (path, *path.parents)))
+
+
+def imports(source: str) -> Iterator[str]:
+    """The top-level names of all absolute imports."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        if isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            yield node.module.split(".")[0]
+
+
+def distribution(requirement: str) -> str:
+    name = re.match(r"[\w.-]+", requirement)
+    assert name, requirement
+    return name.group().lower()
+
+
+# --- a dot stays in the wing, a name leaves it
+
+
+def misfits(path: Path, source: str) -> list[str]:
+    """Imports of a file that do not say by their form how far they reach.
+
+    Within a wing (kernel, stimuli, protocols, analysis, experiments) they are relative, so that a room can be moved or
+    read alone; across wings absolute and by the one name, since a lab's own folder can shadow a bare `analysis`.
+    """
+    wing, *rooms = path.parts[:-1]
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom):
+            leaves = node.level > len(rooms) + 1
+            names = ["(another wing)"] if leaves else [node.module or ""] if node.level == 0 else []
+            names = [f"{names[0]}.{node.names[0].name}"] if names == ["tactometry"] else names
+        found += [f"{path}:{node.lineno} {name}" for name in names if leaves_or_stays_wrongly(name, wing)]
+    return found
+
+
+def leaves_or_stays_wrongly(name: str, wing: str) -> bool:
+    top, *rest = name.split(".")
+    target = rest[0] if rest and rest[0] in ROOMS else "tactometry"
+    return top in ROOMS or top == "(another wing)" or (top == "tactometry" and target == wing)
+
+
+def test_within_a_wing_imports_are_relative_and_across_wings_absolute() -> None:
+    places = [path.relative_to(ROOT) for path in sources()]
+    assert [line for path in places for line in misfits(path, (ROOT / path).read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+@pytest.mark.parametrize("form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"])
+def test_a_bare_room_is_refused(room: str, form: str) -> None:
+    assert misfits(Path("tactometry/rigs/new.py"), form.format(room) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("analysis/report/new.py", "from tactometry.analysis.plan import Plan"),
+        ("analysis/report/new.py", "from tactometry.analysis import plan"),
+        ("analysis/report/new.py", "from ...errors import InvalidFile"),
+        ("tactometry/rigs/new.py", "from tactometry.errors import InvalidFile"),
+        ("tactometry/rigs/new.py", "from tactometry import errors"),
+        ("tactometry/new.py", "def late():\n    import tactometry.rigs.bench"),
+    ],
+)
+def test_an_import_of_the_wrong_form_is_refused(path: str, line: str) -> None:
+    assert misfits(Path(path), line + "\n")
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("analysis/report/new.py", "from tactometry.errors import InvalidFile"),
+        ("analysis/report/new.py", "from ..plan import Plan\nfrom .grid import grid\nimport numpy"),
+        ("tactometry/new.py", "from .errors import InvalidFile"),
+        ("experiments/new.py", "from tactometry import protocols"),
+    ],
+)
+def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
+    assert not misfits(Path(path), line + "\n")
+
+
+# --- contracts
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the tree that a test may spoil."""
+    place = tmp_path_factory.mktemp("tree")
+    shutil.copy(ROOT / "pyproject.toml", place)
+    for folder in FOLDERS:
+        shutil.copytree(ROOT / folder, place / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+    return place
+
+
+def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
+    script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
+    command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
+    return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("tactometry/rigs/bad.py", "import tactometry.stimuli.electrovibration"),
+        ("tactometry/bad.py", "from tactometry.experiments import bad"),
+        ("tactometry/bad.py", "from tactometry import cli"),
+        ("stimuli/bad.py", "from tactometry.analysis import bad"),
+        ("protocols/bad.py", "import tactometry.stimuli"),
+        ("analysis/bad.py", "import tactometry.experiments"),
+        ("experiments/bad.py", "from tactometry.cli import main"),
+        ("tactometry/rigs/bad.py", "from psychopy import visual"),
+        ("tactometry/rigs/bad.py", "import sounddevice"),
+        ("analysis/bad.py", "import matplotlib.pyplot"),
+        ("stimuli/bad.py", "import pingouin"),
+        ("analysis/bad.py", "import psignifit"),
+    ],
+)
+def test_a_contract_refuses(copy: Path, file: str, line: str) -> None:
+    bad = copy / file
+    bad.write_text(line + "\n", encoding="utf-8")
+    try:
+        result = contracts(copy)
+    finally:
+        bad.unlink()
+    module = "tactometry." + file.removeprefix("tactometry/").removesuffix(".py").replace("/", ".")
+    assert result.returncode == 1
+    assert f"{module} -> {line.split()[1].partition('.')[0]}" in result.stdout
+
+
+def test_the_tree_keeps_its_contracts(copy: Path) -> None:
+    result = contracts(copy)
+    assert (result.returncode, "0 broken" in result.stdout) == (0, True), result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("library", DRIVEN)
+def test_a_device_library_has_one_driver(library: str) -> None:
+    drivers = [path.name for path in sources() if library in imports(path.read_text(encoding="utf-8"))]
+    assert len(drivers) <= 1
+
+
+def test_what_the_product_imports_is_declared() -> None:
+    extras = PROJECT["optional-dependencies"]
+    declared = [
+        *PROJECT["dependencies"],
+        *(each for name, group in extras.items() if name != "dev" for each in group),
+    ]
+    names = {IMPORTED_AS.get(name, name) for name in map(distribution, declared)}
+    used = {name for path in sources() for name in imports(path.read_text(encoding="utf-8"))}
+    assert used - names - set(sys.stdlib_module_names) == {"tactometry"}
+
+
+# --- what a command loads
+
+
+def test_help_loads_nothing_heavy() -> None:
+    script = (
+        "import sys, json; sys.argv = ['tactometry', '--help']; from tactometry.cli import main\n"
+        "try: main()\n"
+        "finally: print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})), file=sys.stderr)"
+    )
+    result = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=False)
+    assert "Usage: tactometry" in result.stdout
+    assert result.returncode == 0
+    assert HEAVY & set(json.loads(result.stderr.splitlines()[-1])) == set()
+
+
+# --- what a commit may not hold
+
+INDEX = "|".join(("py" + "pi", "python" + "hosted", "ana" + "conda", "npm" + "js", "art" + "ifactory", "nexus"))
+FORBIDDEN = {
+    "the host of a package index": re.compile(
+        rf"(?:https?:)?//[^\s/\"']*(?:{INDEX})[^\s\"']*|--(?:extra-)?index-url[ =]+\w+:", re.I
+    ),
+    "a path of one machine": re.compile(
+        "(?<![\\w.])/(?:" + "|".join(("wo" + "rk", "ho" + "me/\\w+", "ro" + "ot", "Us" + "ers/\\w+")) + ")/"
+    ),
+}
+
+
+def committed() -> list[Path]:
+    if not (ROOT / ".git").exists() or not shutil.which("git"):
+        pytest.skip("not a git checkout")
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return [ROOT / name for name in listed.split("\0") if name and (ROOT / name).is_file()]
+
+
+@pytest.mark.parametrize("what", FORBIDDEN)
+def test_no_commit_holds(what: str) -> None:
+    found = [
+        f"{path.relative_to(ROOT)}: {match.group()}"
+        for path in committed()
+        if (match := FORBIDDEN[what].search(path.read_text(encoding="utf-8", errors="replace")))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    ("what", "text"),
+    [
+        ("the host of a package index", "https:" + "//files.python" + "hosted.org/x"),
+        ("the host of a package index", "--index-url " + "https://here/simple"),
+        ("a path of one machine", "'/wo" + "rk/main/a.py'"),
+        ("a path of one machine", "open(/ho" + "me/me/x)"),
+    ],
+)
+def test_the_patterns_find(what: str, text: str) -> None:
+    assert FORBIDDEN[what].search(text)
+
+
+@pytest.mark.skipif("PYTEST_XDIST_WORKER" not in os.environ, reason="one process has all tests")
+def test_a_file_stays_in_one_process(request: pytest.FixtureRequest) -> None:
+    assert request.node.nodeid.endswith(f"@{Path(__file__).name}")

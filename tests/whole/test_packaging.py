@@ -1,0 +1,150 @@
+"""The wheel holds the tree, once, and runs where nothing else of ours is; versions have no addresses.
+
+The wheel is installed into a new virtual environment. In reduced form that environment reads the dependencies
+from the site-packages of the running interpreter through a path file, which does not reach the editable
+Tactometry there (path files of such a folder are not read). At full size (TACTOMETRY_SOAK=1) the environment
+is empty, and pip installs the dependencies under the constraints.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+from places import ROOT
+
+ROOMS = ("stimuli", "protocols", "analysis", "experiments")
+KEPT = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))}
+SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} for version in ("3.11", "3.12")]
+
+
+def files(folder: Path) -> set[str]:
+    """What a package folder holds, links to other rooms and what Python writes left out."""
+    found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    own = (path for path in found if not any((folder / part).is_symlink() for part in (path, *path.parents)))
+    return {path.as_posix() for path in own if "__pycache__" not in path.parts and not path.name.startswith(".")}
+
+
+def tree() -> set[str]:
+    rooms = {f"tactometry/{room}/{file}" for room in ROOMS for file in files(ROOT / room)}
+    return rooms | {f"tactometry/{file}" for file in files(ROOT / "tactometry")}
+
+
+def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=280)
+
+
+def done(result: "subprocess.CompletedProcess[str]") -> str:
+    assert result.returncode == 0, result.stdout[-2000:] + result.stderr[-2000:]
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built from a copy, so that nothing is left in the tree and nothing that lies there comes in."""
+    source = tmp_path_factory.mktemp("source")
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    for folder in ("tactometry", *ROOMS):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / folder, source / folder, symlinks=True, ignore=ignored)
+    out = source / "dist"
+    done(run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ".", cwd=source))
+    (built,) = out.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scripts folder of an environment with the wheel in it."""
+    place = tmp_path_factory.mktemp("environment")
+    done(run(sys.executable, "-m", "venv", *([] if SOAK else ["--without-pip"]), place, cwd=place))
+    scripts = place / ("Scripts" if os.name == "nt" else "bin")
+    install = [sys.executable, "-m", "pip", "--python", scripts / "python", "install", "--quiet"]
+    if SOAK:
+        done(run(*install, "--constraint", ROOT / "constraints.txt", wheel, cwd=place))
+    else:
+        (site,) = place.glob("lib/python*/site-packages") if os.name != "nt" else [place / "Lib" / "site-packages"]
+        (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+        done(run(*install, "--no-deps", wheel, cwd=place))
+    return scripts
+
+
+@pytest.fixture
+def foreign(tmp_path: Path) -> Path:
+    """A lab's folder, whose own packages bear the names of our rooms."""
+    for room in (*ROOMS, "benchmarks"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "__init__.py").write_text("raise RuntimeError('the lab has its own')\n", encoding="utf-8")
+    return tmp_path
+
+
+def test_the_wheel_holds_every_file_of_the_tree_once(wheel: Path) -> None:
+    names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
+    assert sorted(names) == sorted(tree())
+
+
+def test_the_wheel_puts_one_name_beside_others(wheel: Path) -> None:
+    tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    assert tops == {"tactometry", f"tactometry-{PROJECT['version']}.dist-info"}
+
+
+def test_the_wheel_carries_the_licence(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert PROJECT["license"] == "GPL-3.0-or-later"
+
+
+def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: Path, foreign: Path) -> None:
+    names = ", ".join(f"tactometry.{room}" for room in ROOMS)
+    script = f"import {names}; print(*(m.__file__ for m in ({names},)), sep='\\n')"
+    found = done(run(environment / "python", "-c", script, cwd=foreign)).splitlines()
+    assert len(found) == len(ROOMS)
+    assert all(Path(file).is_relative_to(environment.parent) for file in found)
+
+
+def test_the_installed_command_runs_the_demo_in_a_foreign_folder(environment: Path, foreign: Path) -> None:
+    done(run(environment / "tactometry", "demo", "--out", "out", cwd=foreign))
+    assert list((foreign / "out").rglob("*_data.csv"))
+    assert list((foreign / "out").rglob("*.html"))
+
+
+def constraints() -> dict[str, list[Requirement]]:
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = [Requirement(line) for line in lines if not line.startswith("#")]
+    return {canonicalize_name(pin.name): [each for each in pins if each.name == pin.name] for pin in pins}
+
+
+def pinned(name: str, marker: dict[str, str]) -> list[str]:
+    pins = constraints().get(canonicalize_name(name), [])
+    valid = [pin for pin in pins if pin.marker is None or pin.marker.evaluate(marker)]
+    return [specifier.version for pin in valid for specifier in pin.specifier if specifier.operator == "=="]
+
+
+@pytest.mark.parametrize("marker", MARKERS, ids=lambda marker: marker["python_version"])
+@pytest.mark.parametrize(
+    "needed",
+    [
+        *PROJECT["dependencies"],
+        *(each for group in PROJECT["optional-dependencies"].values() for each in group),
+    ],
+)
+def test_what_is_needed_has_one_version_that_is_admitted(needed: str, marker: dict[str, str]) -> None:
+    requirement = Requirement(needed)
+    versions = pinned(requirement.name, marker)
+    assert len(versions) == 1
+    assert requirement.specifier.contains(versions[0])
+
+
+def test_the_constraints_hold_versions_and_no_address() -> None:
+    for pins in constraints().values():
+        assert all(pin.url is None and len(pin.specifier) == 1 for pin in pins)
