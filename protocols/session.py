@@ -10,6 +10,7 @@ from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.request import Done, Record, Show
 from tactometry.session.run import Course
+from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
 from .block import Track
@@ -76,7 +77,7 @@ class Inquiry:
             procedure=self.form.name,
             level=None,
             level_unit="",
-            task="rating",
+            task=FORM_TASK,
             response=reply.response,
             onset_s=reply.onset_s,
             latency_s=reply.latency_s,

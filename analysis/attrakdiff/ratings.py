@@ -8,6 +8,7 @@ import pandas as pd
 
 from tactometry.errors import counted
 from tactometry.questionnaire import Questionnaire
+from tactometry.trials.tasks import FORM_TASK
 
 from ..outcomes.findings import Outcome
 from ..outcomes.outcome import outcome
@@ -148,7 +149,7 @@ def _asked(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
     if not {"item", "procedure"} <= set(rows.columns):
         return []
     forms = forms_of(trials.path)
-    rows = rows[(rows["task"] == "rating") & rows["procedure"].isin(forms)]
+    rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
     return [(forms[str(name)], part) for name, part in rows.groupby("procedure")]
 
 
@@ -186,7 +187,7 @@ def _outcomes(
 ) -> dict[str, Outcome]:
     """Of each dimension. A mixed model by the measured force is none of a questionnaire: the rule chooses then."""
     named = None if primary == Primary.MIXED_MODEL else primary
-    return {name: outcome(scored, factors, "rating", name, primary=named) for name in form.dimensions}
+    return {name: outcome(scored, factors, FORM_TASK, name, primary=named) for name in form.dimensions}
 
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from ..threshold.counts import Array
 
@@ -17,9 +18,8 @@ LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
 }
 """How a unit is named on each scale, and what becomes of a level."""
 PLACED = ("level", "level_delivered", "standard_level")
-FITTED = ("yes_no", "forced_choice", "comparison", "same_different", "adjustment")
-"""Tasks whose levels are put on the scale; magnitudes and measurements are analysed as ratios anyway."""
-CURVED = ("yes_no", "forced_choice", "comparison")
+SCALED = tasks_with_level("curve", "scale")
+SETTINGS = tuple(name for name, held in TASKS.items() if held.sets_level)
 WIDE = 20.0
 """Levels that span a larger factor are seldom meant to lie on a linear axis; an unverified default."""
 
@@ -51,7 +51,7 @@ def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     if scale == "linear":
         return rows
     name, of = LOGARITHMS[scale]
-    own = rows["task"].isin(FITTED)
+    own = rows["task"].isin(SCALED)
     units = rows["level_unit"] if "level_unit" in rows.columns else pd.Series("", index=rows.index)
     for unit in units[own].unique():
         if is_logarithm(unit):
@@ -62,7 +62,7 @@ def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     for column in PLACED:
         if column in rows.columns:
             found[column] = rows[column].where(~own, of(_positive(rows, column, rows[column].where(own))))
-    settings = own & (rows["task"] == "adjustment") & (rows["response"] != "")
+    settings = own & rows["task"].isin(SETTINGS) & (rows["response"] != "")
     set_to = of(_positive(rows, "response", rows["response"].where(settings).astype(float)))
     found["response"] = rows["response"].where(~settings, [repr(float(level)) for level in set_to])
     return found
@@ -81,7 +81,7 @@ def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Arra
 
 def wide_levels(rows: pd.DataFrame) -> list[str]:
     """A warning where levels that are no logarithm span a factor above `WIDE`."""
-    own = rows["task"].isin(CURVED)
+    own = rows["task"].isin(tasks_with_level("curve"))
     if "level_unit" in rows.columns:
         own &= ~rows["level_unit"].isin([unit for unit in rows["level_unit"].unique() if is_logarithm(unit)])
     levels = rows.loc[own, "level"]

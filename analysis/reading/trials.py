@@ -17,8 +17,10 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import listed
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
+from tactometry.trials.cell_rules import CellRule
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
-from tactometry.trials.row_rules import RESPONSES, TASKS, CellRule, rows_text
+from tactometry.trials.row_rules import rows_text
+from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from .arrow_text import plain_numbers
 from .column_map import ColumnMap, translated, trials_of
@@ -44,8 +46,7 @@ NUMBERS = (
 FLAGS = ("correct", "valid", "catch", "practice")
 WHOLE = ("session", "block", "trial", "attempt", "target", "n_gaps")
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
-NUMBERED = frozenset({"same_different", "preference", "adjustment", "magnitude"})
-"""Tasks whose answers are read as numbers by the rule that a data set's check has of them."""
+CURVED = tasks_with_level("curve")
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
 FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv", "*.json")
@@ -303,25 +304,21 @@ def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
 
 
 def _check_answers(table: pd.DataFrame, file: Path) -> None:
-    binary = table["task"].isin(["yes_no", "comparison"])
-    odd = binary & ~table["response"].isin(["", "0", "1", "0.0", "1.0"])
-    if odd.any():
-        _refuse(table, "response", file, odd.to_numpy(), "1, 0 or nothing in a yes/no or comparison task")
-    choice = table["task"] == "forced_choice"
-    odd = choice & ~table["response"].str.fullmatch(r"|[1-9]\d{0,2}(\.0)?")
-    if odd.any():
-        expected = "the number of an interval, from 1, or nothing in a forced choice"
-        _refuse(table, "response", file, odd.to_numpy(), expected)
-    for task in sorted(NUMBERED.intersection(table["task"].unique())):
-        rule, own = RESPONSES[task], table["task"] == task
-        fine = {text for text in table.loc[own, "response"].unique() if text == "" or _fits(rule, text)}
-        odd = own & ~table["response"].isin(fine)
-        if odd.any():
-            _refuse(table, "response", file, odd.to_numpy(), rule.words)
+    for task in sorted(table["task"].unique()):
+        if TASKS[task].is_read:
+            _check_responses(table, task, file)
     catch = table["catch"] == 1 if "catch" in table.columns else pd.Series(False, index=table.index)
-    lost = (binary | choice) & table["level"].isna() & ~catch
+    lost = table["task"].isin(CURVED) & table["level"].isna() & ~catch
     if lost.any():
         _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
+
+
+def _check_responses(table: pd.DataFrame, task: str, file: Path) -> None:
+    rule, of_task = TASKS[task].response, table["task"] == task
+    fine = {text for text in table.loc[of_task, "response"].unique() if text == "" or _fits(rule, text)}
+    odd = of_task & ~table["response"].isin(fine)
+    if odd.any():
+        _refuse(table, "response", file, odd.to_numpy(), f"{rule.words}, where the task is {task}")
 
 
 def _fits(rule: CellRule, text: str) -> bool:
@@ -361,7 +358,7 @@ def _is_filled(column: "pd.Series[Any]") -> bool:
 def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     """Numbers where every cell is one, else text; an empty cell of a psychophysical trial is refused."""
     text = rows[name].astype(str)
-    lost = (text == "") & rows["task"].isin(["yes_no", "forced_choice", "comparison"])
+    lost = (text == "") & rows["task"].isin(CURVED)
     if lost.any():
         first = rows[lost].iloc[0]
         raise InvalidFile(

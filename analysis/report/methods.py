@@ -6,6 +6,8 @@ from importlib.metadata import version
 import numpy as np
 import pandas as pd
 
+from tactometry.trials.tasks import FORM_TASK
+
 from ..attrakdiff.ratings import Ratings, unanswered
 from ..outcomes.findings import Outcome
 from ..plan import AnalysisPlan
@@ -117,7 +119,7 @@ def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
     known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK, *CHOICES))
     if "procedure" in rows.columns:
-        known |= (rows["task"] == "rating") & rows["procedure"].isin(forms_of(trials.path))
+        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms_of(trials.path))
     other = rows[~known]
     if not len(other):
         return []

@@ -11,13 +11,14 @@ from scipy.special import ndtri
 
 from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
+from tactometry.trials.tasks import tasks_with_level
 
 from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials, parsed, used_rows
 from ..threshold.fitting import ThresholdFit, fit_many
 
-FITTED_TASKS = ("yes_no", "forced_choice", "comparison")
-LEVELLED_TASKS = (*FITTED_TASKS, "adjustment", "magnitude", "same_different")
+FITTED_TASKS = tasks_with_level("curve")
+LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 SHAPE = "normal"
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))

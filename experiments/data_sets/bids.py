@@ -15,6 +15,7 @@ from tactometry.questionnaire import Questionnaire
 from tactometry.records.data_set import cell
 from tactometry.records.description import KEYWORD
 from tactometry.trials.columns import Column
+from tactometry.trials.tasks import FORM_TASK
 
 from .source import ExportedDataSet, Row, pretty, separated
 
@@ -163,7 +164,7 @@ def _phenotypes(source: ExportedDataSet) -> dict[str, bytes]:
     """Scores of each questionnaire: a row per participant, a column per condition (and session) and dimension."""
     files: dict[str, bytes] = {}
     for name, form in source.forms.items():
-        answers = source.used[(source.used["task"] == "rating") & (source.used["procedure"] == name)]
+        answers = source.used[(source.used["task"] == FORM_TASK) & (source.used["procedure"] == name)]
         files |= _phenotype(form, answers, source) if len(answers) else {}
     return files
 

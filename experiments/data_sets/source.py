@@ -21,6 +21,7 @@ from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL, Column
 from tactometry.trials.row_rules import RULES
+from tactometry.trials.tasks import FORM_TASK
 
 Row = Mapping[str, str]
 
@@ -57,7 +58,7 @@ class ExportedDataSet:
         >>> ExportedDataSet((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
         ''
         """
-        name = row.get("procedure", "") if row.get("task") == "rating" else ""
+        name = row.get("procedure", "") if row.get("task") == FORM_TASK else ""
         return name if name in self.forms else ""
 
     def text(self, name: str) -> str:
@@ -130,7 +131,7 @@ def _forms(trials: Trials) -> dict[str, Questionnaire]:
     rows = trials.rows
     if not {"item", "procedure"} <= set(rows.columns):
         return {}
-    asked = set(rows.loc[rows["task"] == "rating", "procedure"])
+    asked = set(rows.loc[rows["task"] == FORM_TASK, "procedure"])
     return {name: form for name, form in sorted(forms_of(trials.path).items()) if name in asked}
 
 

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from functools import singledispatch
 
+from ..trials.cell_rules import LARGEST_ANSWER
 from .request import Adjust, Adjusted, Choose, Chosen, Enter, Fill, Filled, Rate, Rated
 
-LARGEST_ANSWER = 1e15
-"""What is beyond is no answer of a person, and its powers leave the range of numbers."""
 SLACK = 1e-9
 """Steps from within may miss a bound by a rounding, in parts of the bounds."""
 

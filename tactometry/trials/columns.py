@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from .tasks import TASKS
 from .trial import REASONS
 
 
@@ -26,11 +27,7 @@ ALWAYS = (
     Column("procedure", "Rule that chose the level; in the rows of a questionnaire its name"),
     Column("level", "Level that was asked for; empty for a catch trial; of an adjustment the start"),
     Column("level_unit", "Unit of all levels"),
-    Column(
-        "task",
-        "One of yes_no, forced_choice, comparison, same_different, magnitude, adjustment, rating, localisation, "
-        "preference, measurement",
-    ),
+    Column("task", f"One of {', '.join(TASKS)}"),
     Column(
         "response",
         "1 or 0 for felt, different or stronger than the standard; the chosen interval or alternative; the number, the "

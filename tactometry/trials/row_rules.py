@@ -5,28 +5,17 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..errors import nearest
 from ..records.data_set import PARTICIPANT, STUDY
 from ..records.head import is_time
-from ..session.answer_rules import LARGEST_ANSWER
+from .cell_rules import CellRule, number_from, one_of_texts, whole_number
 from .columns import ALWAYS, FIRST, RIGS
+from .tasks import TASKS
 from .trial import REASONS
 
-TASKS = (
-    "yes_no",
-    "forced_choice",
-    "comparison",
-    "same_different",
-    "magnitude",
-    "adjustment",
-    "rating",
-    "localisation",
-    "preference",
-    "measurement",
-)
 MOST_COLUMNS = 5000
 """More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
 MOST_NAMED = 5
@@ -78,29 +67,11 @@ def _as_one(alike: Sequence[Defect]) -> Defect:
     return replace(alike[0], n_rows=len(alike), others=others)
 
 
-@dataclass(frozen=True)
-class CellRule:
-    """What a cell may hold, in words and as a test."""
-
-    words: str
-    holds: Callable[[str], bool]
-
-
-def _number(low: float, high: float = math.inf) -> Callable[[str], bool]:
-    def holds(text: str) -> bool:
-        try:
-            return low <= float(text) <= high and math.isfinite(float(text))
-        except ValueError:
-            return False
-
-    return holds
-
-
-_COUNT = CellRule("a whole number from 1", lambda text: re.fullmatch(r"[1-9]\d*", text) is not None)
-_ANY = CellRule("a number", _number(-math.inf))
-_POSITIVE = CellRule("a number, at least 0", _number(0))
-_ANSWER = _number(-LARGEST_ANSWER, LARGEST_ANSWER)
-_FLAG = CellRule("1, 0 or nothing", lambda text: text in ("0", "1"))
+_COUNT = CellRule("a whole number from 1", whole_number())
+_ANY = CellRule("a number", number_from(-math.inf))
+_POSITIVE = CellRule("a number, at least 0", number_from(0))
+_PART = CellRule("a number from 0 to 1", number_from(0, 1))
+_FLAG = CellRule("1, 0 or nothing", one_of_texts("0", "1"))
 RULES: Mapping[str, CellRule] = {
     "participant": CellRule("1 to 32 letters and digits", lambda text: PARTICIPANT.fullmatch(text) is not None),
     "study": CellRule(
@@ -111,26 +82,15 @@ RULES: Mapping[str, CellRule] = {
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
     **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
-    **dict.fromkeys(("force_in_band", "speed_in_band"), CellRule("a number from 0 to 1", _number(0, 1))),
+    **dict.fromkeys(("force_in_band", "speed_in_band"), _PART),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
-    "task": CellRule(f"one of {', '.join(TASKS)}", lambda text: text in TASKS),
+    "task": CellRule(f"one of {', '.join(TASKS)}", one_of_texts(*TASKS)),
     "timestamp_utc": CellRule("a time in ISO 8601", is_time),
-    "rig": CellRule(f"one of {', '.join(RIGS)}", lambda text: text in RIGS),
-    "invalid_reason": CellRule(f"one of {', '.join(REASONS)}, or nothing", lambda text: text in REASONS),
+    "rig": CellRule(f"one of {', '.join(RIGS)}", one_of_texts(*RIGS)),
+    "invalid_reason": CellRule(f"one of {', '.join(REASONS)}, or nothing", one_of_texts(*REASONS)),
     "n_gaps": CellRule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
 }
 MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task", "rig"}
-RESPONSES: Mapping[str, CellRule] = {
-    "yes_no": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "comparison": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "same_different": CellRule("1, 0 or nothing", lambda text: text in ("0", "1")),
-    "forced_choice": CellRule("the number of an interval, from 1, or nothing", _COUNT.holds),
-    "localisation": CellRule("the number of an alternative, from 1, or nothing", _COUNT.holds),
-    "preference": CellRule("1 (item was preferred), 2 (item_b) or nothing", lambda text: text in ("1", "2")),
-    "magnitude": CellRule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", _number(0, LARGEST_ANSWER)),
-    "adjustment": CellRule(f"the level that was set, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
-    "rating": CellRule(f"the raw value of the answer, within {LARGEST_ANSWER:g}, or nothing", _ANSWER),
-}
 
 
 def defects(content: bytes, file: str) -> Iterator[Defect]:
@@ -171,7 +131,7 @@ def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
 
 def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:
     for name, text in row.items():
-        rule = RESPONSES.get(row.get("task", "")) if name == "response" else RULES.get(name)
+        rule = _response_rule(row) if name == "response" else RULES.get(name)
         empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
         if rule is not None and not empty and not rule.holds(text):
             yield Defect(
@@ -184,6 +144,12 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
         reason = row["invalid_reason"]
         found = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
         yield Defect(file, number, found, "reason")
+
+
+def _response_rule(row: Mapping[str, str]) -> CellRule | None:
+    """That of the row's task; None of a task that is unknown."""
+    task = TASKS.get(row.get("task", ""))
+    return None if task is None else task.response
 
 
 def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:

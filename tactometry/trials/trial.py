@@ -6,6 +6,7 @@ from functools import reduce
 from typing import Final, Literal, get_args
 
 from ..errors import counted
+from .tasks import FORM_TASK
 
 Value = str | int | float | bool | None
 Reason = Literal[
@@ -89,7 +90,7 @@ class Trial:
         >>> Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1").is_form
         True
         """
-        return self.task == "rating" and self.level is None
+        return self.task == FORM_TASK and self.level is None
 
 
 def validity(trial: Trial) -> str:

@@ -126,7 +126,7 @@ def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> Non
 
 
 def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
-    found = analyse(written(tmp_path / "t.csv", numbers("V", noise=0.1)))
+    found = analyse(written(tmp_path / "t.csv", numbers("V", noise=0.02)))
     assert [figure.name for figure in figures_of(found)] == ["exponent", "magnitude_levels"]
     page = render(found)
     for text in (

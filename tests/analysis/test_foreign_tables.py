@@ -207,7 +207,7 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
     file.write_text(f"participant,side,level,task,response,item,item_b\nP1,a,1,{task},{word},x,y\n")
     status, said, _ = call(capsys, "analyse", file, "--within", "side")
     assert status == 2
-    assert said.endswith(hint or "comparison task")
+    assert said.endswith(hint or "where the task is yes_no")
 
 
 @given(word=st.text(st.characters(max_codepoint=0xD7FF), min_size=1).filter(lambda text: text.strip()))
@@ -236,7 +236,7 @@ def test_a_forced_choice_has_no_interval_0(tmp_path):
     """jsPsych counts buttons from 0."""
     file = tmp_path / "t.csv"
     file.write_text("participant,side,level,task,response,target\nP1,a,1,forced_choice,0,1\n")
-    with pytest.raises(InvalidFile, match="found '0', expected the number of an interval, from 1, or nothing"):
+    with pytest.raises(InvalidFile, match="found '0', expected the number of an interval, from 1 to 999, or nothing"):
         read_trials(file, within=["side"])
 
 

@@ -131,12 +131,13 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         ),
         (
             [HEADER, changed("response", "2")],
-            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing in a yes/no or comparison task",
+            "{}, row 2, column 'response': found '2', expected 1, 0 or nothing, where the task is yes_no",
         ),
         (
             [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
-            "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1, or nothing in a "
-            "forced choice; say what it means in a column map (--columns), below [values.response]: 'left' = 1",
+            "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1 to 999, or "
+            "nothing, where the task is forced_choice; say what it means in a column map (--columns), below "
+            "[values.response]: 'left' = 1",
         ),
         (
             [HEADER, changed("correct", "yes")],

@@ -1,0 +1,48 @@
+"""What a cell of a trials table may hold, in words and as a test."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+LARGEST_ANSWER: Final = 1e15
+"""What is beyond is no answer of a person, and its powers leave the range of numbers."""
+
+
+@dataclass(frozen=True)
+class CellRule:
+    """What a cell may hold, in words and as a test of a cell that is not empty."""
+
+    words: str
+    holds: Callable[[str], bool]
+
+
+def number_from(low: float, high: float = math.inf) -> Callable[[str], bool]:
+    """The test for a finite number from `low` to `high`.
+
+    >>> [number_from(0, 1)(text) for text in ("0.5", "2", "nan", "x")]
+    [True, False, False, False]
+    """
+
+    def holds(text: str) -> bool:
+        try:
+            return low <= float(text) <= high and math.isfinite(float(text))
+        except ValueError:
+            return False
+
+    return holds
+
+
+def one_of_texts(*texts: str) -> Callable[[str], bool]:
+    """The test for one of some texts."""
+    return lambda text: text in texts
+
+
+def whole_number(highest: float = math.inf) -> Callable[[str], bool]:
+    """The test for a whole number from 1 to `highest`.
+
+    >>> [whole_number(9)(text) for text in ("1", "0", "10", "1.0")]
+    [True, False, False, False]
+    """
+    return lambda text: re.fullmatch(r"[1-9]\d{0,300}", text) is not None and int(text) <= highest

@@ -1,0 +1,81 @@
+"""Every task, by its name: what its rows hold. A task has one line here, and a file of its name in two rooms.
+
+`protocols/tasks/NAME.py` says how it is asked, `analysis/tasks/NAME.py` what is made of its answers; both are found by
+the name.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from .cell_rules import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
+
+LevelUse = Literal["curve", "scale", "ratio"]
+"""What an analysis does with the levels of a task.
+
+``curve``: the answers follow a psychometric function of the level, which no row but a catch trial may lack; ``scale``:
+levels are put on the scale of the analysis; ``ratio``: they are taken as ratios, whatever the scale.
+"""
+Columns = tuple[str, ...]
+
+ANSWER_WITHIN: Final = f"within {LARGEST_ANSWER:g}, or nothing"
+YES_OR_NO: Final = CellRule("1, 0 or nothing", one_of_texts("0", "1"))
+INTERVAL: Final = CellRule("the number of an interval, from 1 to 999, or nothing", whole_number(999))
+ALTERNATIVE: Final = CellRule("the number of an alternative, from 1, or nothing", whole_number())
+FIRST_OR_SECOND: Final = CellRule("1 (item was preferred), 2 (item_b) or nothing", one_of_texts("1", "2"))
+STRENGTH: Final = CellRule(f"a number from 0 to {LARGEST_ANSWER:g}, or nothing", number_from(0, LARGEST_ANSWER))
+SET_LEVEL: Final = CellRule(f"the level that was set, {ANSWER_WITHIN}", number_from(-LARGEST_ANSWER, LARGEST_ANSWER))
+RAW_VALUE: Final = CellRule(
+    f"the raw value of the answer, {ANSWER_WITHIN}", number_from(-LARGEST_ANSWER, LARGEST_ANSWER)
+)
+ANYTHING: Final = CellRule("anything", lambda text: True)
+
+
+@dataclass(frozen=True)
+class TaskRows:
+    """What the rows of a task hold.
+
+    Parameters
+    ----------
+    response : CellRule
+        What may stand in the column `response`, where it is not empty.
+    columns : tuple of str
+        Those of `columns.OPTIONAL` that it fills.
+    level : LevelUse or None
+        What an analysis does with its levels; None: nothing.
+    sets_level : bool
+        The response is a level, which the participant sets while it plays.
+    is_read : bool
+        An analysis reads the responses: a table with others than the rule allows is refused.
+    """
+
+    response: CellRule
+    columns: Columns = ()
+    level: LevelUse | None = None
+    sets_level: bool = False
+    is_read: bool = True
+
+
+TASKS: Final[Mapping[str, TaskRows]] = {
+    "yes_no": TaskRows(YES_OR_NO, level="curve"),
+    "forced_choice": TaskRows(INTERVAL, ("target",), "curve"),
+    "comparison": TaskRows(YES_OR_NO, ("target", "standard_level"), "curve"),
+    "same_different": TaskRows(YES_OR_NO, ("target", "standard_level"), "scale"),
+    "magnitude": TaskRows(STRENGTH, level="ratio"),
+    "adjustment": TaskRows(SET_LEVEL, level="scale", sets_level=True),
+    "rating": TaskRows(RAW_VALUE, ("item",), is_read=False),
+    "localisation": TaskRows(ALTERNATIVE, ("target",), is_read=False),
+    "preference": TaskRows(FIRST_OR_SECOND, ("item", "item_b")),
+    "measurement": TaskRows(ANYTHING, ("level_measured",), is_read=False),
+}
+FORM_TASK: Final = "rating"
+"""The task of the rows that hold answers to a questionnaire, about a stimulus or on its own."""
+
+
+def tasks_with_level(*uses: LevelUse) -> tuple[str, ...]:
+    """The tasks whose levels an analysis uses in one of these ways.
+
+    >>> tasks_with_level("ratio")
+    ('magnitude',)
+    """
+    return tuple(name for name, rows in TASKS.items() if rows.level in uses)
