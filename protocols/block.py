@@ -21,7 +21,6 @@ T = TypeVar("T")
 Interleaving = Literal["random", "balanced"]
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""
-
 LEAST_RATE = 1e-6
 """Of catch trials: one in more than all trials of a session."""
 

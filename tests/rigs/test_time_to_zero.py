@@ -5,11 +5,28 @@ That a process which is ended or killed falls silent is heard in `test_device_se
 
 import math
 
+import player
 import pytest
-from zero_scene import N_HEARD, PRESS, RATE_HZ, BadError, Scene
+from zero_scene import N_HEARD, PRESS, RATE_HZ, BadError, Noting, Scene
 
 from tactometry.errors import Stopped
 from tactometry.session.request import Press
+
+
+@pytest.fixture
+def driver(sink, monkeypatch):
+    """Sound to the sink from this process: its PortAudio begins anew in the sink's environment."""
+    sounddevice = pytest.importorskip("sounddevice")
+    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
+        monkeypatch.setenv(name, sink.env[name])
+    sounddevice._terminate()
+    sounddevice._initialize()
+    yield Noting(
+        player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
+    )
+    sounddevice._terminate()
+    monkeypatch.undo()
+    sounddevice._initialize()
 
 
 @pytest.fixture

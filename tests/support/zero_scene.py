@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import player
-import pytest
 from emulated import wait_for
 from sampled import Sampled
 from sound_server import heard_part
@@ -100,22 +99,6 @@ class Noise:
     def at(self, level):
         del level
         return player.noise(2, RATE_HZ, self.duration_s)
-
-
-@pytest.fixture
-def driver(sink, monkeypatch):
-    """Sound to the sink from this process: its PortAudio begins anew in the sink's environment."""
-    sounddevice = pytest.importorskip("sounddevice")
-    for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
-        monkeypatch.setenv(name, sink.env[name])
-    sounddevice._terminate()
-    sounddevice._initialize()
-    yield Noting(
-        player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse", "latency_s": 0.2}).driver(player.GAIN)
-    )
-    sounddevice._terminate()
-    monkeypatch.undo()
-    sounddevice._initialize()
 
 
 class Failing:
