@@ -1,6 +1,6 @@
 """Every stimulus, procedure, protocol, observer and rig: the laws of test_laws.py run over these tables.
 
-A thing that is added gets one line here.
+A thing that is added gets one line here; tasks come by themselves.
 """
 
 import io
@@ -10,30 +10,26 @@ import numpy as np
 from benches import gain_table
 from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, small_screen
 
+from tactometry.config.strict import build
 from tactometry.contact import Contact
+from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
-    AdjustmentTask,
     Block,
-    Comparison,
     Condition,
     ConstantStimuli,
     ForcedChoice,
     Inquiry,
-    Localisation,
-    Magnitude,
     MethodOfLimits,
     ParameterGrid,
-    Preference,
     Pressing,
     PsiSettings,
     Quest,
     QuestPlus,
     Rating,
-    SameDifferent,
     SharedQuestPlus,
     Sliding,
     Staircase,
@@ -176,20 +172,16 @@ TOUCHES = {
     "slide": Sliding(duration_s=0.2, force_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05),
 }
 
+REGISTERED = {
+    name: kind.made(build(kind.table, kind.example, "task"), load_form) for name, kind in task_table.TASKS.items()
+}
 TASKS = {
-    "yes_no": YesNo(),
-    "two_interval": ForcedChoice(2),
+    **REGISTERED,
     "four_interval": ForcedChoice(4),
-    "same_different": SameDifferent(standard_level=20.0),
-    "comparison": Comparison(standard_level=20.0),
-    "magnitude": Magnitude(),
-    "localisation": Localisation(),
-    "preference": Preference(),
-    "adjustment": AdjustmentTask(step=2.0, low=0.0, high=40.0),
     "rating": Rating(load_form("attrakdiff-haptic"), shuffled=True, n_touches=2),
     "rating_statements": Rating(load_form("sus")),
 }
-DETECTION = ("yes_no", "two_interval", "four_interval")
+DETECTION = ("yes_no", "forced_choice", "four_interval")
 PLACES = tuple(Alternative(f"place {n}", str(n), {"frequency_hz": 60.0 * n}) for n in (1, 2))
 
 
@@ -261,6 +253,7 @@ def simulated(seed=0, observer="default"):
         OBSERVERS[observer],
         SimulatedFinger(),
         lambda n_trials: np.random.default_rng([seed, n_trials]),
+        task_table.DECISIONS,
     )
 
 

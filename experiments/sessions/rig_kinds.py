@@ -84,16 +84,16 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
 def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
     from tactometry.devices.outputs.output import NullSettings
     from tactometry.errors import InvalidParameter
-    from tactometry.protocols.tasks.adjustment import AdjustmentTask
     from tactometry.rigs.console import Console
     from tactometry.rigs.texts import texts_in
+    from tactometry.trials.tasks import TASKS
 
     from .recording import RigKind
 
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
     limits = bench.limits_with(experiment.study.limits)
-    if isinstance(experiment.task, AdjustmentTask) and not isinstance(bench.output.settings, NullSettings):
+    if TASKS[experiment.asking.kind].sets_level and not isinstance(bench.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
             "study; or leave [output] out of the bench file"

@@ -7,7 +7,7 @@ from math import inf
 from tactometry.errors import InvalidParameter, counted
 from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
-from tactometry.protocols.tasks.rating import Rating
+from tactometry.protocols.tasks.task import AsksForm
 
 from .experiment import Experiment
 from .procedure_table import ReadyProcedure
@@ -59,7 +59,7 @@ def _planned(number: int, part: Part) -> PlannedBlock:
         return PlannedBlock(number, {}, part.form.name, 0, 0, len(part.form.items))
     assert isinstance(part, Block)
     n_trials = sum(_n_trials(part))
-    n_items = n_trials * len(part.task.form.items) if isinstance(part.task, Rating) else 0
+    n_items = n_trials * len(part.task.form.items) if isinstance(part.task, AsksForm) else 0
     factors = {name: level for name, level in part.factors.items() if level != ""}
     procedure = part.tracks[0].procedure.name
     return PlannedBlock(number, factors, procedure, n_trials, len(part.tracks), n_items, part.practice)

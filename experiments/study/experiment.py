@@ -1,7 +1,8 @@
 """From the numbers of a study to stimuli, sessions and simulated participants."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 
@@ -12,7 +13,6 @@ from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.block import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import Part, session
-from tactometry.protocols.tasks.adjustment import AdjustmentTask
 from tactometry.protocols.tasks.task import Task
 from tactometry.questionnaire import own
 from tactometry.records.description import StudyDescription
@@ -21,13 +21,14 @@ from tactometry.session.request import Play
 from tactometry.session.run import Course
 from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
+from tactometry.trials.tasks import TASKS
 
 from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
 from .random_streams import stream
 from .session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
 from .study_file import Study
-from .task_table import Asking, asking, form_of
+from .task_table import DECISIONS, Asking, asking, form_of
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""
@@ -85,6 +86,7 @@ class Experiment:
             self.simulated_participant(participant, seed),
             self.study.finger,
             lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
+            DECISIONS,
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
         )
 
@@ -98,19 +100,16 @@ class Experiment:
 
     def _optional(self) -> list[str]:
         """The columns that apply, of those that not every study has."""
-        kind, study = self.asking.kind, self.study
+        study, kind = self.study, self.asking.task_kind
         slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
         applies = {
-            "track": bool(study.plan.interleave) or kind == "preference",
+            "track": bool(study.plan.interleave) or kind.n_together is not None,
             "catch": self.task.takes_catch_trials,
-            "item": kind in ("rating", "preference") or bool(study.inquiries),
+            "item": bool(study.inquiries),
             "speed_target_m_per_s": slides,
-            "target": kind in ("forced_choice", "same_different", "comparison", "localisation"),
-            "standard_level": kind in ("same_different", "comparison"),
-            "item_b": kind == "preference",
             "practice": bool(study.practice),
-            "level_measured": kind == "measurement",
             "speed_in_band": slides,
+            **dict.fromkeys(TASKS[self.asking.kind].columns, True),
         }
         always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")
         return [*always, *(name for name, yes in applies.items() if yes)]
@@ -138,8 +137,8 @@ def wire(study: Study, where: str) -> Experiment:
         own(study.forms)
         _check_forces(experiment)
         _check_levels(experiment)
-        if isinstance(experiment.task, AdjustmentTask):
-            _check_starts(experiment.cells.values(), experiment.task)
+        for cell in experiment.cells.values():
+            experiment.asking.task_kind.check_levels(experiment.task, *cell.rule.bounds)
     except TactometryError as error:
         raise InvalidParameter(f"{where}, {error}") from None
     return experiment
@@ -156,11 +155,11 @@ def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
 
 
 def _repeated(study: Study, asked: Asking) -> float:
-    """In how many tracks a cell takes part: alternatives share one, and each pair of preferences has one."""
+    """How many tracks there are for each cell, whose alternatives share one, or one for each choice of some of them."""
     if asked.over is None:
         return 1
     n_levels = len(study.factors[asked.over])
-    return (n_levels - 1) / 2 if asked.kind == "preference" else 1 / n_levels
+    return comb(n_levels, asked.task_kind.n_together or n_levels) / n_levels
 
 
 def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[str, float]]:
@@ -169,10 +168,8 @@ def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[str, floa
     practice = practice_of(experiment.study.practice)
     if practice is not None:
         yield "practice", practice.highest
-    for key in ("standard_level", "high"):
-        level = getattr(experiment.task, key, None)
-        if level is not None and experiment.asking.kind != "magnitude":
-            yield f"task.{key}", level
+    for key in experiment.asking.task_kind.own_levels:
+        yield f"task.{key}", getattr(experiment.task, key)
 
 
 def _check_forces(experiment: Experiment) -> None:
@@ -195,16 +192,6 @@ def _check_levels(experiment: Experiment) -> None:
             if (cell.condition.stimulus, where, level) not in checked:
                 checked.add((cell.condition.stimulus, where, level))
                 _check_level(experiment, cell.stimulus, where, level)
-
-
-def _check_starts(cells: Iterable[WiredCell], task: AdjustmentTask) -> None:
-    for cell in cells:
-        low, high = cell.rule.bounds
-        if not task.low <= low <= high <= task.high:
-            raise InvalidParameter(
-                f"procedure: found levels from {low:g} to {high:g} where an adjustment starts, expected them within "
-                f"the bounds of the task ({task.low:g} to {task.high:g})"
-            )
 
 
 def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:

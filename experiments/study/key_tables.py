@@ -46,14 +46,6 @@ _PROCEDURES: Final[Mapping[str, Mapping[str, object]]] = {
     "quest_plus": {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
     "psi": {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS},
 }
-_TASKS: Final[Mapping[str, Mapping[str, object]]] = {
-    "same_different": {"standard_level": 20.0},
-    "comparison": {"standard_level": 20.0},
-    "localisation": {"over": "place"},
-    "preference": {"over": "wave"},
-    "adjustment": {"step": 1.0, **_LEVELS},
-    "rating": {"form": "sus"},
-}
 _STIMULI: Final[Mapping[str, Mapping[str, object]]] = {
     **{kind: {"frequency_hz": 60.0} for kind in ("amplitude_modulated", "sine", "square", "triangle")},
     "pulse_train": {"frequency_hz": 60.0, "width_s": 1e-3},
@@ -149,8 +141,8 @@ def _touch(kind: str) -> KeyTable:
 
 def _tasks() -> Iterator[tuple[str, KeyTable]]:
     """Those kinds that have keys of their own."""
-    for kind, reads in TASKS.items():
-        table = KeyTable(reads, _TASKS.get(kind, {}), in_levels=_IN_LEVELS)
+    for kind, read in TASKS.items():
+        table = KeyTable(read.table, read.example, in_levels=_IN_LEVELS)
         if keys_of(table):
             yield kind, table
 

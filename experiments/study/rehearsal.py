@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.session import pages
-from tactometry.protocols.tasks.rating import Rating
+from tactometry.protocols.tasks.task import AsksForm
 from tactometry.questionnaire import Questionnaire
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.session.request import Show
@@ -63,7 +63,8 @@ def _refuse_idle(experiment: Experiment) -> None:
         raise InvalidParameter(
             f"task.rest_s: found {shown.rest_s:g} s without rest_after, expected both: no rest comes"
         )
-    if shown.interleaving != "random" and not study.plan.interleave and experiment.asking.kind != "preference":
+    has_tracks = bool(study.plan.interleave) or experiment.asking.task_kind.n_together is not None
+    if shown.interleaving != "random" and not has_tracks:
         raise InvalidParameter(
             f"task.interleaving: found {shown.interleaving!r} without interleaved tracks, expected factors in "
             "plan.interleave; or leave it out"
@@ -89,7 +90,7 @@ def _fill(texts: Texts, shown: Show | str) -> None:
 def forms(experiment: Experiment) -> Iterator[Questionnaire]:
     """The questionnaires that the sessions of a study ask."""
     study, task = experiment.study, experiment.task
-    if isinstance(task, Rating):
+    if isinstance(task, AsksForm):
         yield task.form
     for name, inquiry in study.inquiries.items():
         yield form_of(study, inquiry.form, f"inquiries.{name}.form")

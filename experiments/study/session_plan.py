@@ -139,7 +139,7 @@ class Sitting:
         return self.cells[key_of(full)]
 
     def _tracks(self, factors: Factors) -> Iterator[Track]:
-        """One track of a cell; for preferences one for each pair, for localisation one with all alternatives.
+        """One track of a cell, or one for all alternatives, or for each pair of them.
 
         Their procedures are dealt out by `_block`.
         """
@@ -149,9 +149,9 @@ class Sitting:
             yield Track(cell.condition, cell.rule.procedure, name)
             return
         alternatives = [self._alternative(factors, over, level) for level in self.study.factors[over]]
-        n_each = 2 if self.asking.kind == "preference" else len(alternatives)
-        for chosen in itertools.combinations(alternatives, n_each):
-            labels = " - ".join(each.label for each in chosen) if self.asking.kind == "preference" else ""
+        n_together = self.asking.task_kind.n_together
+        for chosen in itertools.combinations(alternatives, n_together or len(alternatives)):
+            labels = " - ".join(each.label for each in chosen) if n_together else ""
             condition = replace(cell.condition, factors={**factors, over: ""}, alternatives=chosen)
             yield Track(condition, cell.rule.procedure, ", ".join(filter(None, (name, labels))))
 

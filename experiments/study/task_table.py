@@ -4,29 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from tactometry.arguments.require import whole
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.protocols import (
-    AdjustmentTask,
-    Comparison,
-    ForcedChoice,
-    Localisation,
-    Magnitude,
-    Measurement,
-    Preference,
-    Rating,
-    SameDifferent,
-    YesNo,
-)
+from tactometry.observers.decisions import Decision
 from tactometry.protocols.block import Interleaving, check_presenting
-from tactometry.protocols.tasks.task import Task
+from tactometry.protocols.tasks.task import Over, Task, TaskKind
 from tactometry.questionnaire import Questionnaire, load, own, shipped
+from tactometry.target import resolve
+from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .study_file import Study
-
-MOST_TOUCHES = 1000
-"""Before one rating."""
 
 
 @dataclass(frozen=True)
@@ -45,39 +32,12 @@ class Presenting:
         check_presenting(self)
 
 
-@dataclass(frozen=True)
-class Over:
-    """The factor whose levels are the alternatives of a trial, or are paired."""
-
-    over: str
-
-
-@dataclass(frozen=True)
-class RatingTable:
-    """A questionnaire by its name."""
-
-    form: str
-    shuffled: bool = False
-    n_touches: int = 1
-
-    def __post_init__(self) -> None:
-        whole("RatingTable", lowest=1, highest=MOST_TOUCHES, n_touches=self.n_touches)
-
-
-TASKS: Mapping[str, type] = {
-    "yes_no": YesNo,
-    "forced_choice": ForcedChoice,
-    "same_different": SameDifferent,
-    "comparison": Comparison,
-    "magnitude": Magnitude,
-    "localisation": Over,
-    "preference": Over,
-    "adjustment": AdjustmentTask,
-    "rating": RatingTable,
-    "measurement": Measurement,
+TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
+"""Every task by its name, which is that of its file."""
+DECISIONS: Mapping[str, Decision] = {
+    question: decision for kind in TASKS.values() for question, decision in kind.questions.items()
 }
-"""The kinds of tasks, with the keys that each one has."""
-CHOOSING: Mapping[str, Task] = {"localisation": Localisation(), "preference": Preference()}
+"""How a simulated participant answers each question of any task."""
 
 
 def form_of(study: Study, name: str, path: str) -> Questionnaire:
@@ -105,6 +65,10 @@ class Asking:
     presenting: Presenting
     over: str | None = None
 
+    @property
+    def task_kind(self) -> TaskKind:
+        return TASKS[self.kind]
+
 
 def asking(study: Study) -> Asking:
     """The table `task`, built.
@@ -120,7 +84,8 @@ def asking(study: Study) -> Asking:
         raise InvalidParameter(
             f"task.kind: found {found}, expected one of {', '.join(TASKS)}{nearest(str(kind), TASKS)}"
         )
-    common, own = _names(Presenting), _names(TASKS[kind])
+    task_kind = TASKS[kind]
+    common, own = _names(Presenting), _names(task_kind.table)
     for key in study.task:
         if key not in ("kind", *own, *common):
             raise InvalidParameter(
@@ -128,23 +93,15 @@ def asking(study: Study) -> Asking:
                 f"{nearest(key, (*own, *common))}"
             )
     presenting = build(Presenting, {key: study.task[key] for key in common if key in study.task}, "task")
-    table: Any = build(TASKS[kind], {key: study.task[key] for key in own if key in study.task}, "task")
-    made = Asking(kind, _made(study, kind, table), presenting, table.over if isinstance(table, Over) else None)
+    table: Any = build(task_kind.table, {key: study.task[key] for key in own if key in study.task}, "task")
+    task = task_kind.made(table, lambda name: form_of(study, name, "task.form"))
+    made = Asking(kind, task, presenting, table.over if isinstance(table, Over) else None)
     _check(study, made)
     return made
 
 
 def _names(kind: type) -> tuple[str, ...]:
     return tuple(each.name for each in fields(kind))
-
-
-def _made(study: Study, kind: str, table: Any) -> Task:
-    if isinstance(table, Over):
-        return CHOOSING[kind]
-    if isinstance(table, RatingTable):
-        return Rating(form_of(study, table.form, "task.form"), table.shuffled, table.n_touches)
-    task: Task = table
-    return task
 
 
 def _check(study: Study, made: Asking) -> None:

@@ -9,7 +9,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.session.request import Adjust, Adjusted, Play, Slide
 from tactometry.session.run import Course
 
-from .task import Presentation, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,20 @@ class AdjustmentTask:
                 f"({self.high - self.low:g})"
             )
 
+    def check_starts(self, low: float, high: float) -> None:
+        """Refuse a procedure whose levels, where trials start, leave the bounds.
+
+        Raises
+        ------
+        InvalidParameter
+            If `low` or `high` is beyond them.
+        """
+        if not self.low <= low <= high <= self.high:
+            raise InvalidParameter(
+                f"procedure: found levels from {low:g} to {high:g} where an adjustment starts, expected them within "
+                f"the bounds of the task ({self.low:g} to {self.high:g})"
+            )
+
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
         assert shown.level is not None
@@ -52,3 +66,11 @@ class AdjustmentTask:
             shown.stimulus, shown.level, self.step, self.low, self.high, force_n, speed_m_per_s
         )
         return TrialOutcome((), None, (reply(adjusted, adjusted.level),))
+
+
+TASK = TaskKind(
+    AdjustmentTask,
+    example={"step": 1.0, "low": 0.0, "high": 40.0},
+    own_levels=("high",),
+    check_levels=AdjustmentTask.check_starts,
+)

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import finite
+from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth
-from .task import Presentation, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -48,3 +49,11 @@ class Comparison:
 
     def _correct(self, level: float | None, *, stronger: bool) -> bool | None:
         return None if level is None or level == self.standard_level else stronger == (level > self.standard_level)
+
+
+TASK = TaskKind(
+    Comparison,
+    example={"standard_level": 20.0},
+    questions={"which_stronger": Decision(strongest)},
+    own_levels=("standard_level",),
+)

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.errors import InvalidParameter
+from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth
-from .task import Presentation, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -45,3 +46,6 @@ class ForcedChoice:
         correct = choice.option == target
         told = reply(choice, choice.option, correct=correct)
         return TrialOutcome(touches, stimulus, (told,), success=correct, target=target)
+
+
+TASK = TaskKind(ForcedChoice, questions={"which_interval": Decision(strongest)})

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry.observers.decisions import Decision, locate
 from tactometry.session.request import Choose, Chosen, Touched
 from tactometry.session.run import Course
 
-from .task import Presentation, TrialOutcome, reply
+from .task import Over, Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -35,3 +36,11 @@ class Localisation:
         correct = choice.option == target
         answered = (reply(choice, choice.option, correct=correct),)
         return TrialOutcome((touch,), touch, answered, correct, target, factors=chosen.factors)
+
+
+TASK = TaskKind(
+    Over,
+    example={"over": "place"},
+    questions={"which_place": Decision(locate, 1)},
+    made=lambda table, form_of: Localisation(),
+)

@@ -8,7 +8,7 @@ from tactometry.arguments.require import positive
 from tactometry.session.request import Enter, Rated
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TrialOutcome, reply, touched
+from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched
 
 
 @dataclass(frozen=True)
@@ -39,3 +39,6 @@ class Magnitude:
             return reply(rated, rated.value), (rated.value or 0.0) > 0
 
         return (yield from touched(shown, Enter("how_strong", 0.0, self.high), heard))
+
+
+TASK = TaskKind(Magnitude)

@@ -10,7 +10,7 @@ from tactometry.arguments.require import one_of
 from tactometry.session.request import Enter, Rated, Touched
 from tactometry.session.run import Course
 
-from .task import Presentation, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 QUESTION: Final = "vibrometer_nm"
 LevelUnit = Literal["dB re 1 um", "m"]
@@ -61,3 +61,6 @@ def level_of(nanometres: float | None, level_unit: str) -> float | None:
     if nanometres is None or (nanometres == 0 and level_unit != "m"):
         return None
     return nanometres * 1e-9 if level_unit == "m" else round(20 * math.log10(nanometres / 1e3), 6)
+
+
+TASK = TaskKind(Measurement)

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry.observers.decisions import Decision, most_liked
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn
-from .task import Presentation, TrialOutcome, reply
+from .task import Over, Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -30,3 +31,12 @@ class Preference:
         choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
         answered = reply(choice, choice.option, item=first.label, item_b=second.label)
         return TrialOutcome(touches, touches[0], (answered,))
+
+
+TASK = TaskKind(
+    Over,
+    example={"over": "wave"},
+    questions={"which_preferred": Decision(most_liked)},
+    made=lambda table, form_of: Preference(),
+    n_together=2,
+)

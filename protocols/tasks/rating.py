@@ -10,9 +10,11 @@ from tactometry.questionnaire import Item, Questionnaire
 from tactometry.session.request import Fill, Filled, Question, Touched
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TrialOutcome, reply
+from .task import Presentation, Reply, TaskKind, TrialOutcome, reply
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
+MOST_TOUCHES = 1000
+"""Before one rating."""
 
 
 def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
@@ -73,3 +75,22 @@ class Rating:
             return TrialOutcome(tuple(touches), touches[-1], rule=self.form.name)
         replies = yield from filled_in(self.form, rng, shuffled=self.shuffled)
         return TrialOutcome(tuple(touches), touches[-1], replies, rule=self.form.name)
+
+
+@dataclass(frozen=True)
+class RatingTable:
+    """A questionnaire by its name."""
+
+    form: str
+    shuffled: bool = False
+    n_touches: int = 1
+
+    def __post_init__(self) -> None:
+        whole("RatingTable", lowest=1, highest=MOST_TOUCHES, n_touches=self.n_touches)
+
+
+TASK = TaskKind(
+    RatingTable,
+    example={"form": "sus"},
+    made=lambda table, form_of: Rating(form_of(table.form), table.shuffled, table.n_touches),
+)

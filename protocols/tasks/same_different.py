@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import finite
+from tactometry.observers.decisions import Decision, differ
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth
-from .task import Presentation, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -44,3 +45,11 @@ class SameDifferent:
         correct = choice.option == (shown.level is not None)
         answered = (reply(choice, choice.option, correct=correct),)
         return TrialOutcome(touches, told.stimulus, answered, correct, target, self.standard_level)
+
+
+TASK = TaskKind(
+    SameDifferent,
+    example={"standard_level": 20.0},
+    questions={"same_different": Decision(differ, 2)},
+    own_levels=("standard_level",),
+)

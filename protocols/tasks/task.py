@@ -6,6 +6,8 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from tactometry.observers.decisions import Decision
+from tactometry.questionnaire import Questionnaire
 from tactometry.session.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
@@ -143,3 +145,60 @@ class Task(Protocol):
     def takes_catch_trials(self) -> bool: ...
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]: ...
+
+
+@runtime_checkable
+class AsksForm(Protocol):
+    """A task that asks a questionnaire in each trial."""
+
+    @property
+    def form(self) -> Questionnaire: ...
+
+
+@dataclass(frozen=True)
+class Over:
+    """The factor whose levels are the alternatives of a trial, or are paired."""
+
+    over: str
+
+
+def _as_it_stands(table: Any, form_of: Callable[[str], Questionnaire]) -> Task:
+    del form_of
+    task: Task = table
+    return task
+
+
+def _any_levels(task: Any, low: float, high: float) -> None:
+    del task, low, high
+
+
+@dataclass(frozen=True)
+class TaskKind:
+    """How a study file asks for a task, and what is known of it before a session: the `TASK` of each task's file.
+
+    Parameters
+    ----------
+    table : type
+        What reads its own keys of the table `task`; `Over` for a task whose trials choose among `alternatives`.
+    example : mapping
+        Keys that `table` takes, with levels from 0 to 40.
+    questions : mapping of str to Decision
+        How a simulated participant answers each `Choose` of a trial, by its `question`.
+    made : callable
+        From the table, and a finder of questionnaires by name, to the task.
+    n_together : int or None
+        So many alternatives make a track, every choice of them one; None: all alternatives make one track.
+    own_levels : tuple of str
+        Attributes of the task that are levels which it plays itself, beside those of the procedure.
+    check_levels : callable
+        Given the task, and the lowest and the highest level of the procedure, raises `InvalidParameter` where the task
+        cannot take them.
+    """
+
+    table: type
+    example: Mapping[str, object] = field(default_factory=dict)
+    questions: Mapping[str, Decision] = field(default_factory=dict)
+    made: Callable[[Any, Callable[[str], Questionnaire]], Task] = _as_it_stands
+    n_together: int | None = None
+    own_levels: tuple[str, ...] = ()
+    check_levels: Callable[[Any, float, float], None] = _any_levels

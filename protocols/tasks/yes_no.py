@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry.observers.decisions import Decision, detect
 from tactometry.session.request import Choose, Chosen
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TrialOutcome, reply, touched
+from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched
 
 
 @dataclass(frozen=True)
@@ -25,3 +26,6 @@ class YesNo:
             return reply(choice, choice.option, correct=correct), correct
 
         return (yield from touched(shown, Choose("felt", (0, 1), ("no", "yes")), heard))
+
+
+TASK = TaskKind(YesNo, questions={"felt": Decision(detect, 1)})

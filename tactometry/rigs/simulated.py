@@ -1,7 +1,6 @@
 """A rig whose participant is simulated, in simulated time."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +9,7 @@ from ..contact import Contact
 from ..errors import InvalidParameter, nearest
 from ..gates.force import compliance
 from ..gates.speed import SpeedCompliance, motion
+from ..observers.decisions import Decision, Felt
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.observer import Observer
 from ..safety.limits import Limits
@@ -46,49 +46,7 @@ class Sensation(Protocol):
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
 
 
-@dataclass(frozen=True)
-class Felt:
-    """A stimulus that was felt in this trial, with its sensation level."""
-
-    stimulus: str
-    level_db: float
-
-
-Answering = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
 READING_S = 2.0
-
-
-def _detect(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    return request.options[int(observer.detect(felt[0].level_db, rng))]
-
-
-def _differ(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    return request.options[int(observer.differ([each.level_db for each in felt], rng))]
-
-
-def _strongest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    return request.options[observer.compare([each.level_db for each in felt], rng)]
-
-
-def _most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    return request.options[int(np.argmax([observer.liking(each.level_db, rng) for each in felt]))]
-
-
-def _located(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """Each place is felt apart: the sensation at the one that was stimulated, nothing but noise at the others."""
-    levels_db = [felt[-1].level_db if name == felt[-1].stimulus else float("-inf") for name in request.stimuli]
-    return request.options[observer.compare(levels_db, rng)]
-
-
-ANSWERS: Mapping[str, tuple[int | None, Answering]] = {
-    "felt": (1, _detect),
-    "which_interval": (None, _strongest),
-    "which_stronger": (None, _strongest),
-    "same_different": (2, _differ),
-    "which_place": (1, _located),
-    "which_preferred": (None, _most_liked),
-}
-"""How each question is answered, and after how many stimuli (None: one for each option)."""
 
 
 def _placed(liking: float, low: float, high: float, steps: int | None) -> float:
@@ -109,8 +67,9 @@ def _moved(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
 class SimulatedRig:
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
-    `by_stimulus` names the stimuli that are felt by another model. Everything random of trial n comes from
-    `rng_of(n)`, so that a session that is resumed goes on as if it had never stopped. Limits are checked as on a bench.
+    `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model.
+    Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
+    stopped. Limits are checked as on a bench.
     """
 
     def __init__(
@@ -121,8 +80,10 @@ class SimulatedRig:
         observer: Observer,
         finger: SimulatedFinger,
         rng_of: Callable[[int], np.random.Generator],
+        decisions: Mapping[str, Decision],
         by_stimulus: Mapping[str, Sensation] | None = None,
     ) -> None:
+        self._decisions = decisions
         self._by_stimulus = by_stimulus or {}
         self._bank = bank
         self._limits = limits
@@ -206,19 +167,20 @@ class SimulatedRig:
         )
 
     def choose(self, request: Choose) -> Chosen:
-        if request.question not in ANSWERS:
+        known = self._decisions
+        if request.question not in known:
             raise InvalidParameter(
-                f"the simulated participant was asked {request.question!r}, expected one of {', '.join(ANSWERS)}"
-                f"{nearest(request.question, ANSWERS)}"
+                f"the simulated participant was asked {request.question!r}, expected one of {', '.join(known)}"
+                f"{nearest(request.question, known)}"
             )
-        expected, answer = ANSWERS[request.question]
-        n_expected = expected or len(request.options)
+        decision = known[request.question]
+        n_expected = decision.n_stimuli or len(request.options)
         if len(self._felt) != n_expected:
             raise InvalidParameter(
                 f"the simulated participant was asked {request.question!r} with {len(request.options)} options after "
                 f"{len(self._felt)} stimuli, expected {n_expected}"
             )
-        option = answer(self._observer, self._felt, request, self._rng)
+        option = decision.decide(self._observer, self._felt, request, self._rng)
         onset_s, latency_s = self._answered(1)
         return Chosen(option, onset_s, latency_s)
 

@@ -13,6 +13,7 @@ from tutorial_session import EXPERIMENT, journal_of, live
 from tactometry.config.quantity import si
 from tactometry.errors import DeviceFailed, Diverged, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.sessions.recording import Who
+from tactometry.experiments.study.task_table import DECISIONS
 from tactometry.files.durable import write_atomically
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import ConstantStimuli, Staircase
@@ -47,6 +48,7 @@ def rig(**changes):
         catalogue.OBSERVERS["default"],
         parts["finger"],
         lambda n_trials: np.random.default_rng([7, n_trials]),
+        DECISIONS,
     )
 
 
@@ -297,7 +299,7 @@ def test_a_catch_trial_delivers_nothing():
 
 def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_the_first_interval():
     memory = Memory()
-    course = run_block(catalogue.block("two_interval", "constant_stimuli"), 1, 1, np.random.default_rng(1))
+    course = run_block(catalogue.block("forced_choice", "constant_stimuli"), 1, 1, np.random.default_rng(1))
     run(course, rig(finger=SimulatedFinger(waver_cv=0.0)), memory)
     answers = [(request, answer) for request, answer in memory.entries if isinstance(request, Slide | Record)]
     for n in range(0, len(answers), 3):
@@ -309,7 +311,7 @@ def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_th
 
 def test_an_interval_that_is_not_valid_ends_its_trial_unasked():
     memory = Memory()
-    course = run_block(catalogue.block("two_interval", "constant_stimuli"), 1, 1, np.random.default_rng(1))
+    course = run_block(catalogue.block("forced_choice", "constant_stimuli"), 1, 1, np.random.default_rng(1))
     run(course, Clipping(n_lost=1), memory)
     assert [type(request).__name__ for request, _ in memory.entries[:4]] == ["Slide", "Record", "Slide", "Slide"]
 
@@ -326,7 +328,7 @@ class Refusing(Clipping):
         return replace(self._rig.choose(request), valid=self.n_answers > 1)
 
 
-@pytest.mark.parametrize("task", ["yes_no", "two_interval"])
+@pytest.mark.parametrize("task", ["yes_no", "forced_choice"])
 def test_an_answer_that_was_declared_invalid_is_not_scored_and_asked_again(task):
     memory = Memory()
     run(run_block(catalogue.block(task, "constant_stimuli"), 1, 1, np.random.default_rng(1)), Refusing(), memory)

@@ -12,6 +12,7 @@ from memory import Memory
 
 from tactometry.analysis.tasks.interval_bias import interval_bias
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.task_table import DECISIONS
 from tactometry.protocols import (
     AdjustmentTask,
     Block,
@@ -28,7 +29,6 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.rating import filled_in, pages
 from tactometry.protocols.tasks.task import Alternative, Presentation, TrialOutcome
 from tactometry.questionnaire import load
-from tactometry.rigs.simulated import ANSWERS
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
 from tactometry.session.run import run
 
@@ -288,7 +288,7 @@ def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
         for request, _ in lived(task).entries
         if isinstance(request, Choose)
     }
-    assert asked == set(ANSWERS)
+    assert asked == set(DECISIONS)
 
 
 def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():

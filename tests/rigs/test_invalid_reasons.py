@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from memory import Memory
 
+from tactometry.experiments.study.task_table import DECISIONS
 from tactometry.gates.force import Compliance
 from tactometry.gates.speed import SpeedCompliance
 from tactometry.observers.finger import SimulatedFinger
@@ -34,6 +35,7 @@ def rig(finger):
         catalogue.OBSERVERS["default"],
         finger,
         lambda n_trials: np.random.default_rng([7, n_trials]),
+        DECISIONS,
     )
 
 

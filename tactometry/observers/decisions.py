@@ -1,0 +1,55 @@
+"""What a simulated participant answers to a choice, from what it felt in the trial."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..session.request import Choose
+from .observer import Observer
+
+
+@dataclass(frozen=True)
+class Felt:
+    """A stimulus that was felt in this trial, with its sensation level."""
+
+    stimulus: str
+    level_db: float
+
+
+Decide = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
+"""From what was felt to one of the options."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """How a question is answered, and after how many stimuli (None: one for each option)."""
+
+    decide: Decide
+    n_stimuli: int | None = None
+
+
+def detect(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """The second option if anything was felt."""
+    return request.options[int(observer.detect(felt[0].level_db, rng))]
+
+
+def differ(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """The second option if two stimuli felt different."""
+    return request.options[int(observer.differ([each.level_db for each in felt], rng))]
+
+
+def strongest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """The option of what was felt most."""
+    return request.options[observer.compare([each.level_db for each in felt], rng)]
+
+
+def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """The option of what felt best."""
+    return request.options[int(np.argmax([observer.liking(each.level_db, rng) for each in felt]))]
+
+
+def locate(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """Each place is felt apart: the sensation at the one that was stimulated, nothing but noise at the others."""
+    levels_db = [felt[-1].level_db if name == felt[-1].stimulus else float("-inf") for name in request.stimuli]
+    return request.options[observer.compare(levels_db, rng)]
