@@ -18,7 +18,8 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import Session
 from tactometry.records.open_session import OpenSession
-from tactometry.session.request import Done, Record
+from tactometry.session.answer import Done
+from tactometry.session.request import Record
 from tactometry.trials.trial import Trial
 
 N_TRIALS = 2000

@@ -54,7 +54,7 @@ def touched(window, sink, force_n):
     scene = Timed(Kept(window), driver, sink)
     ender = threading.Thread(target=scene.when_heard, args=(setattr, scene, "force_n", force_n))
     ender.start()
-    scene.bench.press(PRESS)
+    scene.bench.answer(PRESS)
     ender.join()
     n_heard, onset_s = scene.heard(), driver._course.onset_s
     scene.bench.close()

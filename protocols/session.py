@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import Questionnaire
-from tactometry.session.request import Done, Record, Show
+from tactometry.session.answer import Done
+from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial

@@ -6,7 +6,8 @@ import numpy as np
 
 from tactometry.arguments.require import finite
 from tactometry.errors import InvalidParameter
-from tactometry.session.request import Adjust, Adjusted, Play, Slide
+from tactometry.session.answer import Adjusted
+from tactometry.session.request import Adjust, Play, Slide
 from tactometry.session.run import Course
 
 from .task import Presentation, TaskKind, TrialOutcome, reply

@@ -6,7 +6,8 @@ import numpy as np
 
 from tactometry.arguments.require import finite
 from tactometry.observers.decisions import Decision, strongest
-from tactometry.session.request import Choose, Chosen
+from tactometry.session.answer import Chosen
+from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
 from .intervals import felt_in_turn, nth

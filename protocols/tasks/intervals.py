@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from tactometry.session.request import Touched
+from tactometry.session.answer import Touched
 from tactometry.session.run import Course
 
 from .touch import Touch

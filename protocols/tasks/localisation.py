@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.observers.decisions import Decision, locate
-from tactometry.session.request import Choose, Chosen, Touched
+from tactometry.session.answer import Chosen, Touched
+from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
 from .task import Over, Presentation, TaskKind, TrialOutcome, reply

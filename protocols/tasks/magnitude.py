@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import positive
-from tactometry.session.request import Enter, Rated
+from tactometry.session.answer import Rated
+from tactometry.session.request import Enter
 from tactometry.session.run import Course
 
 from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched

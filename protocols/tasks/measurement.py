@@ -7,7 +7,8 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from tactometry.arguments.require import one_of
-from tactometry.session.request import Enter, Rated, Touched
+from tactometry.session.answer import Rated, Touched
+from tactometry.session.request import Enter
 from tactometry.session.run import Course
 
 from .task import Presentation, TaskKind, TrialOutcome, reply

@@ -7,7 +7,8 @@ import numpy as np
 
 from tactometry.arguments.require import of_kind, whole
 from tactometry.questionnaire import Item, Questionnaire
-from tactometry.session.request import Fill, Filled, Question, Touched
+from tactometry.session.answer import Filled, Touched
+from tactometry.session.request import Fill, Question
 from tactometry.session.run import Course
 
 from .task import Presentation, Reply, TaskKind, TrialOutcome, reply

@@ -8,7 +8,8 @@ import numpy as np
 
 from tactometry.observers.decisions import Decision
 from tactometry.questionnaire import Questionnaire
-from tactometry.session.request import Adjusted, Choose, Chosen, Enter, Filled, Rated, Touched
+from tactometry.session.answer import Adjusted, Chosen, Filled, Rated, Touched
+from tactometry.session.request import Choose, Enter
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.observers.decisions import Decision, detect
-from tactometry.session.request import Choose, Chosen
+from tactometry.session.answer import Chosen
+from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
 from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched

@@ -6,7 +6,7 @@ condition; its tables lack the columns `ADDED`.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from ..session.request import Record, Request
 from ..trials.columns import Column
@@ -17,7 +17,7 @@ ADDED_FACTS: Final = frozenset(("charge_c",))
 """Columns of trials, and of events, that came with format 2."""
 
 
-def as_kept(request: Request, journal_format: int) -> Request:
+def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
     """A request as a journal of this format keeps it.
 
     >>> from tactometry.trials.trial import Trial

@@ -11,6 +11,7 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 import zlib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,12 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file
+from ..session.answer import Done
 from ..session.event import Event, Fact, decode_event
 from ..session.replay import Replay
-from ..session.request import Done, Record, Request
+from ..session.request import Record, Request
 from ..trials.trial import Trial
-from .formats import FORMAT
+from .formats import FORMAT, as_kept
 from .head import Head, head_of
 from .lines import Entry, decode_entry, kind_of_line
 
@@ -68,7 +70,7 @@ class Recording:
     def replay(self, where: str) -> Replay:
         """The rig that answers as recorded; `where` names the journal."""
         lasted_s = max((event.at_s for event in self.events), default=0.0)
-        return Replay(self.entries, where, self.lines, self.format, lasted_s)
+        return Replay(self.entries, where, self.lines, partial(as_kept, journal_format=self.format), lasted_s)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -88,7 +90,7 @@ def encode(value: dict[str, object], before: int = 0) -> bytes:
     return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, before))
 
 
-def encode_entry(request: Request, answer: object, before: int = 0) -> bytes:
+def encode_entry(request: Request[Any], answer: object, before: int = 0) -> bytes:
     """One line of a request and its answer.
 
     Raises

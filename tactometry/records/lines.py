@@ -9,7 +9,7 @@ from ..session.answer_rules import flaw
 from ..session.request import REQUESTS, Record, Request
 
 T = TypeVar("T")
-Entry = tuple[Request, Any]
+Entry = tuple[Request[Any], Any]
 _KEYS: Final = {
     "request": {"request", "asked", "answer"},
     "event": {"event", "at_s", "timestamp_utc", "facts"},
@@ -41,7 +41,7 @@ def decode_entry(value: dict[str, Any]) -> Entry:
     if kind is None:
         raise msgspec.ValidationError(f"the request {value.get('request')!r}")
     request = _strictly(value.get("asked"), kind)
-    answer: Any = _strictly(value.get("answer"), kind.answer)
+    answer: Any = _strictly(value.get("answer"), kind.answer_type)
     wrong = flaw(request, answer)
     if wrong is not None:
         raise msgspec.ValidationError(wrong)

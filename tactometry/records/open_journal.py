@@ -5,6 +5,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import portalocker
@@ -103,7 +104,7 @@ class Journal:
         elif head != replace(last[0], begun_s=head.begun_s):
             self._write(encode_sitting(head, self._before), durable=True)
 
-    def append(self, request: Request, answer: object) -> None:
+    def append(self, request: Request[Any], answer: object) -> None:
         self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
 
     def note(self, event: Event) -> None:

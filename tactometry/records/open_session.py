@@ -6,14 +6,16 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ..errors import InvalidFile, InvalidParameter, counted
 from ..files.durable import drafts, read_file, replaced, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
+from ..session.answer import Done
 from ..session.event import COLUMNS, Event, events_tsv
 from ..session.replay import Replay
-from ..session.request import Done, Record, Request
+from ..session.request import Record, Request
 from ..trials.trial import tally
 from .agreement import is_beginning
 from .data_set import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
@@ -150,12 +152,12 @@ class OpenSession:
         line = events_tsv([event], self._events_columns).partition(b"\n")[2]
         write_whole(self._events_file, line, self._session.events(self._root), durable=False)
 
-    def append(self, request: Request, answer: object) -> None:
+    def append(self, request: Request[Any], answer: object) -> None:
         request = as_kept(request, self.format)
         with self._writing:
             self._append(request, answer)
 
-    def _append(self, request: Request, answer: object) -> None:
+    def _append(self, request: Request[Any], answer: object) -> None:
         self.journal.append(request, answer)
         if isinstance(request, Record):
             self.recorded_s = time.perf_counter()

@@ -15,27 +15,23 @@ from ..devices.outputs.output import Output
 from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
 from ..safety.limits import FORCE_PEAK_N, Limits
-from ..scale import value_at
+from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.event import EventLog
 from ..session.request import (
+    A,
     Adjust,
-    Adjusted,
     Choose,
-    Chosen,
-    Done,
     Enter,
     Fill,
-    Filled,
     Play,
-    Played,
     Press,
     Rate,
-    Rated,
     Record,
+    Request,
     Show,
     Slide,
-    Touched,
     Wait,
+    value_at,
 )
 from ..signal import Stimulus
 from ..trials.trial import Tally, Trial, outcome, tally
@@ -45,6 +41,7 @@ from .emitter import RAMP_S, Emitter
 from .experimenter.supervisor import Supervisor, utc_of
 from .experimenter.terminal import ExperimenterTerminal
 from .experimenter.trial_log import CLOCK, TrialLog
+from .live_rig import LiveRig
 from .pages import entry, form, layout
 from .pages.page import Answer, Display, Page
 from .pages.presenter import Dress, Presenter, as_it_is
@@ -61,7 +58,7 @@ ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
 
 
-class Bench:
+class Bench(LiveRig):
     """A rig with a person at it; see `tactometry.rigs.open_bench`. It opens the devices, and closes all of them."""
 
     def __init__(
@@ -134,6 +131,10 @@ class Bench:
         self._tally = tally(trials)
         self._attendant.zero_s = time.perf_counter() - elapsed_s
 
+    @safely
+    def answer(self, request: Request[A]) -> A:
+        return super().answer(request)
+
     def turn(self) -> None:
         self._logbook.turn()
 
@@ -156,19 +157,16 @@ class Bench:
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))
 
-    @safely
-    def play(self, request: Play) -> Played:
+    def _play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         page, peak_n = layout.marker_page(request.interval, playing=True), self._force_peak_n
         playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
         return playing.played(request, signal)
 
-    @safely
-    def press(self, request: Press) -> Touched:
+    def _press(self, request: Press) -> Touched:
         return self._touch(request, "press", as_it_is, Trace())
 
-    @safely
-    def slide(self, request: Slide) -> Touched:
+    def _slide(self, request: Slide) -> Touched:
         height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
         places = Trace()
         return self._touch(request, "slide", moving_cue(request, height_m, places), places)
@@ -198,8 +196,7 @@ class Bench:
         self._attendant.pause(by, over)
         self._stage.paused()
 
-    @safely
-    def choose(self, request: Choose) -> Chosen:
+    def _choose(self, request: Choose) -> Chosen:
         page = layout.question_page(
             self._texts.message(request.question),
             request.options,
@@ -223,8 +220,7 @@ class Bench:
         self._desk.add(f"answered in {end_s - onset_s:.2f} s")
         return self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s)
 
-    @safely
-    def rate(self, request: Rate) -> Rated:
+    def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
         unmarked: int | None = None
         mark, onset_s, end_s = self._stage.converse(
@@ -233,8 +229,7 @@ class Bench:
         value = None if mark is None else scale.value(mark, request.low, request.high)
         return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
 
-    @safely
-    def enter(self, request: Enter) -> Rated:
+    def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
         low, high = request.low, request.high
 
@@ -246,8 +241,7 @@ class Bench:
         value = entry.value_of(typed, low, high)
         return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
 
-    @safely
-    def fill(self, request: Fill) -> Filled:
+    def _fill(self, request: Fill) -> Filled:
         page = self._form(request)
         marks, onset_s, end_s = self._stage.converse(
             form.Marks((None,) * len(page.rows)),
@@ -279,8 +273,7 @@ class Bench:
             rings=request.steps is not None,
         )
 
-    @safely
-    def adjust(self, request: Adjust) -> Adjusted:
+    def _adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
@@ -294,14 +287,12 @@ class Bench:
         valid = self._counts and not played.n_gaps
         return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s), valid=valid, n_gaps=played.n_gaps)
 
-    @safely
-    def wait(self, request: Wait) -> Done:
+    def _wait(self, request: Wait) -> Done:
         begin_s = self._stage.present(layout.waiting_page())
         self._stage.hold(begin_s + request.duration_s, layout.waiting_page())
         return self._done()
 
-    @safely
-    def show(self, request: Show) -> Done:
+    def _show(self, request: Show) -> Done:
         self._desk.tell(f"page: {request.message}")
         if request.duration_s is None:
             page = self._message(request, self._texts.message("hint_continue"))
@@ -321,8 +312,7 @@ class Bench:
         words = self._texts.page(request, left_s)
         return layout.message_page(words, hint, self._screen.aspect, progress)
 
-    @safely
-    def record(self, request: Record) -> Done:
+    def _record(self, request: Record) -> Done:
         trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire

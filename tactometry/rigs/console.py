@@ -15,33 +15,15 @@ from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
 from ..errors import InvalidParameter, Stopped
 from ..safety.limits import Limits
+from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.event import Event, EventLog, Fact, Kind
-from ..session.request import (
-    Adjust,
-    Adjusted,
-    Choose,
-    Chosen,
-    Done,
-    Enter,
-    Fill,
-    Filled,
-    Play,
-    Played,
-    Press,
-    Question,
-    Rate,
-    Rated,
-    Record,
-    Show,
-    Slide,
-    Touched,
-    Wait,
-)
+from ..session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
 from ..signal import Stimulus
 from ..trials.trial import Tally, Trial, outcome, tally
 from .blind import Blind
 from .emitter import RAMP_S, Emitter
 from .experimenter.supervisor import SAFE, utc_of
+from .live_rig import LiveRig
 from .pages import layout
 from .pages.presenter import Presenter, as_it_is
 from .texts import Texts
@@ -61,7 +43,7 @@ SILENT_OUTPUT: Final = (
 Facts = dict[str, str | int | float | bool | None]
 
 
-class Console:
+class Console(LiveRig):
     """Prints each request to `output` and reads the answers, a line each, from `source`.
 
     Without a `device` stimuli are rendered and held against the limits, and nothing is emitted or delivered; with one
@@ -187,7 +169,7 @@ class Console:
     def _present(self, what: str, interval: int | None) -> None:
         self._say(f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
 
-    def play(self, request: Play) -> Played:
+    def _play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         self._present(f"play for {request.duration_s:g} s", request.interval)
         if not self._emitter.emits:
@@ -196,10 +178,10 @@ class Console:
         playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
         return playing.played(request, signal)
 
-    def press(self, request: Press) -> Touched:
+    def _press(self, request: Press) -> Touched:
         return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
 
-    def slide(self, request: Slide) -> Touched:
+    def _slide(self, request: Slide) -> Touched:
         speed_mm_per_s = 1e3 * request.speed_m_per_s
         return self._touch(
             request,
@@ -218,7 +200,7 @@ class Console:
         touched = touch.felt(signal).touched
         return replace(touched, onset_s=self._session_s(touched.onset_s))
 
-    def choose(self, request: Choose) -> Chosen:
+    def _choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
@@ -227,13 +209,13 @@ class Console:
         assert isinstance(option, int)
         return Chosen(option, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
-    def rate(self, request: Rate) -> Rated:
+    def _rate(self, request: Rate) -> Rated:
         prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
         value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
         assert isinstance(value, float)
         return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
-    def enter(self, request: Enter) -> Rated:
+    def _enter(self, request: Enter) -> Rated:
         most = "" if request.high is None else f" to {request.high:g}"
         prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
         high = math.inf if request.high is None else request.high
@@ -241,7 +223,7 @@ class Console:
         assert isinstance(value, float)
         return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
-    def fill(self, request: Fill) -> Filled:
+    def _fill(self, request: Fill) -> Filled:
         onset_s = self._now_s()
         values = tuple(self._fill_one(request, question) for question in request.questions)
         utc = datetime.now(UTC).isoformat(timespec="milliseconds")
@@ -256,7 +238,7 @@ class Console:
         assert value is None or isinstance(value, float)
         return value
 
-    def adjust(self, request: Adjust) -> Adjusted:
+    def _adjust(self, request: Adjust) -> Adjusted:
         if self._emitter.emits:
             raise InvalidParameter(
                 "console: found an adjustment, whose level plays while it is set, expected a task without one; use "
@@ -267,15 +249,15 @@ class Console:
         assert isinstance(level, float)
         return Adjusted(level, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
 
-    def wait(self, request: Wait) -> Done:
+    def _wait(self, request: Wait) -> Done:
         time.sleep(request.duration_s)
         return Done(self._now_s())
 
-    def show(self, request: Show) -> Done:
+    def _show(self, request: Show) -> Done:
         self._say(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
         return Done(self._now_s())
 
-    def record(self, request: Record) -> Done:
+    def _record(self, request: Record) -> Done:
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
             self._say(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")

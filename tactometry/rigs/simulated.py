@@ -13,31 +13,26 @@ from ..observers.decisions import Decision, Felt
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.observer import Observer
 from ..safety.limits import Limits
-from ..scale import value_at
+from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.request import (
     Adjust,
-    Adjusted,
     Choose,
-    Chosen,
-    Done,
     Enter,
     Fill,
-    Filled,
     Play,
-    Played,
     Press,
     Question,
     Rate,
-    Rated,
     Record,
     Show,
     Slide,
-    Touched,
     Wait,
+    value_at,
 )
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .judgement import broken
+from .live_rig import LiveRig
 
 
 class Sensation(Protocol):
@@ -64,7 +59,7 @@ def _moved(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
     return motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
 
 
-class SimulatedRig:
+class SimulatedRig(LiveRig):
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
     `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model.
@@ -133,16 +128,16 @@ class SimulatedRig:
         self._now_s = round(now_s + duration_s, 9)
         return now_s
 
-    def play(self, request: Play) -> Played:
+    def _play(self, request: Play) -> Played:
         signal = self._signal(request.stimulus, request.level)
         self._feel(request.stimulus, signal, Contact(0.0))
         onset_s = self._pass(request.duration_s)
         return Played(onset_s, request.level, "" if signal is None else signal.digest())
 
-    def press(self, request: Press) -> Touched:
+    def _press(self, request: Press) -> Touched:
         return self._touch(request)
 
-    def slide(self, request: Slide) -> Touched:
+    def _slide(self, request: Slide) -> Touched:
         return self._touch(request)
 
     def _touch(self, request: Press | Slide) -> Touched:
@@ -166,7 +161,7 @@ class SimulatedRig:
             invalid_reason=reason,
         )
 
-    def choose(self, request: Choose) -> Chosen:
+    def _choose(self, request: Choose) -> Chosen:
         known = self._decisions
         if request.question not in known:
             raise InvalidParameter(
@@ -189,15 +184,15 @@ class SimulatedRig:
         latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 
-    def rate(self, request: Rate) -> Rated:
+    def _rate(self, request: Rate) -> Rated:
         value = _placed(self._liking(), request.low, request.high, request.steps)
         return Rated(value, *self._answered(1))
 
-    def enter(self, request: Enter) -> Rated:
+    def _enter(self, request: Enter) -> Rated:
         value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._answered(1))
 
-    def fill(self, request: Fill) -> Filled:
+    def _fill(self, request: Fill) -> Filled:
         values = tuple(self._filled(request, question) for question in request.questions)
         return Filled(values, *self._answered(len(values)))
 
@@ -211,7 +206,7 @@ class SimulatedRig:
     def _last_db(self) -> float:
         return self._felt[-1].level_db if self._felt else 0.0
 
-    def adjust(self, request: Adjust) -> Adjusted:
+    def _adjust(self, request: Adjust) -> Adjusted:
         """Up until it is felt, or down until it is not felt any more."""
         begin_s, felt = self._now_s, self._feels(request, 0)
         step, n_steps = (-1 if felt else 1), 0
@@ -226,15 +221,15 @@ class SimulatedRig:
         assert signal is not None
         return self._observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
 
-    def wait(self, request: Wait) -> Done:
+    def _wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)
         return Done(self._now_s)
 
-    def show(self, request: Show) -> Done:
+    def _show(self, request: Show) -> Done:
         self._pass(READING_S if request.duration_s is None else request.duration_s)
         return Done(self._now_s)
 
-    def record(self, request: Record) -> Done:
+    def _record(self, request: Record) -> Done:
         del request
         self._begin_trial(self._n_trials + 1)
         return Done(self._now_s)

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from functools import singledispatch
 
 from ..trials.cell_rules import LARGEST_ANSWER
-from .request import Adjust, Adjusted, Choose, Chosen, Enter, Fill, Filled, Rate, Rated
+from .answer import Adjusted, Chosen, Filled, Rated
+from .request import Adjust, Choose, Enter, Fill, Rate
 
 SLACK = 1e-9
 """Steps from within may miss a bound by a rounding, in parts of the bounds."""

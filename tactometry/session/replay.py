@@ -1,61 +1,35 @@
 """A recording that answers, if it is asked what was asked then."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 from ..errors import Diverged
-from ..records.formats import FORMAT, as_kept
-from .request import Record
+from ..trials.trial import Trial
+from .request import A, Record, Request
 
-if TYPE_CHECKING:
-    from ..trials.trial import Trial
-    from .request import (
-        Adjust,
-        Adjusted,
-        Choose,
-        Chosen,
-        Done,
-        Enter,
-        Fill,
-        Filled,
-        Play,
-        Played,
-        Press,
-        Rate,
-        Rated,
-        Request,
-        Show,
-        Slide,
-        Touched,
-        Wait,
-    )
 
-A = TypeVar("A")
+def _as_asked(request: Request[Any]) -> Request[Any]:
+    return request
 
 
 class Replay:
     """A rig that answers from `entries`, pairs of (request, answer) in their order.
 
     `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
-    `journal_format` says how it keeps requests. The session lasted `lasted_s` at least, s.
-
-    Raises
-    ------
-    Diverged
-        From every method, if the request is not the recorded one, with its line and what differs.
+    `as_kept` is what the recording keeps of a request. The session lasted `lasted_s` at least, s.
     """
 
     def __init__(
         self,
-        entries: Sequence[tuple["Request", Any]],
+        entries: Sequence[tuple[Request[Any], Any]],
         where: str = "recording",
         lines: Sequence[int] = (),
-        journal_format: int = FORMAT,
+        as_kept: Callable[[Request[Any]], Request[Any]] = _as_asked,
         lasted_s: float = 0.0,
     ) -> None:
         self._entries = entries
-        self._format, self._lasted_s = journal_format, lasted_s
+        self._as_kept, self._lasted_s = as_kept, lasted_s
         self._where = where
         self._lines = lines or range(1, len(entries) + 1)
         self._next = 0
@@ -65,7 +39,7 @@ class Replay:
         return len(self._entries) - self._next
 
     @property
-    def trials(self) -> list["Trial"]:
+    def trials(self) -> list[Trial]:
         """The recorded rows."""
         return [request.trial for request, _ in self._entries if isinstance(request, Record)]
 
@@ -88,64 +62,38 @@ class Replay:
     def _line(self) -> int:
         return self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
 
-    def _answer(self, request: "Request", kind: type[A]) -> A:
+    def answer(self, request: Request[A]) -> A:
+        """What was answered then.
+
+        Raises
+        ------
+        Diverged
+            If the request is not the recorded one, with its line and what differs.
+        """
         if not self.n_left:
             raise Diverged(
                 f"{self._where}, line {self._line}: the recording has ended, the protocol asks for {_name(request)}; "
                 "the session is not complete: go on with --resume"
             )
         recorded, answer = self._entries[self._next]
-        asked = as_kept(request, self._format)
+        asked = self._as_kept(request)
         if asked != recorded:
             raise Diverged(
                 f"{self._where}, line {self._line}: {difference(recorded, asked)}; use the study, the seed and the "
                 "version of the recording"
             )
         self._next += 1
-        assert isinstance(answer, kind)
-        return answer
+        recorded_answer: A = answer  # the entries are pairs: this answer is of the recorded request's type
+        return recorded_answer
 
     def facts(self) -> dict[str, str | int | float | bool | None]:
         return {"rig": "replay"}
 
-    def resume(self, trials: Sequence["Trial"], elapsed_s: float) -> None:
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         del trials, elapsed_s
 
     def close(self) -> None:
         pass
-
-    def play(self, request: "Play") -> "Played":
-        return self._answer(request, request.answer)
-
-    def press(self, request: "Press") -> "Touched":
-        return self._answer(request, request.answer)
-
-    def slide(self, request: "Slide") -> "Touched":
-        return self._answer(request, request.answer)
-
-    def choose(self, request: "Choose") -> "Chosen":
-        return self._answer(request, request.answer)
-
-    def rate(self, request: "Rate") -> "Rated":
-        return self._answer(request, request.answer)
-
-    def enter(self, request: "Enter") -> "Rated":
-        return self._answer(request, request.answer)
-
-    def fill(self, request: "Fill") -> "Filled":
-        return self._answer(request, request.answer)
-
-    def adjust(self, request: "Adjust") -> "Adjusted":
-        return self._answer(request, request.answer)
-
-    def wait(self, request: "Wait") -> "Done":
-        return self._answer(request, request.answer)
-
-    def show(self, request: "Show") -> "Done":
-        return self._answer(request, request.answer)
-
-    def record(self, request: Record) -> "Done":
-        return self._answer(request, request.answer)
 
 
 def _name(request: object) -> str:

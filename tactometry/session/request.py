@@ -1,120 +1,57 @@
-"""What a protocol may ask of a rig, each with the type of its answer.
+"""What a protocol may ask of a rig, each with the type of its answer, and what a rig is.
 
-A request *describes*: it names a stimulus and a level, never samples. `put_to` calls the one method of the rig that
-answers this request, so that no loop and no rig branches on a kind.
+A request *describes*: it names a stimulus and a level, never samples.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from fractions import Fraction
+from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_args
 
-from ..trials.trial import Reason, Trial
+from ..trials.trial import Trial
+from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 
-if TYPE_CHECKING:
-    from ..rigs.rig import Rig
-
+A = TypeVar("A")
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
 
 
-@dataclass(frozen=True)
-class Done:
-    """The answer of a request that has nothing to report but its time (s since the session's start)."""
+class Request(Generic[A]):
+    """One thing that is asked of a rig, which answers with an `A`.
 
-    at_s: float
+    A kind of request names the type of its answer once, as its parameter.
 
-
-@dataclass(frozen=True)
-class Played:
-    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it."""
-
-    onset_s: float
-    level_delivered: float | None
-    digest: str
-    n_gaps: int | None = None
-
-
-@dataclass(frozen=True)
-class Touched:
-    """What a finger did while a stimulus played, and what was emitted.
-
-    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band, `speed_in_band` that of
-    the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
-    `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
+    >>> Rate.answer_type
+    <class 'tactometry.session.answer.Rated'>
     """
 
-    onset_s: float
-    level_delivered: float | None
-    digest: str | None
-    force_mean_n: float | None = None
-    force_sd_n: float | None = None
-    force_in_band: float | None = None
-    speed_mean_m_per_s: float | None = None
-    valid: bool = True
-    speed_in_band: float | None = None
-    invalid_reason: Reason | None = None
-    n_gaps: int | None = None
+    answer_type: ClassVar[type]
+
+    def __init_subclass__(cls) -> None:
+        (cls.answer_type,) = get_args(vars(cls)["__orig_bases__"][0])
 
 
-@dataclass(frozen=True)
-class Chosen:
-    """One of the options that were offered; `latency_s` from the onset of the question.
+class Rig(Protocol):
+    """Whatever answers: a bench, a simulated participant, a recording, a terminal.
 
-    An answer is not `valid` if the experimenter asked for a repetition meanwhile.
+    Only a rig owns a clock. `resume` is called once, before the first live request of a session that goes on after an
+    interruption, with the rows that are recorded and the time at which the session stopped. `close` may be called
+    more than once and leaves every output at zero.
     """
 
-    option: int
-    onset_s: float
-    latency_s: float
-    timestamp_utc: str | None = None
-    valid: bool = True
+    def facts(self) -> dict[str, str | int | float | bool | None]:
+        """What the journal's head says of display, outputs, clock."""
+
+    def answer(self, request: Request[A]) -> A: ...
+
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None: ...
+
+    def close(self) -> None: ...
 
 
 @dataclass(frozen=True)
-class Rated:
-    """A point of a scale, or a number."""
-
-    value: float | None
-    onset_s: float
-    latency_s: float
-    timestamp_utc: str | None = None
-    valid: bool = True
-
-
-@dataclass(frozen=True)
-class Filled:
-    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open."""
-
-    values: tuple[float | None, ...]
-    onset_s: float
-    latency_s: float
-    timestamp_utc: str | None = None
-    valid: bool = True
-
-
-@dataclass(frozen=True)
-class Adjusted:
-    """The level that the participant left standing."""
-
-    level: float
-    onset_s: float
-    latency_s: float
-    timestamp_utc: str | None = None
-    valid: bool = True
-    n_gaps: int | None = None
-
-
-class Request(Protocol):
-    """One thing asked of the rig."""
-
-    answer: ClassVar[type]
-
-    def put_to(self, rig: "Rig") -> object: ...
-
-
-@dataclass(frozen=True)
-class Play:
+class Play(Request[Played]):
     """Emit a stimulus, with no condition on the finger."""
 
     stimulus: str
@@ -122,14 +59,9 @@ class Play:
     duration_s: float
     interval: int | None = None
 
-    answer: ClassVar[type] = Played
-
-    def put_to(self, rig: "Rig") -> Played:
-        return rig.play(self)
-
 
 @dataclass(frozen=True)
-class Press:
+class Press(Request[Touched]):
     """Hold `target_n` within `tolerance` (relative) for `hold_s`, then feel `level` while the force is held.
 
     `level` None is a blank: the same course with nothing emitted. `timeout_s` bounds the wait for the held force.
@@ -144,14 +76,9 @@ class Press:
     timeout_s: float
     interval: int | None = None
 
-    answer: ClassVar[type] = Touched
-
-    def put_to(self, rig: "Rig") -> Touched:
-        return rig.press(self)
-
 
 @dataclass(frozen=True)
-class Slide:
+class Slide(Request[Touched]):
     """As `Press`, with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
 
     The stimulus plays in motion only: while the speed is within `speed_tolerance` (relative) of its target. None
@@ -170,14 +97,9 @@ class Slide:
     length_m: float = TRAJECTORY_M
     speed_tolerance: float | None = None
 
-    answer: ClassVar[type] = Touched
-
-    def put_to(self, rig: "Rig") -> Touched:
-        return rig.slide(self)
-
 
 @dataclass(frozen=True)
-class Choose:
+class Choose(Request[Chosen]):
     """Ask for one of `options`; `question` names a message, e.g. ``"felt"`` or ``"which_interval"``.
 
     `stimuli` names what each option stands for, where the question is which of several stimuli was felt.
@@ -188,14 +110,9 @@ class Choose:
     labels: tuple[str, ...]
     stimuli: tuple[str, ...] = ()
 
-    answer: ClassVar[type] = Chosen
-
-    def put_to(self, rig: "Rig") -> Chosen:
-        return rig.choose(self)
-
 
 @dataclass(frozen=True)
-class Rate:
+class Rate(Request[Rated]):
     """Ask for a point between `low` and `high` in `steps` (None: continuous), with a word at each end."""
 
     item: str
@@ -205,24 +122,14 @@ class Rate:
     low_label: str
     high_label: str
 
-    answer: ClassVar[type] = Rated
-
-    def put_to(self, rig: "Rig") -> Rated:
-        return rig.rate(self)
-
 
 @dataclass(frozen=True)
-class Enter:
+class Enter(Request[Rated]):
     """Ask for a number of at least `low` and, unless it is None, at most `high`; `question` names a message."""
 
     question: str
     low: float
     high: float | None = None
-
-    answer: ClassVar[type] = Rated
-
-    def put_to(self, rig: "Rig") -> Rated:
-        return rig.enter(self)
 
 
 @dataclass(frozen=True)
@@ -238,7 +145,7 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Fill:
+class Fill(Request[Filled]):
     """Ask for all questions of a page, each from `low` (left) to `high` in `steps` (None: continuous).
 
     No question has an answer beforehand; each can be changed until the page is left; a page with open questions is
@@ -251,14 +158,9 @@ class Fill:
     high: float
     steps: int | None
 
-    answer: ClassVar[type] = Filled
-
-    def put_to(self, rig: "Rig") -> Filled:
-        return rig.fill(self)
-
 
 @dataclass(frozen=True)
-class Adjust:
+class Adjust(Request[Adjusted]):
     """Let the participant set the level of a stimulus, from `start` in steps of `step` within the bounds.
 
     `target_n` and `speed_m_per_s` say how it should be touched meanwhile; nothing is gated on them.
@@ -276,40 +178,25 @@ class Adjust:
         """The level so many steps above the start."""
         return self.start + n_steps * self.step
 
-    answer: ClassVar[type] = Adjusted
-
-    def put_to(self, rig: "Rig") -> Adjusted:
-        return rig.adjust(self)
-
 
 @dataclass(frozen=True)
-class Wait:
+class Wait(Request[Done]):
     """Let time pass."""
 
     duration_s: float
 
-    answer: ClassVar[type] = Done
-
-    def put_to(self, rig: "Rig") -> Done:
-        return rig.wait(self)
-
 
 @dataclass(frozen=True)
-class Show:
+class Show(Request[Done]):
     """Show a page until it is left, or for `duration_s`. `message` names a text of the study; `values` fill it."""
 
     message: str
     values: Mapping[str, str | int | float] = field(default_factory=dict)
     duration_s: float | None = None
 
-    answer: ClassVar[type] = Done
-
-    def put_to(self, rig: "Rig") -> Done:
-        return rig.show(self)
-
 
 @dataclass(frozen=True)
-class Record:
+class Record(Request[Done]):
     """A finished trial. Once it is answered, the row is on the disk.
 
     `aborted` says why what was under way ends unfinished with it.
@@ -318,12 +205,16 @@ class Record:
     trial: Trial
     aborted: str | None = None
 
-    answer: ClassVar[type] = Done
 
-    def put_to(self, rig: "Rig") -> Done:
-        return rig.record(self)
-
-
-REQUESTS: Mapping[str, type[Request]] = {
+REQUESTS: Mapping[str, type[Request[Any]]] = {
     kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record)
 }
+
+
+def value_at(place: int, n_places: int, low: float, high: float) -> float:
+    """The value of a place (0..n_places-1) on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
+
+    >>> value_at(2, 7, low=1, high=7), value_at(1, 11, low=0.0, high=1.0)
+    (3.0, 0.1)
+    """
+    return float(Fraction(low) + (Fraction(high) - Fraction(low)) * place / (n_places - 1))

@@ -3,12 +3,12 @@
 from collections.abc import Generator
 from typing import Any, Protocol, TypeVar
 
-from ..rigs.rig import Rig
+from ..session.request import Rig
 from .replay import Replay
 from .request import Request
 
 T = TypeVar("T")
-Course = Generator[Request, Any, T]
+Course = Generator[Request[Any], Any, T]
 """The course of an experiment: it yields requests, receives their answers, and returns what it found."""
 
 
@@ -18,7 +18,7 @@ class Keeper(Protocol):
     @property
     def replay(self) -> Replay: ...
 
-    def append(self, request: Request, answer: object) -> None: ...
+    def append(self, request: Request[Any], answer: object) -> None: ...
 
     def finish(self) -> None: ...
 
@@ -28,7 +28,7 @@ class _Ended(Exception):  # noqa: N818
         self.value = value
 
 
-def _advance(course: Course[T], answer: object) -> Request:
+def _advance(course: Course[T], answer: object) -> Request[Any]:
     try:
         return course.send(answer)
     except StopIteration as stop:
@@ -49,11 +49,11 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
     try:
         request = _advance(course, None)
         while recorded.n_left:
-            request = _advance(course, request.put_to(recorded))
+            request = _advance(course, recorded.answer(request))
         if recorded.elapsed_s:
             rig.resume(recorded.trials, recorded.elapsed_s)
         while True:
-            answer = request.put_to(rig)
+            answer = rig.answer(request)
             journal.append(request, answer)
             request = _advance(course, answer)
     except _Ended as end:
@@ -76,7 +76,7 @@ def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T 
     try:
         request = _advance(course, None)
         while complete or recording.n_left:
-            request = _advance(course, request.put_to(recording))
+            request = _advance(course, recording.answer(request))
     except _Ended as end:
         recording.refuse_rest()
         value: T = end.value  # type: ignore[assignment]

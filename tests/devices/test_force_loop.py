@@ -88,7 +88,7 @@ class Loop:
 
     def press(self, request=PRESS):
         """A touch, with its onset on the clock."""
-        touched = self.bench.press(request)
+        touched = self.bench.answer(request)
         return touched, touched.onset_s + self.bench._attendant.zero_s
 
     def truth(self):
@@ -174,6 +174,6 @@ def test_a_slide_tells_the_speed_that_the_position_sensor_measured(loop_of):
     """The counter, one more each millisecond, stands for a position: 50 um a sample is 50 mm/s."""
     loop = loop_of("1:100")
     slide = Slide("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=10.0, speed_m_per_s=0.05)
-    touched = loop.bench.slide(slide)
+    touched = loop.bench.answer(slide)
     assert touched.valid
     assert touched.speed_mean_m_per_s == pytest.approx(0.05, rel=0.02)

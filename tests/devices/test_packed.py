@@ -367,7 +367,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, le
     participant.answers(1.0, "Escape")
     begin_s = time.perf_counter()
     with pytest.raises(TactometryError) as ended:
-        bench.press(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))
+        bench.answer(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))
     assert time.perf_counter() - begin_s < 30.0
     assert ("Escape was pressed" if level else "did not read a stop") in str(ended.value)
     assert bench.closed

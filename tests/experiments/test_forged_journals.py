@@ -18,8 +18,9 @@ from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
 from tactometry.records.journal import checksum, encode, read
+from tactometry.session.answer import Adjusted, Filled, Rated
 from tactometry.session.answer_rules import flaw
-from tactometry.session.request import Adjust, Adjusted, Enter, Fill, Filled, Question, Rate, Rated
+from tactometry.session.request import Adjust, Enter, Fill, Question, Rate
 
 SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SETS = ("console", "inquiries", "preference", "adjustment")

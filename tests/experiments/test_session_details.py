@@ -23,8 +23,9 @@ from tactometry.records.journal import checksum, encode, read
 from tactometry.records.open_journal import Journal
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.safety.limits import Limits
+from tactometry.session.answer import Done, Touched
 from tactometry.session.replay import Replay
-from tactometry.session.request import Done, Record, Slide, Touched, Wait
+from tactometry.session.request import Choose, Record, Slide, Wait
 from tactometry.session.run import replay, run
 from tactometry.signal import Signal
 
@@ -149,7 +150,7 @@ def test_a_number_reads_back_from_its_cell(value, text):
 
 
 class Falling:
-    """A rig that fails when it is asked to slide, and knows whether it was closed."""
+    """A rig that fails when it is asked anything, and knows whether it was closed."""
 
     def __init__(self):
         self.n_closed = 0
@@ -157,13 +158,13 @@ class Falling:
     def close(self):
         self.n_closed += 1
 
-    def __getattr__(self, name):
-        raise DeviceFailed(f"{name}: the device fell")
+    def answer(self, request):
+        raise DeviceFailed(f"{type(request).__name__}: the device fell")
 
 
 def test_a_rig_is_closed_when_it_fails():
     falling = Falling()
-    with pytest.raises(DeviceFailed, match="slide: the device fell"):
+    with pytest.raises(DeviceFailed, match="Slide: the device fell"):
         run(run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, np.random.default_rng()), falling, Memory())
     assert falling.n_closed == 1
 
@@ -192,7 +193,7 @@ def test_a_recorded_trial_that_was_changed_is_found():
 
 def test_the_simulated_rig_holds_signals_against_the_limits():
     with pytest.raises(LimitExceeded, match="found a peak of"):
-        rig(limits=Limits(voltage_peak_v=1.0)).slide(SLIDE)
+        rig(limits=Limits(voltage_peak_v=1.0)).answer(SLIDE)
 
 
 class Noting(catalogue.Loudness):
@@ -206,7 +207,7 @@ class Noting(catalogue.Loudness):
 
 def test_what_is_felt_depends_on_the_force_and_speed_that_were_held():
     noting = Noting()
-    touched = rig(sensation=noting).slide(SLIDE)
+    touched = rig(sensation=noting).answer(SLIDE)
     (contact,) = noting.contacts
     assert contact.force_n == pytest.approx(touched.force_mean_n, abs=1e-6)
     assert contact.speed_m_per_s == pytest.approx(touched.speed_mean_m_per_s, abs=1e-6)
@@ -216,13 +217,13 @@ def test_what_is_felt_depends_on_the_force_and_speed_that_were_held():
 
 def test_holding_the_force_and_playing_take_their_time():
     simulated_rig = rig()
-    first, second = simulated_rig.slide(SLIDE), simulated_rig.slide(SLIDE)
+    first, second = simulated_rig.answer(SLIDE), simulated_rig.answer(SLIDE)
     assert first.onset_s == SLIDE.hold_s
     assert second.onset_s - first.onset_s == pytest.approx(SLIDE.hold_s + SLIDE.duration_s)
 
 
 def test_a_force_that_wavers_out_of_the_band_makes_the_touch_invalid():
-    assert not rig(finger=SimulatedFinger(waver_cv=0.9)).slide(SLIDE).valid
+    assert not rig(finger=SimulatedFinger(waver_cv=0.9)).answer(SLIDE).valid
 
 
 class Clipping:
@@ -231,8 +232,10 @@ class Clipping:
     def __init__(self, n_lost=0):
         self._rig, self.n_lost = rig(), n_lost
 
-    def slide(self, request):
-        touched = self._rig.slide(request)
+    def answer(self, request):
+        touched = self._rig.answer(request)
+        if not isinstance(request, Slide):
+            return touched
         self.n_lost -= 1
         level = None if touched.level_delivered is None else touched.level_delivered - 3.0
         return replace(touched, level_delivered=level, valid=self.n_lost < 0)
@@ -292,7 +295,7 @@ def test_repeats_of_constant_stimuli_have_orders_of_their_own():
 
 
 def test_a_catch_trial_delivers_nothing():
-    touched = rig().slide(replace(SLIDE, level=None))
+    touched = rig().answer(replace(SLIDE, level=None))
     assert isinstance(touched, Touched)
     assert (touched.level_delivered, touched.digest) == (None, None)
 
@@ -323,9 +326,12 @@ class Refusing(Clipping):
         super().__init__()
         self.n_answers = 0
 
-    def choose(self, request):
+    def answer(self, request):
+        answer = super().answer(request)
+        if not isinstance(request, Choose):
+            return answer
         self.n_answers += 1
-        return replace(self._rig.choose(request), valid=self.n_answers > 1)
+        return replace(answer, valid=self.n_answers > 1)
 
 
 @pytest.mark.parametrize("task", ["yes_no", "forced_choice"])

@@ -15,7 +15,7 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import RigKind, record, simulated
 from tactometry.records.journal import read
 from tactometry.session.event import COLUMNS, FACTS, KINDS, Event, events_tsv
-from tactometry.session.request import REQUESTS, Record
+from tactometry.session.request import Record
 
 REMARK = Event("remark", 1.5, "2026-11-21T09:00:00.000+00:00", {"text": 'a "tab"\t and a\nline, said twice'})
 
@@ -27,18 +27,14 @@ class Noting:
         self._rig, self._log, self._fails_at, self._n = rig, log, fails_at, count(1)
 
     def __getattr__(self, name):
-        answers = getattr(self._rig, name)
-        if name.capitalize() not in REQUESTS:
-            return answers
+        return getattr(self._rig, name)
 
-        def noted(request):
-            n = next(self._n)
-            self._log.note(replace(REMARK, at_s=float(n), facts={"text": f"before request {n}", "trial": n}))
-            if n == self._fails_at:
-                raise KeyboardInterrupt
-            return answers(request)
-
-        return noted
+    def answer(self, request):
+        n = next(self._n)
+        self._log.note(replace(REMARK, at_s=float(n), facts={"text": f"before request {n}", "trial": n}))
+        if n == self._fails_at:
+            raise KeyboardInterrupt
+        return self._rig.answer(request)
 
 
 def noting(fails_at=None):

@@ -20,7 +20,8 @@ from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.records.data_set import Session, trials_csv
 from tactometry.records.journal import encode_entry, read
 from tactometry.records.open_journal import Journal
-from tactometry.session.request import Choose, Chosen, Done, Record, Wait
+from tactometry.session.answer import Chosen, Done
+from tactometry.session.request import Choose, Record, Wait
 from tactometry.trials.trial import Trial
 
 

@@ -13,8 +13,9 @@ from tactometry.errors import DeviceFailed, SessionInUse
 from tactometry.files.durable import drafts
 from tactometry.records.journal import encode_event, read
 from tactometry.records.open_journal import Journal
+from tactometry.session.answer import Done
 from tactometry.session.event import Event
-from tactometry.session.request import Done, Wait
+from tactometry.session.request import Wait
 
 TOLD = tuple(
     Event("remark", float(n), facts={"text": text})

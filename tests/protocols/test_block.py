@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import Asked, Standing, run_block, turns
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
-from tactometry.session.request import Show
+from tactometry.session.request import Choose, Press, Show
 from tactometry.session.run import run
 
 
@@ -83,9 +83,12 @@ class Losing:
     def __init__(self, lost):
         self._rig, self._lost, self._n = catalogue.simulated(), lost, 0
 
-    def press(self, request):
+    def answer(self, request):
+        answer = self._rig.answer(request)
+        if not isinstance(request, Press):
+            return answer
         self._n += 1
-        return replace(self._rig.press(request), valid=self._n not in self._lost)
+        return replace(answer, valid=self._n not in self._lost)
 
     def __getattr__(self, name):
         return getattr(self._rig, name)
@@ -117,8 +120,9 @@ class Saying(Losing):
         super().__init__(lost)
         self._options = iter(options)
 
-    def choose(self, request):
-        return replace(self._rig.choose(request), option=next(self._options))
+    def answer(self, request):
+        answer = super().answer(request)
+        return replace(answer, option=next(self._options)) if isinstance(request, Choose) else answer
 
 
 def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():

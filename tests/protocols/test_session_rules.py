@@ -204,13 +204,13 @@ def test_a_console_holds_signals_against_the_limits():
     tight = Limits(voltage_peak_v=0.1)
     console = Console(catalogue.AnyStimulus(), tight, texts_in("en", {}), source=io.StringIO(), output=io.StringIO())
     with pytest.raises(LimitExceeded, match="nothing was played"):
-        console.play(Play("tone", 20.0, 0.2))
+        console.answer(Play("tone", 20.0, 0.2))
 
 
 def test_the_clock_of_a_console_goes_on_after_an_interruption():
     console = catalogue.console()
     console.resume([], 100.0)
-    assert 100.0 <= console.wait(Wait(0.0)).at_s < 200.0
+    assert 100.0 <= console.answer(Wait(0.0)).at_s < 200.0
 
 
 def test_a_study_with_another_rate_of_catch_trials_has_another_plan():
@@ -224,7 +224,7 @@ def test_sessions_of_one_participant_are_answered_by_chance_of_their_own():
     held = []
     for n_session in (1, 2):
         rig = EXPERIMENT.simulated_rig("P01", n_session, 1)
-        held.append(rig.slide(replace(request, stimulus=next(iter(EXPERIMENT.bank)))).force_mean_n)
+        held.append(rig.answer(replace(request, stimulus=next(iter(EXPERIMENT.bank)))).force_mean_n)
     assert held[0] != held[1]
 
 

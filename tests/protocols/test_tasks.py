@@ -29,7 +29,8 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.rating import filled_in, pages
 from tactometry.protocols.tasks.task import Alternative, Presentation, TrialOutcome
 from tactometry.questionnaire import load
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Filled, Press, Rated, Record, Slide
+from tactometry.session.answer import Chosen, Filled, Rated
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Press, Record, Slide
 from tactometry.session.run import run
 
 AT_1E_4 = 3.89
@@ -49,7 +50,7 @@ def answered(task, shown, rng, answers):
     request = next(course)
     try:
         while True:
-            answer = request.put_to(rig) if isinstance(request, Press | Slide) else answers(request)
+            answer = rig.answer(request) if isinstance(request, Press | Slide) else answers(request)
             request = course.send(answer)
     except StopIteration as stop:
         return stop.value
@@ -61,7 +62,7 @@ def shown(level, **more):
 
 def choosing(option):
     """Gives the option that `option` picks from a request."""
-    return lambda request: Choose.answer(option(request), 0.0, 1.0)
+    return lambda request: Chosen(option(request), 0.0, 1.0)
 
 
 def touches_of_trials(memory):
@@ -141,9 +142,7 @@ def test_a_magnitude_of_nothing_was_not_felt(said, felt):
 
 def test_without_a_number_two_intervals_are_chosen_from():
     asked = []
-    answered(
-        ForcedChoice(), shown(20.0), np.random.default_rng(1), lambda r: (asked.append(r), Choose.answer(1, 0, 1))[1]
-    )
+    answered(ForcedChoice(), shown(20.0), np.random.default_rng(1), lambda r: (asked.append(r), Chosen(1, 0, 1))[1])
     assert [request.options for request in asked] == [(1, 2)]
 
 
@@ -293,7 +292,7 @@ def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
 
 def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():
     with pytest.raises(InvalidParameter, match="was asked 'fellt', expected one of felt.*did you mean 'felt'"):
-        catalogue.simulated().choose(Choose("fellt", (0, 1), ("no", "yes")))
+        catalogue.simulated().answer(Choose("fellt", (0, 1), ("no", "yes")))
 
 
 def test_equal_pairs_are_called_different_as_often_as_the_rule_says():

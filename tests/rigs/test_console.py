@@ -42,27 +42,27 @@ def console(text, language="en", texts=None):
 )
 def test_an_answer_is_the_number_or_the_word_that_is_shown(typed, language, option):
     rig, said = console(f"{typed}\n", language)
-    assert rig.choose(FELT).option == option
+    assert rig.answer(FELT).option == option
     assert f"{option} = {typed.lower()}" in said.getvalue() or typed in "01"
 
 
 def test_what_is_no_answer_is_asked_again():
     rig, said = console("maybe\n\n7\nyes\n")
-    assert rig.choose(FELT).option == 1
+    assert rig.answer(FELT).option == 1
     assert said.getvalue().count("expected an answer to") == 3
 
 
 def test_after_twenty_lines_that_are_none_the_session_stops():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
-    assert rig.choose(FELT).option == 1
+    assert rig.answer(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
     with pytest.raises(Stopped, match="20 lines were no answers; what was recorded is safe: go on with"):
-        rig.choose(FELT)
+        rig.answer(FELT)
 
 
 def test_a_block_that_is_aborted_is_told_at_once():
     rig, said = console("")
-    rig.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1), aborted="block 1 is aborted: so"))
+    rig.answer(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1), aborted="block 1 is aborted: so"))
     assert said.getvalue().endswith("\n! block 1 is aborted: so\n")
 
 
@@ -70,6 +70,6 @@ def test_trials_are_counted_and_rows_of_questionnaires_are_not():
     rig, said = console("yes\n")
     item = Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1")
     rig.resume([item, replace(item, task="yes_no", level=5.0)], 10.0)
-    rig.record(Record(replace(item, item="SUS2")))
-    rig.choose(FELT)
+    rig.answer(Record(replace(item, item="SUS2")))
+    rig.answer(FELT)
     assert "[trial 2]" in said.getvalue()

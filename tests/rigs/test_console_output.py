@@ -143,7 +143,7 @@ def played(tmp_path):
 def test_a_stimulus_waits_for_the_held_force_as_in_the_window(tmp_path):
     said = io.StringIO()
     rig = console(tmp_path, lambda time_s: 1.0 if time_s > 0.6 else 0.3, said=said)
-    touched = rig.press(PRESS)
+    touched = rig.answer(PRESS)
     rig.close()
     assert touched.valid
     assert touched.onset_s >= 0.6
@@ -154,7 +154,7 @@ def test_a_stimulus_waits_for_the_held_force_as_in_the_window(tmp_path):
 
 def test_a_force_that_is_never_held_plays_nothing(tmp_path):
     rig = console(tmp_path, lambda time_s: 0.3)
-    touched = rig.press(replace(PRESS, timeout_s=0.5))
+    touched = rig.answer(replace(PRESS, timeout_s=0.5))
     rig.close()
     assert (touched.valid, touched.invalid_reason, touched.level_delivered) == (False, "timeout", None)
     assert played(tmp_path) == 0
@@ -165,7 +165,7 @@ def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_p
     rig = console(tmp_path, said=said)
     trial = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="timeout")
     for attempt in (1, 2):
-        rig.record(Record(replace(trial, attempt=attempt)))
+        rig.answer(Record(replace(trial, attempt=attempt)))
     rig.close()
     assert said.getvalue().splitlines()[-2:] == [
         "[trial 1] not valid: the touch was not held as asked in time",
@@ -176,7 +176,7 @@ def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_p
 def test_a_silent_sensor_pauses_the_session(tmp_path):
     said = io.StringIO()
     rig = console(tmp_path, lambda time_s: None if 0.2 < time_s < 1.2 else (1.0 if time_s > 1.2 else 0.3), said=said)
-    assert rig.press(PRESS).valid
+    assert rig.answer(PRESS).valid
     rig.close()
     assert "paused: the force sensor is silent\nit goes on\n" in said.getvalue()
 
@@ -184,7 +184,7 @@ def test_a_silent_sensor_pauses_the_session(tmp_path):
 def test_an_interval_that_only_plays_takes_its_time(tmp_path):
     rig = console(tmp_path)
     begin_s = time.perf_counter()
-    told = rig.play(Play("tone", 5.0, 0.3))
+    told = rig.answer(Play("tone", 5.0, 0.3))
     rig.close()
     assert time.perf_counter() - begin_s >= 0.3
     assert (told.level_delivered, played(tmp_path)) == (5.0, 1)
@@ -193,7 +193,7 @@ def test_an_interval_that_only_plays_takes_its_time(tmp_path):
 def test_a_level_that_would_play_while_it_is_set_is_refused(tmp_path):
     rig = console(tmp_path, text="5\n")
     with pytest.raises(Exception, match="console: found an adjustment, whose level plays while it is set"):
-        rig.adjust(Adjust("tone", 5.0, 1.0, 0.0, 10.0))
+        rig.answer(Adjust("tone", 5.0, 1.0, 0.0, 10.0))
     rig.close()
 
 
@@ -227,7 +227,7 @@ main(sys.argv[1:])
 def test_its_pages_name_the_key_that_works(language, words):
     said = io.StringIO()
     rig = Console({}, LIMITS, texts_in(language, {}), io.StringIO(), said)
-    rig.show(Show("welcome", {"n_blocks": 1}))
+    rig.answer(Show("welcome", {"n_blocks": 1}))
     assert words in said.getvalue()
     assert "Escape" not in said.getvalue().split("\n\n", 1)[1]
     assert "chap" not in said.getvalue()
@@ -236,7 +236,7 @@ def test_its_pages_name_the_key_that_works(language, words):
 def test_escape_and_return_stop_it_too():
     rig = Console({}, LIMITS, texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
     with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
-        rig.choose(Choose("felt", (0, 1), ("no", "yes")))
+        rig.answer(Choose("felt", (0, 1), ("no", "yes")))
 
 
 @pytest.mark.parametrize(

@@ -118,7 +118,7 @@ def waits_until(bench, seen):
     end_s = time.monotonic() + LONGEST_WAIT_S
     while not seen():
         assert time.monotonic() < end_s
-        bench.wait(Wait(0.1))
+        bench.answer(Wait(0.1))
 
 
 def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):
@@ -145,7 +145,7 @@ def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_a
 
     again_s, bench = [], bench_with()
     in_background(act)
-    chosen = bench.choose(FELT)
+    chosen = bench.answer(FELT)
     assert (chosen.option, chosen.valid) == (0, True)
     assert chosen.onset_s == pytest.approx(again_s[0] - bench._attendant.zero_s, abs=1e-5)
     assert kept.told == [("pause", "the experimenter"), ("resume", "the experimenter")]
@@ -166,7 +166,7 @@ def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_wi
 
     n_played, bench = [], bench_with(lambda time_s: 1.0)
     in_background(act)
-    touched = bench.press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
+    touched = bench.answer(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.1, timeout_s=20.0))
     assert (touched.valid, touched.invalid_reason) == (False, "experimenter")
     assert n_played == [1, 1]
     assert log[log.index("play 5 V") + 1] == "output.stop"
@@ -184,7 +184,7 @@ def test_nothing_plays_in_a_pause_however_well_the_force_is_held(bench_with, ter
     terminal.types("pause")
     bench = bench_with(lambda time_s: 1.0)
     in_background(act)
-    assert bench.press(Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=2.0, timeout_s=20.0)).valid
+    assert bench.answer(Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=2.0, timeout_s=20.0)).valid
     assert n_played == [0]
 
 
@@ -196,7 +196,7 @@ def test_a_stimulus_without_a_touch_is_played_again_after_a_pause(bench_with, te
 
     bench = bench_with()
     in_background(act)
-    bench.play(Play("tone", 5.0, 0.5))
+    bench.answer(Play("tone", 5.0, 0.5))
     assert log.count("play 5 V") == 1 + kept.told.count(("resume", "the experimenter"))
 
 
@@ -205,12 +205,12 @@ def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
 ):
     bench = bench_with()
     terminal.types("r")
-    touched = bench.press(PRESS)
+    touched = bench.answer(PRESS)
     watched.shown.queue.clear()
     participant.answers("y")
-    chosen = bench.choose(FELT)
-    bench.record(ROW)
-    again = bench.press(PRESS)
+    chosen = bench.answer(FELT)
+    bench.answer(ROW)
+    again = bench.answer(PRESS)
     assert (touched.valid, chosen.valid, again.valid) == (False, False, True)
     assert (touched.invalid_reason, again.invalid_reason) == ("experimenter", None)
     assert kept.told[0] == ("repeat", "the experimenter")
@@ -233,37 +233,37 @@ ITEM = Question("item", {"en": ("", "low", "high")})
 )
 def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, participant, watched, ask, keys):
     bench = bench_with()
-    bench.press(PRESS)
+    bench.answer(PRESS)
     watched.shown.queue.clear()
     terminal.types("r")
     participant.answers(0.3, *keys)
-    assert not ask.put_to(bench).valid
-    bench.record(ROW)
+    assert not bench.answer(ask).valid
+    bench.answer(ROW)
     watched.shown.queue.clear()
     participant.answers(0.3, *keys)
-    assert ask.put_to(bench).valid
+    assert bench.answer(ask).valid
 
 
 def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
     bench = bench_with()
-    bench.press(PRESS)
-    bench.record(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
+    bench.answer(PRESS)
+    bench.answer(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
     terminal.shows("no answer, not valid: too light")
 
 
 def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, terminal):
     bench = bench_with()
-    bench.press(PRESS)
-    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
-    bench.press(PRESS)
-    bench.record(Record(replace(ROW.trial, attempt=2)))
+    bench.answer(PRESS)
+    bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
+    bench.answer(PRESS)
+    bench.answer(Record(replace(ROW.trial, attempt=2)))
     terminal.shows("trial 2: tone 5")
     terminal.shows("1, valid (trial 7, attempt 2)")
 
 
 def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, terminal):
     bench = bench_with()
-    bench.press(PRESS)
+    bench.answer(PRESS)
     bench.close()
     terminal.output.write("$")
     terminal.output.flush()
@@ -272,7 +272,7 @@ def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, termi
 
 def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
     bench = bench_with()
-    bench.record(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
+    bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
     assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
 
 
@@ -283,13 +283,13 @@ def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never
 
     bench = bench_with()
     for row in [*rows(5.0, 7), *rows(None, 8), *rows(5.0, 9)]:
-        bench.wait(Wait(0.05))
-        bench.record(row)
-    bench.wait(Wait(0.0))
+        bench.answer(Wait(0.05))
+        bench.answer(row)
+    bench.answer(Wait(0.0))
     trials = [event.facts for event in kept.events if event.kind == "trial"]
     assert [facts["trial"] for facts in trials] == [7, 9]
     assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
-    bench.press(PRESS)
+    bench.answer(PRESS)
     terminal.shows("trial 3: tone 5")
     assert terminal._seen.count(b"valid") == 2
 
@@ -298,7 +298,7 @@ def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
     waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
-    assert bench.press(PRESS).valid
+    assert bench.answer(PRESS).valid
     assert kept.told == []
 
 
@@ -307,7 +307,7 @@ def test_stop_puts_the_output_to_zero_first(bench_with, terminal, kept, log, pau
     bench = bench_with()
     terminal.types("p\nstop" if paused else "stop")
     with pytest.raises(Stopped, match="the experimenter stopped the session; what was recorded is safe: go on with"):
-        bench.press(PRESS)
+        bench.answer(PRESS)
     assert kept.told[-1] == ("stop", "the experimenter stopped the session")
     assert log.index("output.stop") < log.index("output.close") < log.index("screen.close")
 
@@ -320,12 +320,12 @@ def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watche
     bench = bench_with()
     in_background(close)
     with pytest.raises(Stopped, match="the window was closed"):
-        bench.choose(FELT)
+        bench.answer(FELT)
     assert kept.told == [("stop", "the window was closed")]
 
 
 def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
-    touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).press(PRESS)
+    touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).answer(PRESS)
     assert touched.valid
     assert kept.told == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
     terminal.shows("paused: the force sensor is silent")
@@ -333,13 +333,13 @@ def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with,
 
 def test_the_terminal_tells_trial_level_force_and_answer(bench_with, terminal, participant, watched):
     bench = bench_with(lambda time_s: 0.5 if time_s < 2.5 else 1.0)
-    bench.press(PRESS)
+    bench.answer(PRESS)
     for words in ("trial 1: tone 5", "0.50 N", "played, 1.00 N"):
         terminal.shows(words)
     watched.shown.queue.clear()
     participant.answers("y")
-    bench.choose(FELT)
-    bench.record(ROW)
+    bench.answer(FELT)
+    bench.answer(ROW)
     terminal.shows("answered in")
     terminal.shows("1, valid")
 
@@ -357,7 +357,7 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
 def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):
     bench = bench_with(lambda time_s: 1.0)
     terminal.goes_away()
-    assert bench.press(PRESS).valid
+    assert bench.answer(PRESS).valid
     assert log[-1] == "output.stop"
 
 

@@ -16,7 +16,7 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Reply, TrialOutcome, reply
 from tactometry.rigs.judgement import broken
 from tactometry.rigs.simulated import SimulatedRig
-from tactometry.session.request import Adjusted, Chosen, Touched
+from tactometry.session.answer import Adjusted, Chosen, Touched
 from tactometry.session.run import run
 from tactometry.trials.row_rules import defects
 from tactometry.trials.trial import REASON_WORDS, REASONS, Trial, validity

@@ -41,7 +41,7 @@ def scene(watched, driver, sink):
 )
 def test_a_force_that_is_lost(scene, in_background, force_n):
     in_background(scene.when_heard, setattr, scene, "force_n", force_n)
-    touched = scene.bench.press(PRESS)
+    touched = scene.bench.answer(PRESS)
     assert not touched.valid
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
@@ -49,19 +49,19 @@ def test_a_force_that_is_lost(scene, in_background, force_n):
 def test_escape(scene, in_background, hands):
     in_background(scene.when_heard, hands.tap, "Escape")
     with pytest.raises(Stopped, match="Escape was pressed"):
-        scene.bench.press(PRESS)
+        scene.bench.answer(PRESS)
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
 
 def test_an_error(scene, in_background):
     in_background(scene.when_heard, scene.screen.fails.set)
     with pytest.raises(BadError):
-        scene.bench.press(PRESS)
+        scene.bench.answer(PRESS)
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
 
 def test_the_end_of_the_touch(scene):
     """The time limit: a stimulus ends with its touch, at rest."""
-    assert scene.bench.press(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
+    assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
     n_whole = round(0.5 * RATE_HZ)
     assert n_whole - 10 <= scene.heard("short") <= n_whole

@@ -5,6 +5,7 @@ from itertools import count
 from tutorial_session import EXPERIMENT, TOML, WHO
 
 from tactometry.experiments.sessions.recording import RigKind, record, simulated
+from tactometry.session.request import Slide
 
 SOUND = {"output": "audio x", "output_volts_per_unit": 200.0, "output_n_underruns": 3, "utc_minus_clock_s": 1.0}
 
@@ -30,10 +31,10 @@ class Attended:
     def facts(self):
         return self._facts
 
-    def slide(self, request):
-        if next(self._n) == self._stops_at:
+    def answer(self, request):
+        if isinstance(request, Slide) and next(self._n) == self._stops_at:
             raise KeyboardInterrupt
-        return self._rig.slide(request)
+        return self._rig.answer(request)
 
     def __getattr__(self, name):
         return getattr(self._rig, name)

@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...scale import value_at
+from ...session.request import value_at
 from .page import (
     ACCENT,
     EDGE,

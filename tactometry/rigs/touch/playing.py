@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...devices.sensors.force_sensor import ForceSensor
-from ...session.request import Play, Played
+from ...session.answer import Played
+from ...session.request import Play
 from ...signal import Signal
 from ..emitter import Emitter
 from ..pages.page import Page

@@ -11,7 +11,8 @@ from ...devices.sensors.position_sensor import PositionSensor
 from ...gates.force import ForceGate
 from ...gates.speed import SpeedGate
 from ...safety.limits import FORCE_PEAK_N
-from ...session.request import Press, Slide, Touched
+from ...session.answer import Touched
+from ...session.request import Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
 from ..emitter import Emitter

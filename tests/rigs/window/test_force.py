@@ -64,7 +64,7 @@ def held_from(start_s, force_n):
 
 
 def test_the_stimulus_waits_for_the_held_force(bench_with, log):
-    touched = bench_with(held_from(0.5, 1.1)).press(PRESS)
+    touched = bench_with(held_from(0.5, 1.1)).answer(PRESS)
     assert touched.valid
     assert touched.onset_s >= 0.5 + 0.2
     assert touched.force_mean_n == pytest.approx(1.1, rel=1e-9)
@@ -75,7 +75,7 @@ def test_the_stimulus_waits_for_the_held_force(bench_with, log):
 
 def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log):
     request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
-    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).press(request)
+    touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(request)
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
     assert touched.invalid_reason == "timeout"
     assert log == ["output.open"]
@@ -89,7 +89,7 @@ def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log)
 def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards, reason):
     request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
     felt = iter([1.0] * 300)
-    touched = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0).press(request)
+    touched = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0).answer(request)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_mean_n is not None
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
@@ -102,7 +102,7 @@ def test_the_output_stops_when_the_thread_of_the_sensor_hangs(bench_with, log):
         return 1.0
 
     hung = threading.Event()
-    touched = bench_with(hangs).press(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
+    touched = bench_with(hangs).answer(Press("tone", 5.0, 600.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0))
     hung.set()
     assert not touched.valid
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
@@ -127,16 +127,15 @@ class Held:
 def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(bench_with, watched, log):
     felt = iter([1.0] * 100)
     held = Held(watched, log)
-    touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).press(PRESS)
+    touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).answer(PRESS)
     assert touched.force_in_band == 1.0
     assert not touched.valid
 
 
 def test_a_force_above_its_limit_stops_the_output(bench_with, log):
     request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
-    touched = bench_with(lambda time_s: 3.1 if "play 5 V" in log else 1.0, limits=Limits(50.0, force_peak_n=3.0)).press(
-        request
-    )
+    bench = bench_with(lambda time_s: 3.1 if "play 5 V" in log else 1.0, limits=Limits(50.0, force_peak_n=3.0))
+    touched = bench.answer(request)
     assert (touched.valid, touched.invalid_reason) == (False, "too_heavy")
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
 
@@ -146,14 +145,14 @@ def test_a_touch_of_more_force_than_its_limit_is_refused(bench_with, log):
     with pytest.raises(
         LimitExceeded, match=r"limits\.force_peak_n: found a force of up to 1\.2 N, the limit is 1\.1 N"
     ):
-        bench.press(PRESS)
+        bench.answer(PRESS)
     assert "play 5 V" not in log
 
 
 def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_anew(bench_with, log, watched):
     heavy = iter([11.0] * 300)
     bench = bench_with(lambda time_s: next(heavy, 1.0) if "play 5 V" in log else 1.0)
-    bench.play(Play("tone", 5.0, 1.0))
+    bench.answer(Play("tone", 5.0, 1.0))
     assert log[:3] == ["output.open", "play 5 V", "output.stop"]
     assert (log.count("play 5 V"), bench._attendant._n_pauses) == (2, 1)
 
@@ -205,7 +204,7 @@ def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, r
     participant.answers(1.0, "Escape")
     begin_s = time.perf_counter()
     with suppress(Stopped):
-        bench.press(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
+        bench.answer(Press("tone", 5.0, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.3, timeout_s=60.0))
     bench.close()
     assert all(played_s >= begin_s + 0.3 for played_s in timed.played_s)
     assert len(timed.played_s) == (rate < 1.3)
@@ -216,7 +215,7 @@ STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout
 
 def test_a_force_that_never_left_its_band_lets_nothing_through(bench_with, log, watched):
     """A sensor that is stuck from the beginning: the page says to lift the finger."""
-    touched = bench_with(lambda time_s: 1.0, release=True).press(STUCK)
+    touched = bench_with(lambda time_s: 1.0, release=True).answer(STUCK)
     assert (touched.valid, touched.invalid_reason) == (False, "timeout")
     assert log == ["output.open"]
     assert "Lift your finger, then press again" in words_of(watched.drawn[-1])
@@ -236,9 +235,9 @@ def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched,
         return between_n if len(ended) < 100 else 1.0
 
     bench = bench_with(force_n, release=True)
-    assert bench.press(STUCK).valid
+    assert bench.answer(STUCK).valid
     time.sleep(0.2)
-    touched = bench.press(STUCK)
+    touched = bench.answer(STUCK)
     assert touched.valid is plays
     assert log.count("play 5 V") == 1 + plays
     assert ("Lift your finger, then press again" in words_of(watched.drawn[-1])) is not plays
@@ -250,7 +249,7 @@ def words_of(page):
 
 @pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
 def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log, drifted_n, reason):
-    touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).press(PRESS)
+    touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).answer(PRESS)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_in_band < 0.8
 
@@ -276,9 +275,9 @@ def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_l
     bench = Bench(
         watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False, log=kept
     )
-    touched = bench.press(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
-    bench.record(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
-    bench.wait(Wait(0.0))
+    touched = bench.answer(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
+    bench.answer(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
+    bench.answer(Wait(0.0))
     bench.close()
     assert touched.valid
     [told] = [event for event in kept.events if event.kind == "trial"]
@@ -286,7 +285,7 @@ def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_l
 
 
 def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
-    touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).press(PRESS)
+    touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).answer(PRESS)
     assert touched.onset_s >= 0.18 + 0.2
     exact_case("a gap in the samples of a held force", against="a hold anew")
 
@@ -294,13 +293,13 @@ def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
 def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, participant, log):
     participant.answers("Escape")
     with pytest.raises(Exception, match="Escape was pressed"):
-        bench_with(held_from(60.0, 1.0)).press(PRESS)
+        bench_with(held_from(60.0, 1.0)).answer(PRESS)
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
 def test_what_begins_as_the_time_is_over_is_a_stimulus_like_any_other(bench_with, output, log):
     request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
-    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).press(request)
+    touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).answer(request)
     assert touched.digest == TONE.at(5.0).digest()
     assert touched.valid
     assert log == ["output.open", "play 5 V", "output.stop"]
@@ -325,13 +324,13 @@ def test_nothing_is_closed_while_an_output_begins_in_another_thread(bench_with, 
     slow = Slow(output, 0.5)
     bench = bench_with(held_from(0.0, 1.0), slow, Failing(watched, slow))
     with pytest.raises(OSError, match="no screen"):
-        bench.press(PRESS)
+        bench.answer(PRESS)
     assert log == ["output.open", "play 5 V", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
 def test_a_slide_is_held_like_a_press(bench_with, log):
     request = Slide("tone", None, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
-    touched = bench_with(held_from(0.0, 1.0)).slide(request)
+    touched = bench_with(held_from(0.0, 1.0)).answer(request)
     assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
     assert "play 5 V" not in log
 
@@ -340,7 +339,7 @@ def test_a_slide_is_held_like_a_press(bench_with, log):
 def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_with, log, lost):
     said = iter([lost] * 300)
     bench = bench_with(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
-    played = bench.play(Play("tone", 5.0, 1.0))
+    played = bench.answer(Play("tone", 5.0, 1.0))
     assert log[:3] == ["output.open", "play 5 V", "output.stop"]
     assert log.count("play 5 V") == 2
     assert log[-1] == "play 5 V"
@@ -348,7 +347,7 @@ def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_
 
 
 def test_an_interval_under_a_sensor_that_speaks_plays_once(bench_with, log):
-    bench_with(lambda time_s: 1.0).play(Play("tone", 5.0, 0.3))
+    bench_with(lambda time_s: 1.0).answer(Play("tone", 5.0, 0.3))
     assert log == ["output.open", "play 5 V"]
 
 
@@ -364,6 +363,6 @@ def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, l
 
     bench = bench_with(force_n)
     participant.answers(again, 0.5, "Return")
-    assert bench.adjust(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
+    assert bench.answer(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
     assert bench._attendant._n_pauses == 1
     assert log[-1] == "output.stop"

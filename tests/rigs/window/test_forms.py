@@ -45,7 +45,7 @@ def bench(watched, output):
 
 def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
     participant.answers(*"1234567", "Return")
-    filled = bench.fill(PAGE)
+    filled = bench.answer(PAGE)
     assert filled.values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     assert filled.latency_s > 0
     assert filled.timestamp_utc.endswith("+00:00")
@@ -54,12 +54,12 @@ def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
 def test_a_page_is_filled_by_touch_in_any_order_and_answers_can_be_changed(bench, participant):
     touches = [place(row, row) for row in (6, 2, 0, 1, 5, 4, 3)]
     participant.answers(*touches, place(6, 0), 0.05, OK)
-    assert bench.fill(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
+    assert bench.answer(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
 
 
 def test_arrows_begin_in_the_middle_and_move_between_rows(bench, participant):
     participant.answers(*"1111111", "Up", "Right", "Right", "Up", "Up", "Left", "Return")
-    values = bench.fill(PAGE).values
+    values = bench.answer(PAGE).values
     assert values == (1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0)
 
 
@@ -73,7 +73,7 @@ def test_leaving_with_gaps_asks_once(bench, participant, watched):
 
     watched.refresh = refresh
     participant.answers("4", "Return", asked, "Return")
-    assert bench.fill(PAGE).values == (4.0, *(None,) * 6)
+    assert bench.answer(PAGE).values == (4.0, *(None,) * 6)
 
 
 def test_nothing_is_marked_before_an_answer(bench):
@@ -88,7 +88,7 @@ def test_a_continuous_line_is_answered_where_it_is_touched(bench, participant):
     pitch = (form.TOP - form.BOTTOM) / 2
     y = form.TOP - 0.5 * pitch - 0.2 * pitch
     participant.answers((0.25 * form.SCALE_LENGTH, y), (0.0, y - pitch), 0.05, OK)
-    high, middle = bench.fill(page).values
+    high, middle = bench.answer(page).values
     assert high == pytest.approx(75, abs=1)
     assert middle == pytest.approx(50, abs=1)
 
@@ -105,23 +105,23 @@ def test_a_continuous_line_is_answered_where_it_is_touched(bench, participant):
 )
 def test_a_number_is_typed_or_touched(bench, participant, acts, value):
     participant.answers(*acts)
-    assert bench.enter(Enter("how_strong", 0.0)).value == value
+    assert bench.answer(Enter("how_strong", 0.0)).value == value
 
 
 def test_a_number_beside_its_bounds_is_not_taken(bench, participant):
     participant.answers("5", "0", "Return", 0.1, "BackSpace", "Return")
-    assert bench.enter(Enter("how_strong", 0.0, 10.0)).value == 5.0
+    assert bench.answer(Enter("how_strong", 0.0, 10.0)).value == 5.0
 
 
 def test_a_timed_page_passes_by_itself(bench):
-    before_s = bench.show(Show("right", duration_s=0.1)).at_s
-    assert bench.show(Show("wrong", duration_s=0.3)).at_s - before_s >= 0.3
+    before_s = bench.answer(Show("right", duration_s=0.1)).at_s
+    assert bench.answer(Show("wrong", duration_s=0.3)).at_s - before_s >= 0.3
 
 
 def test_a_questionnaire_without_the_language_is_refused(bench, watched, output):
     german = Bench(watched, output, {}, limits=None, texts=replace(texts_in("en", {}), language="de"))
     with pytest.raises(InvalidParameter, match="item 'ATT1': found no words in 'de', expected one of en, fr"):
-        german.fill(PAGE)
+        german.answer(PAGE)
 
 
 @pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])

@@ -40,12 +40,12 @@ def bench(watched, output):
 @pytest.mark.parametrize("leave", ["space", "Return", "KP_Enter", (0.4, -0.3)], ids=str)
 def test_a_message_is_left_by_a_key_or_a_touch(bench, participant, leave):
     participant.answers("y", leave)
-    assert bench.show(Show("block", {"block": 1, "n_blocks": 3})).at_s > 0
+    assert bench.answer(Show("block", {"block": 1, "n_blocks": 3})).at_s > 0
 
 
 def test_a_rest_counts_its_seconds_down(bench, watched, log):
     begin_s = time.perf_counter()
-    bench.show(Show("resting", duration_s=1.3))
+    bench.answer(Show("resting", duration_s=1.3))
     assert time.perf_counter() - begin_s >= 1.3
     said = [next(item.words for item in page.items if "s." in getattr(item, "words", "")) for page in watched.pages]
     assert [words.rsplit("in ", 1)[1] for words in said] == ["2 s.", "1 s."]
@@ -67,7 +67,7 @@ def test_a_rest_counts_its_seconds_down(bench, watched, log):
 )
 def test_a_question_is_answered_by_letter_digit_and_touch(bench, participant, question, act, option):
     participant.answers(act)
-    chosen = bench.choose(question)
+    chosen = bench.answer(question)
     assert (chosen.option, chosen.valid) == (option, True)
     assert chosen.latency_s > 0
     assert chosen.timestamp_utc.endswith("+00:00")
@@ -75,7 +75,7 @@ def test_a_question_is_answered_by_letter_digit_and_touch(bench, participant, qu
 
 def test_a_touch_beside_the_boxes_and_another_key_answer_nothing(bench, participant):
     participant.answers((0.0, 0.4), "q", "n")
-    assert bench.choose(FELT).option == 0
+    assert bench.answer(FELT).option == 0
 
 
 def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_background):
@@ -88,7 +88,7 @@ def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_bac
 
     present, watched.present = watched.present, lambda page: onset.append(present(page)) or onset[-1]
     in_background(work)
-    chosen = bench.choose(FELT)
+    chosen = bench.answer(FELT)
     time.sleep(0.4)
     down_s = onset[0] + chosen.latency_s
     assert press["down_s"] - 0.002 <= down_s <= press["up_s"]
@@ -97,7 +97,7 @@ def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_bac
 
 def test_no_tap_is_lost_however_short(bench, participant):
     participant.answers_each_page("y", "n", "n", "y", "y", "n", hold_s=0.0)
-    assert [bench.choose(FELT).option for _ in range(6)] == [1, 0, 0, 1, 1, 0]
+    assert [bench.answer(FELT).option for _ in range(6)] == [1, 0, 0, 1, 1, 0]
     exact_case("taps of no duration in the window", against="every answer")
 
 
@@ -106,7 +106,7 @@ def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participan
     in_background(hands.tap, "y", 0.6)
     time.sleep(0.2)
     participant.answers(0.8, "n")
-    assert bench.choose(FELT).option == 0
+    assert bench.answer(FELT).option == 0
 
 
 @pytest.mark.parametrize(
@@ -122,19 +122,19 @@ def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participan
 )
 def test_a_scale_is_answered_by_keys_and_touch(bench, participant, acts, value):
     participant.answers(*acts)
-    rated = bench.rate(SEVEN)
+    rated = bench.answer(SEVEN)
     assert rated.value == value
     assert rated.latency_s > 0
 
 
 def test_a_continuous_scale_is_answered_by_touch_and_arrows(bench, participant):
     participant.answers((1.1 * 0.25, 0), 0.1, "Right", "Return")
-    assert bench.rate(LINE).value == 76
+    assert bench.answer(LINE).value == 76
 
 
 def test_the_participant_sets_a_level_within_its_bounds(bench, participant, log):
     participant.answers(*["Up", 0.1] * 3, "Down", 0.1, "Return")
-    adjusted = bench.adjust(Adjust("tone", start=10.0, step=5.0, low=0.0, high=20.0))
+    adjusted = bench.answer(Adjust("tone", start=10.0, step=5.0, low=0.0, high=20.0))
     assert adjusted.level == 15.0
     levels = [entry for entry in log if entry.startswith("play")]
     assert list(dict.fromkeys(levels)) == ["play 10 V", "play 15 V", "play 20 V"]
@@ -143,18 +143,18 @@ def test_the_participant_sets_a_level_within_its_bounds(bench, participant, log)
 
 
 def test_a_stimulus_plays_in_its_interval(bench, log):
-    played = bench.play(Play("tone", 5.0, duration_s=0.2, interval=2))
-    after = bench.wait(Wait(0.05))
+    played = bench.answer(Play("tone", 5.0, duration_s=0.2, interval=2))
+    after = bench.answer(Wait(0.05))
     assert (played.level_delivered, played.digest) == (5.0, TONE.at(5.0).digest())
     assert after.at_s - played.onset_s >= 0.25
     assert log == ["output.open", "play 5 V"]
 
 
 def test_a_blank_takes_the_same_course_and_plays_nothing(bench, log):
-    before_s = bench.record(Record(TRIAL)).at_s
-    played = bench.play(Play("tone", None, duration_s=0.2))
+    before_s = bench.answer(Record(TRIAL)).at_s
+    played = bench.answer(Play("tone", None, duration_s=0.2))
     assert (played.level_delivered, played.digest) == (None, "")
-    assert bench.record(Record(TRIAL)).at_s - before_s >= 0.2
+    assert bench.answer(Record(TRIAL)).at_s - before_s >= 0.2
     assert log == ["output.open"]
 
 
@@ -166,7 +166,7 @@ def test_a_blank_takes_the_same_course_and_plays_nothing(bench, log):
     ],
 )
 def test_without_a_sensor_a_touch_is_trusted(bench, log, request_):
-    touched = request_.put_to(bench)
+    touched = bench.answer(request_)
     assert (touched.valid, touched.digest, touched.level_delivered) == (True, TONE.at(5.0).digest(), 5.0)
     assert touched.force_mean_n is touched.force_sd_n is touched.force_in_band is touched.speed_mean_m_per_s is None
     assert touched.onset_s >= 0.1
@@ -190,10 +190,10 @@ REQUESTS = [
 def test_escape_stops_everything_with_the_output_first(bench, participant, log, request_):
     participant.answers("Escape")
     with pytest.raises(Stopped, match="Escape was pressed; what was recorded is safe"):
-        request_.put_to(bench)
+        bench.answer(request_)
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
     with pytest.raises(DeviceFailed, match="bench: it is closed"):
-        request_.put_to(bench)
+        bench.answer(request_)
 
 
 def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, in_background, log):
@@ -203,7 +203,7 @@ def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, i
 
     in_background(work)
     with pytest.raises(Stopped, match="the window was closed; what was recorded is safe: go on with --resume"):
-        bench.show(Show("end"))
+        bench.answer(Show("end"))
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
 
 
@@ -223,7 +223,7 @@ def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, i
 )
 def test_bad_requests_play_nothing_and_close(bench, log, request_, error, message):
     with pytest.raises(error, match=message):
-        request_.put_to(bench)
+        bench.answer(request_)
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "screen.close"]
 
 
@@ -233,7 +233,7 @@ def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
         pytest.raises(LimitExceeded, match=r"output 'list': found no limits, .*nothing was played"),
         Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(50.0), texts=texts_in("en", {}))) as bench,
     ):
-        bench.play(Play("tone", 1.0, 0.2))
+        bench.answer(Play("tone", 1.0, 0.2))
     assert "play 1 V" not in log
 
 
@@ -242,7 +242,7 @@ def test_the_limits_of_the_study_hold_beside_those_of_the_output(watched, output
         pytest.raises(LimitExceeded, match="the limit is 2 V"),
         Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(2.0), texts=texts_in("en", {}))) as bench,
     ):
-        bench.play(Play("tone", 3.0, 0.2))
+        bench.answer(Play("tone", 3.0, 0.2))
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "screen.close"]
 
 
@@ -272,7 +272,7 @@ def test_any_failure_while_a_stimulus_plays_zeroes_the_output_first(bench, watch
 
     watched.refresh = fail
     with error:
-        bench.play(Play("tone", 5.0, 0.2))
+        bench.answer(Play("tone", 5.0, 0.2))
     assert log == ["output.open", "play 5 V", "output.stop", "output.close", "screen.close"]
     exact_case("any failure while a stimulus plays", against="the output is zeroed first")
 
@@ -289,7 +289,7 @@ def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output,
 
 def test_a_session_that_goes_on_keeps_its_time(bench):
     bench.resume([TRIAL], elapsed_s=100.0)
-    assert 100.0 < bench.record(Record(TRIAL)).at_s < 160.0
+    assert 100.0 < bench.answer(Record(TRIAL)).at_s < 160.0
 
 
 def test_the_facts_name_display_keyboard_and_clock(bench):
@@ -303,7 +303,7 @@ def test_the_facts_name_display_keyboard_and_clock(bench):
 
 def test_frames_are_counted_and_paced(bench, screen):
     screen.frame_intervals_s()
-    bench.wait(Wait(0.5))
+    bench.answer(Wait(0.5))
     intervals_s = screen.frame_intervals_s()
     assert 2 <= len(intervals_s) <= 31
     assert np.median(intervals_s) > 0.01

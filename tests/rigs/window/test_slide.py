@@ -30,7 +30,7 @@ def slid(watched, output, log):
         parts = {"sensor": sensor, "release": False, "position": streamed_position(place, (0,), 1.0)}
         rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), **parts)
         try:
-            return rig.slide(request)
+            return rig.answer(request)
         finally:
             rig.close()
 

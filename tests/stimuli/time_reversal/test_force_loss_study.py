@@ -12,7 +12,8 @@ from tactometry.experiments.study.study_file import load
 from tactometry.protocols.tasks.measurement import Measurement, level_of
 from tactometry.protocols.tasks.task import Presentation
 from tactometry.protocols.tasks.touch import Pressing
-from tactometry.session.request import Enter, Press, Rated, Record, Touched
+from tactometry.session.answer import Rated, Touched
+from tactometry.session.request import Enter, Press, Record
 from tactometry.stimuli.time_reversal.finger.contactor import Contactor
 from tactometry.stimuli.time_reversal.finger.finger import Finger
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
@@ -110,7 +111,7 @@ def rows():
             request = course.send(answer)
         except StopIteration:
             return found
-        answer = request.put_to(rig)
+        answer = rig.answer(request)
         if isinstance(request, Record):
             found.append(request.trial)
 

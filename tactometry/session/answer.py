@@ -1,0 +1,92 @@
+"""What a rig may answer, each the type of the answer to one or several kinds of request."""
+
+from dataclasses import dataclass
+
+from ..trials.trial import Reason
+
+
+@dataclass(frozen=True)
+class Done:
+    """The answer of a request that has nothing to report but its time (s since the session's start)."""
+
+    at_s: float
+
+
+@dataclass(frozen=True)
+class Played:
+    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it."""
+
+    onset_s: float
+    level_delivered: float | None
+    digest: str
+    n_gaps: int | None = None
+
+
+@dataclass(frozen=True)
+class Touched:
+    """What a finger did while a stimulus played, and what was emitted.
+
+    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band, `speed_in_band` that of
+    the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
+    `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
+    """
+
+    onset_s: float
+    level_delivered: float | None
+    digest: str | None
+    force_mean_n: float | None = None
+    force_sd_n: float | None = None
+    force_in_band: float | None = None
+    speed_mean_m_per_s: float | None = None
+    valid: bool = True
+    speed_in_band: float | None = None
+    invalid_reason: Reason | None = None
+    n_gaps: int | None = None
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One of the options that were offered; `latency_s` from the onset of the question.
+
+    An answer is not `valid` if the experimenter asked for a repetition meanwhile.
+    """
+
+    option: int
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Rated:
+    """A point of a scale, or a number."""
+
+    value: float | None
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Filled:
+    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open."""
+
+    values: tuple[float | None, ...]
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Adjusted:
+    """The level that the participant left standing."""
+
+    level: float
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None = None
+    valid: bool = True
+    n_gaps: int | None = None

@@ -1,0 +1,24 @@
+"""Every kind of request finds its one method on a rig, and that method gives the type that the request names."""
+
+from typing import get_type_hints
+
+import pytest
+
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.console import Console
+from tactometry.rigs.live_rig import LiveRig
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.session.request import REQUESTS
+
+METHODS = {name: f"_{name.lower()}" for name in REQUESTS}
+
+
+@pytest.mark.parametrize("rig", [LiveRig, Bench, Console, SimulatedRig])
+@pytest.mark.parametrize("name", REQUESTS)
+def test_the_method_of_a_request_takes_it_and_gives_its_answer(rig, name):
+    kind = REQUESTS[name]
+    assert get_type_hints(getattr(rig, METHODS[name])) == {"request": kind, "return": kind.answer_type}
+
+
+def test_a_live_rig_has_a_method_for_each_request_and_no_other():
+    assert LiveRig.__abstractmethods__ == set(METHODS.values())
