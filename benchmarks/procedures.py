@@ -36,6 +36,8 @@ from tactometry.protocols import (
     psi,
 )
 from tactometry.protocols.bayesian.outcome_model import p_log_p
+from tactometry.protocols.bayesian.quest_plus import QuestPlusRun
+from tactometry.protocols.procedures.staircase import StaircaseRun
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0
 N_MAX, EVERY, SHOWN = 480, 5, (40, 80, 160)
@@ -126,7 +128,7 @@ def one_by_one(
 
 def losses_of(rule: QuestPlus, yes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """The expected losses (n_levels, n_observers) of weights (n_cells, n_observers), by `yes` (n_levels, n_cells)."""
-    first, rest = rule.posterior.shape
+    first, rest = rule.begin().posterior.shape
     thresholds = np.repeat(rule.grid.thresholds, rest)
     moments = np.concatenate([yes * thresholds**power for power in range(3)])
     by_first = np.ascontiguousarray(yes.reshape(len(yes), first, rest).transpose(1, 0, 2))
@@ -151,12 +153,13 @@ def losses_of(rule: QuestPlus, yes: np.ndarray) -> Callable[[np.ndarray], np.nda
 
 def together(rule: QuestPlus, levels: Callable[..., np.ndarray] | None = None, n_max: int = N_MAX) -> Run:
     """All observers of a QUEST+ rule at once; or of levels in an order of their own, by their indices."""
-    _, rest = rule.posterior.shape
+    prior = rule.begin().posterior
+    _, rest = prior.shape
     yes = np.exp(np.stack([rule.grid.log_chance(level, 1) for level in rule.levels]))
     losses, thresholds, at = losses_of(rule, yes), np.repeat(rule.grid.thresholds, rest), np.asarray(rule.levels)
 
     def some(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        weights = np.repeat(rule.posterior.reshape(-1, 1), len(truths_db), axis=1)
+        weights = np.repeat(prior.reshape(-1, 1), len(truths_db), axis=1)
         found = np.empty((len(truths_db), n_max // EVERY))
         for n in range(n_max):
             chosen = losses(weights).argmin(axis=0) if levels is None else levels(n, len(truths_db), rng)
@@ -196,7 +199,7 @@ def rules(task: Task) -> dict[str, QuestPlus]:
     }
 
 
-def mean(rule: QuestPlus) -> float:
+def mean(rule: QuestPlusRun) -> float:
     return rule.mean("threshold")
 
 
@@ -209,7 +212,7 @@ def contenders(task: Task) -> list[Contender]:
     )
     bounds = {"low": -24.0, "high": 24.0, "n_reversals": many, "n_trials": many, "n_at_bound": many}
 
-    def late_reversals(rule: Staircase | WeightedStaircase) -> float | None:
+    def late_reversals(rule: StaircaseRun) -> float | None:
         return rule.mean_of_reversals(discard=4)
 
     def up_down(n_down: int) -> Contender:
@@ -223,7 +226,7 @@ def contenders(task: Task) -> list[Contender]:
         Contender("psi (lapse rate known)", together(known)),
         Contender(
             "QUEST (slope, lapse rate given)",
-            one_by_one(lambda _: quest, lambda rule: float(rule.posterior @ rule.thresholds)),
+            one_by_one(lambda _: quest, lambda rule: float(rule.posterior @ rule.rule.thresholds)),
         ),
         *(up_down(n) for n in ((2, 3) if task.guess >= 0.5 else (1, 2))),
         Contender("weighted 3:1", one_by_one(lambda _: weighted, late_reversals), task.level_of(0.75)),
@@ -231,7 +234,7 @@ def contenders(task: Task) -> list[Contender]:
     ]
     if task.guess < 0.5:
         limits = MethodOfLimits(-24.0, 24.0, 2.0, n_series=N_MAX, n_start_steps=6)
-        found.append(Contender("limits, alternating", one_by_one(limits.shuffled, lambda rule: rule.threshold)))
+        found.append(Contender("limits, alternating", one_by_one(limits.begin, lambda rule: rule.threshold)))
     return found
 
 

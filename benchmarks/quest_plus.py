@@ -64,7 +64,9 @@ class Ours:
     def __init__(self, size: Size) -> None:
         mean, sd, guess, lapse = size.axes().values()
         widths = tuple(shape_named("normal").z_width * each for each in sd)
-        self.rule = QuestPlus(size.levels(), ParameterGrid(mean, widths, guess, lapse, "normal"), n_trials=10**6)
+        self.rule = QuestPlus(
+            size.levels(), ParameterGrid(mean, widths, guess, lapse, "normal"), n_trials=10**6
+        ).begin()
 
     def choose(self) -> float:
         return self.rule.level
@@ -163,7 +165,7 @@ def choices(size: Size, rng: np.random.Generator) -> None:
         level, chosen = theirs.choose(), ours.choose()
         losses = ours.rule.expected_loss()
         n_same += chosen == level
-        n_tied += chosen != level and losses[ours.rule.levels.index(level)] - losses.min() < TIED
+        n_tied += chosen != level and losses[ours.rule.rule.levels.index(level)] - losses.min() < TIED
         said = answer(level)
         ours.learn(level, said)
         theirs.learn(level, said)

@@ -14,6 +14,7 @@ from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.procedure_table import PROCEDURES as KINDS
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -121,6 +122,7 @@ SCENES = {
 GIVEN = {**LEVEL, **VOLT}
 
 PROCEDURES = {
+    **{name: kind.rule(build(kind.table, kind.example, name)) for name, kind in KINDS.items()},
     "weighted_staircase": WeightedStaircase(
         start=30.0, steps_up=(6.0, 3.0), steps_down=(2.0, 1.0), low=0.0, high=40.0, n_trials=40
     ),
@@ -151,11 +153,9 @@ PROCEDURES = {
     "method_of_limits": MethodOfLimits(low=0.0, high=40.0, step=5.0, n_series=4),
     "method_of_limits_ascending": MethodOfLimits(
         low=0.0, high=40.0, step=5.0, n_series=4, direction="ascending", n_start_steps=2
-    ).shuffled(np.random.default_rng(0)),
+    ).begin(np.random.default_rng(0)),
     "constant_stimuli": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4),
-    "constant_stimuli_shuffled": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4).shuffled(
-        np.random.default_rng(0)
-    ),
+    "constant_stimuli_shuffled": ConstantStimuli(levels=(10.0, 20.0, 30.0), repeats=4).begin(np.random.default_rng(0)),
     "staircase_1_up_1_down": Staircase(
         start=30.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=1, n_reversals=6, n_trials=30
     ),

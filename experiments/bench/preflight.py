@@ -389,7 +389,7 @@ def tone_of(output: Guarded) -> Signal:
 def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
     """The strongest levels of each stimulus (several conditions may share it) against the output; none is played."""
     bank = bank_of(experiment, bench.time_reversal)
-    asked = [(cell.condition.stimulus, cell.rule.highest) for cell in experiment.cells.values()]
+    asked = [(cell.condition.stimulus, cell.procedure.rule.bounds[1]) for cell in experiment.cells.values()]
     for name, level in dict.fromkeys(asked):
         try:
             output.check(with_ramps(bank[name].at(level), bench.output.ramp_s))

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,6 +25,7 @@ from tactometry.protocols import (
     Staircase,
     WeightedStaircase,
 )
+from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 
 Array = NDArray[np.float64]
@@ -101,7 +103,7 @@ def quest_plus(aim: str) -> Callable[[SimulatedTask], QuestPlus]:
     return made
 
 
-PROCEDURES: Mapping[str, Callable[[SimulatedTask], Procedure]] = {
+PROCEDURES: Mapping[str, Callable[[SimulatedTask], Rule[Any]]] = {
     "constant stimuli": constant,
     "1 up 1 down": up_down(1),
     "1 up 2 down": up_down(2),
@@ -158,7 +160,7 @@ def tracks(
     first = PROCEDURES[procedure](task)
     for i, place_db in enumerate(zip(thresholds_db.tolist(), width_db.tolist(), strict=True)):
         curve = PsychometricFunction(SHAPE, *place_db, task.guess_rate, lapse_rate)
-        rule = first.shuffled(rng) if isinstance(first, ConstantStimuli) else first
+        rule: Procedure = first.begin(rng)
         for trial in range(n_trials):
             yes = bool(uniform[i, trial + 2] < curve.probability(rule.level))
             levels_db[i, trial], answers[i, trial] = rule.level, yes

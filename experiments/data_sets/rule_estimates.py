@@ -8,28 +8,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate, of_reversals
+from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.files.durable import read_file
-from tactometry.protocols.bayesian.quest import Quest
-from tactometry.protocols.bayesian.quest_plus import QuestPlus
-from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
-from tactometry.protocols.procedures.constant_stimuli import ConstantStimuli
-from tactometry.protocols.procedures.method_of_limits import MethodOfLimits
 from tactometry.protocols.procedures.procedure import Procedure
 from tactometry.protocols.procedures.shared_learning import answered
-from tactometry.protocols.procedures.staircase import Staircase
-from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
 from tactometry.records.data_set import cell
 
 from ..study.cells import tables
 from ..study.procedure_table import ReadyProcedure, rule_of
 from ..study.study_file import Study, parse
-
-NOT_REPLAYED = {
-    ConstantStimuli: "no rule: the levels of constant stimuli do not depend on the answers",
-    MethodOfLimits: "the series of the method of limits are not replayed",
-}
 
 
 def replay_of(path: Path) -> Replay | None:
@@ -55,13 +43,14 @@ class _Replay:
         rule = self._rule(block)
         if rule is None:
             return dict.fromkeys(names, _absent("these are not trials of the study.toml beside the table"))
-        if type(rule.procedure) in NOT_REPLAYED:
-            return dict.fromkeys(names, _absent(NOT_REPLAYED[type(rule.procedure)]))
+        if rule.rule.unreplayed:
+            return dict.fromkeys(names, _absent(rule.rule.unreplayed))
         try:
             procedures = _told(rule, block, names)
         except InvalidParameter as refusal:
             return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
-        return {name: _estimate(procedure) for name, procedure in zip(names, procedures, strict=True)}
+        estimates = (procedure.estimate for procedure in procedures)
+        return {name: RuleEstimate(of.level, of.sd, of.n, of.note) for name, of in zip(names, estimates, strict=True)}
 
     def _rule(self, block: pd.DataFrame) -> ReadyProcedure | None:
         """That of the first cell, which is the rule of the block; None if it is no block of this study."""
@@ -73,7 +62,7 @@ class _Replay:
                 return None
             factors[name] = known[0]
         rule = self._built(tables(self.study, factors)["procedure"])
-        return rule if set(block["procedure"]) == {rule.procedure.name} else None
+        return rule if set(block["procedure"]) == {rule.rule.name} else None
 
     def _built(self, table: Mapping[str, Any]) -> ReadyProcedure:
         key = repr(table)
@@ -97,24 +86,3 @@ def _told(rule: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequen
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
         procedures = answered(procedures, names.index(str(track)), int(yes), float(level))
     return procedures
-
-
-def _estimate(procedure: Procedure) -> RuleEstimate:
-    found = procedure.view if isinstance(procedure, SharedTrack) else procedure
-    aim = _aim(found)
-    if found.threshold is None and found.ended not in (None, "converged", "trials"):
-        return _absent(f"the rule ended as {found.ended}")
-    if isinstance(found, Staircase | WeightedStaircase):
-        return of_reversals(found.reversals, aim)
-    if isinstance(found, Quest | QuestPlus):
-        return RuleEstimate(found.threshold, found.threshold_sd, len(found.responses), f"posterior mean {aim}")
-    return RuleEstimate(found.threshold, None, None, f"of {found.name}")
-
-
-def _aim(procedure: Any) -> str:
-    """The chance of a correct (or yes) answer at the estimate."""
-    if isinstance(procedure, QuestPlus):
-        return "of the half point of its functions"
-    if isinstance(procedure, Staircase):
-        return f"of {procedure.n_up} up, {procedure.n_down} down"
-    return f"at a chance of {procedure.target:.2f}" if hasattr(procedure, "target") else ""

@@ -107,8 +107,8 @@ def _quest_plus(n_trials: int, rng: np.random.Generator) -> QuestPlus:
     return QuestPlus(LEVELS_DB, grid, n_trials, aim="threshold")
 
 
-def _constant(n_trials: int, rng: np.random.Generator) -> ConstantStimuli:
-    return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB)).shuffled(rng)
+def _constant(n_trials: int, rng: np.random.Generator) -> Procedure:
+    return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB)).begin(rng)
 
 
 def _fitted(runs: Sequence[Run]) -> list[float | None]:

@@ -37,7 +37,7 @@ def _mean(n_thresholds: int) -> float:
     thresholds = middles(LOW, HIGH, n_thresholds)
     widths = middles(NARROW, WIDE, n_widths(n_thresholds))
     grid = ParameterGrid(thresholds, widths, shape="normal")
-    procedure = QuestPlus((15.0, 20.0), grid, n_trials=len(ANSWERS) + 1)
+    procedure = QuestPlus((15.0, 20.0), grid, n_trials=len(ANSWERS) + 1).begin()
     for level, response in ANSWERS:
         procedure = procedure.after(response, delivered=level)
     return procedure.mean("threshold")

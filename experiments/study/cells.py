@@ -71,7 +71,7 @@ class WiredCell:
 
     condition: Condition
     stimulus: Stimulus
-    rule: ReadyProcedure
+    procedure: ReadyProcedure
     sensation: Sensation
 
 

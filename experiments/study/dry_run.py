@@ -10,7 +10,6 @@ from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import AsksForm
 
 from .experiment import Experiment
-from .procedure_table import ReadyProcedure
 from .random_streams import stream
 
 ITEM_S = 5.0
@@ -68,7 +67,7 @@ def _planned(number: int, part: Part) -> PlannedBlock:
 def _n_trials(block: Block) -> Iterator[int]:
     rate = block.catch_rate if block.task.takes_catch_trials else 0.0
     for track in block.tracks:
-        n_stimuli = ReadyProcedure(track.procedure).n_trials_at_most
+        n_stimuli = track.procedure.n_trials_at_most
         yield n_stimuli if rate == 0 else round(n_stimuli / (1 - 1 / max(round(1 / rate), 2)))
 
 

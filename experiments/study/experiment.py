@@ -138,7 +138,7 @@ def wire(study: Study, where: str) -> Experiment:
         _check_forces(experiment)
         _check_levels(experiment)
         for cell in experiment.cells.values():
-            experiment.asking.task_kind.check_levels(experiment.task, *cell.rule.bounds)
+            experiment.asking.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
     except TactometryError as error:
         raise InvalidParameter(f"{where}, {error}") from None
     return experiment
@@ -149,7 +149,7 @@ def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
     wiring, n_trials = Wiring(study), 0.0
     for factors in all_cells(study):
         cell = wiring.cell(factors)
-        n_trials += n_tracks * cell.rule.n_trials_at_most
+        n_trials += n_tracks * cell.procedure.rule.n_trials_at_most
         at_most("procedure: trials of all cells", n_trials, MOST_TRIALS)
         yield key_of(factors), cell
 
@@ -164,10 +164,10 @@ def _repeated(study: Study, asked: Asking) -> float:
 
 def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[str, float]]:
     """The highest levels that a session may ask for, with the table that says so."""
-    yield "procedure", cell.rule.highest
+    yield "procedure", cell.procedure.rule.bounds[1]
     practice = practice_of(experiment.study.practice)
     if practice is not None:
-        yield "practice", practice.highest
+        yield "practice", practice.bounds[1]
     for key in experiment.asking.task_kind.own_levels:
         yield f"task.{key}", getattr(experiment.task, key)
 

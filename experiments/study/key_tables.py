@@ -36,16 +36,6 @@ _TOP = {
     "name": "a", "title": "A", "description": "It.", "task": {}, "factors": {"force_n": [1.0]}, "stimulus": {},
     "touch": {}, "procedure": {}, "limits": {"voltage_peak_v": 100.0},
 }  # fmt: skip
-_LEVELS = {"low": 0.0, "high": 40.0}
-_PROCEDURES: Final[Mapping[str, Mapping[str, object]]] = {
-    "staircase": {"start": 20.0, "steps": [4.0], **_LEVELS},
-    "weighted_staircase": {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS},
-    "constant_stimuli": {"levels": [1.0], "repeats": 1},
-    "method_of_limits": {"step": 2.0, **_LEVELS},
-    "quest": {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS},
-    "quest_plus": {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
-    "psi": {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS},
-}
 _STIMULI: Final[Mapping[str, Mapping[str, object]]] = {
     **{kind: {"frequency_hz": 60.0} for kind in ("amplitude_modulated", "sine", "square", "triangle")},
     "pulse_train": {"frequency_hz": 60.0, "width_s": 1e-3},
@@ -77,7 +67,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
     yield "`[task]`, every kind", KeyTable(Presenting)
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
-    yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, ("responses",), in_levels=_IN_LEVELS)
+    yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, in_levels=_IN_LEVELS)
     yield "`[plan]`", KeyTable(PlanTable)
     yield "`[inquiries.NAME]`", KeyTable(InquiryTable, {"form": "sus"})
     yield "`[forms.NAME]`", KeyTable(Questionnaire, _FORM, given={"name": "own"})
@@ -100,7 +90,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
 def procedure_tables() -> Iterator[tuple[str, KeyTable]]:
     """The table `[procedure]` of each kind."""
     for kind, read in PROCEDURES.items():
-        table = KeyTable(read.table, _PROCEDURES[kind], read.state, made=read.made, in_levels=_IN_LEVELS)
+        table = KeyTable(read.table, read.example, made=read.rule, in_levels=_IN_LEVELS)
         yield f'`kind = "{kind}"`', table
 
 

@@ -2,42 +2,68 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.bayesian.quest import Quest
-from tactometry.protocols.bayesian.quest_plus import QuestPlus
 from tactometry.protocols.bayesian.settings import PsiSettings, QuestPlusSettings
 from tactometry.protocols.bayesian.shared_quest_plus import SharedQuestPlus
 from tactometry.protocols.procedures.constant_stimuli import ConstantStimuli
 from tactometry.protocols.procedures.method_of_limits import MethodOfLimits
 from tactometry.protocols.procedures.practice import Practice
-from tactometry.protocols.procedures.procedure import Procedure
+from tactometry.protocols.procedures.procedure import Procedure, Rule
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
+
+Deal = Callable[[Any, Sequence[str], np.random.Generator], tuple[Procedure, ...]]
+"""From a rule and the names of interleaved tracks to a procedure for each."""
+
+
+def each_its_own(rule: Rule[Any], names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
+    """One run for each track, with an order of its own where it has one."""
+    return tuple(rule.begin(rng) for _ in names)
+
+
+def all_shared(rule: Any, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
+    """Tracks that learn from each other's answers."""
+    del rng
+    return SharedQuestPlus(rule, tuple(names)).procedures()
 
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """The class of a table, the fields that hold its state (which no study file sets), and what it makes."""
+    """The class of a table, a table that it takes (levels from 0 to 40), the rule that it makes, and how tracks share
+    it if they can."""
 
     table: type
-    state: tuple[str, ...] = ()
-    made: Callable[[Any], Procedure] = field(default=lambda table: table)
+    example: Mapping[str, object]
+    rule: Callable[[Any], Rule[Any]] = field(default=lambda table: table)
+    shared: Deal | None = None
 
 
+_LEVELS: Final = {"low": 0.0, "high": 40.0}
 PROCEDURES: Mapping[str, ProcedureKind] = {
-    "staircase": ProcedureKind(Staircase, ("levels", "responses", "reversals")),
-    "weighted_staircase": ProcedureKind(WeightedStaircase, ("state",)),
-    "constant_stimuli": ProcedureKind(ConstantStimuli, ("order", "n_done")),
-    "method_of_limits": ProcedureKind(MethodOfLimits, ("starts", "levels", "responses", "transitions", "n_in_series")),
-    "quest": ProcedureKind(Quest, ("responses", "delivered", "contradicted", "state", "grid")),
-    "quest_plus": ProcedureKind(QuestPlusSettings, (), lambda table: table.procedure()),
-    "psi": ProcedureKind(PsiSettings, (), lambda table: table.procedure()),
+    "staircase": ProcedureKind(Staircase, {"start": 20.0, "steps": [4.0], **_LEVELS}),
+    "weighted_staircase": ProcedureKind(
+        WeightedStaircase, {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS}
+    ),
+    "constant_stimuli": ProcedureKind(ConstantStimuli, {"levels": [1.0], "repeats": 1}),
+    "method_of_limits": ProcedureKind(MethodOfLimits, {"step": 2.0, **_LEVELS}),
+    "quest": ProcedureKind(Quest, {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS}),
+    "quest_plus": ProcedureKind(
+        QuestPlusSettings,
+        {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
+        QuestPlusSettings.procedure,
+        all_shared,
+    ),
+    "psi": ProcedureKind(
+        PsiSettings, {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS}, PsiSettings.procedure, all_shared
+    ),
 }
+"""The kinds of procedures: a new one is its file in `protocols/procedures` and a line here."""
 
 
 def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, Any]) -> Any:
@@ -64,45 +90,14 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class ReadyProcedure:
-    """A procedure before its first answer; `shared` tells whether interleaved tracks learn from each other."""
+    """A rule as a study states it, and how it is dealt out to the tracks of a block."""
 
-    procedure: Procedure
-    shared: bool = False
-
-    def _fresh(self, rng: np.random.Generator) -> Procedure:
-        """One for a track of its own, with an order of its own where it has one."""
-        procedure = self.procedure
-        return procedure.shuffled(rng) if isinstance(procedure, ConstantStimuli | MethodOfLimits) else procedure
+    rule: Rule[Any]
+    deal: Deal = each_its_own
 
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-        """One for each track of a block."""
-        if self.shared:
-            assert isinstance(self.procedure, QuestPlus)
-            return SharedQuestPlus(self.procedure, tuple(names)).procedures()
-        return tuple(self._fresh(rng) for _ in names)
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The lowest and the highest level that it may ask for."""
-        procedure: Any = self.procedure
-        if isinstance(procedure, ConstantStimuli | QuestPlus | Practice):
-            return float(min(procedure.levels)), float(max(procedure.levels))
-        return float(procedure.low), float(procedure.high)
-
-    @property
-    def highest(self) -> float:
-        """The highest level that it may ask for."""
-        return self.bounds[1]
-
-    @property
-    def n_trials_at_most(self) -> int:
-        """How many answers it takes at most."""
-        procedure: Any = self.procedure
-        if isinstance(procedure, ConstantStimuli):
-            return len(procedure.order)
-        if isinstance(procedure, MethodOfLimits):
-            return procedure.n_series * (procedure.n_steps + 1)
-        return int(procedure.n_trials)
+        """One procedure for each track of a block."""
+        return self.deal(self.rule, names, rng)
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
@@ -114,19 +109,18 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
         If it holds what its kind does not know.
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
-    built: Any = build(kind.table, without(table, "kind", "shared"), "procedure", hidden=kind.state)
+    built: Any = build(kind.table, without(table, "kind", "shared"), "procedure")
     try:
-        procedure = kind.made(built)
+        rule = kind.rule(built)
     except InvalidParameter as error:
         raise InvalidParameter(f"procedure: {error}") from None
     shared = table.get("shared", False)
-    if not isinstance(shared, bool) or (shared and not isinstance(procedure, QuestPlus)):
-        raise InvalidParameter(
-            f"procedure.shared: found {shared!r} with {table['kind']}, expected it with quest_plus or psi only"
-        )
-    return ReadyProcedure(procedure, shared)
+    if not isinstance(shared, bool) or (shared and kind.shared is None):
+        able = " or ".join(name for name, each in PROCEDURES.items() if each.shared)
+        raise InvalidParameter(f"procedure.shared: found {shared!r} with {table['kind']}, expected it with {able} only")
+    return ReadyProcedure(rule, kind.shared if shared and kind.shared else each_its_own)
 
 
-def practice_of(table: Mapping[str, Any]) -> ReadyProcedure | None:
+def practice_of(table: Mapping[str, Any]) -> Practice | None:
     """The table `practice`, built; None without one."""
-    return ReadyProcedure(build(Practice, table, "practice", hidden=("responses",))) if table else None
+    return build(Practice, table, "practice") if table else None

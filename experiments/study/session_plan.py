@@ -108,13 +108,13 @@ class Sitting:
         rule = practice_of(self.study.practice)
         if rule is None:
             return []
-        track = replace(first.tracks[0], procedure=rule.procedure, name=None)
+        track = replace(first.tracks[0], procedure=rule, name=None)
         return [replace(first, tracks=(track,), practice=True, feedback=True, rest_after=None)]
 
     def _block(self, group: Sequence[Factors]) -> Block:
         unruled = [track for factors in group for track in self._tracks(factors)]
         names = [track.name or "" for track in unruled]
-        procedures = self._cell(group[0]).rule.for_tracks(names, self.rng)
+        procedures = self._cell(group[0]).procedure.for_tracks(names, self.rng)
         asking, several = self.asking, len(unruled) > 1
         tracks = (
             replace(track, procedure=procedure, name=track.name if several else None)
@@ -146,14 +146,14 @@ class Sitting:
         cell, over = self._cell(factors), self.asking.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:
-            yield Track(cell.condition, cell.rule.procedure, name)
+            yield Track(cell.condition, cell.procedure.rule, name)
             return
         alternatives = [self._alternative(factors, over, level) for level in self.study.factors[over]]
         n_together = self.asking.task_kind.n_together
         for chosen in itertools.combinations(alternatives, n_together or len(alternatives)):
             labels = " - ".join(each.label for each in chosen) if n_together else ""
             condition = replace(cell.condition, factors={**factors, over: ""}, alternatives=chosen)
-            yield Track(condition, cell.rule.procedure, ", ".join(filter(None, (name, labels))))
+            yield Track(condition, cell.procedure.rule, ", ".join(filter(None, (name, labels))))
 
     def _alternative(self, factors: Factors, over: str, level: float | str) -> Alternative:
         condition = self.cells[key_of({**factors, over: level})].condition

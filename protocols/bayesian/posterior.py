@@ -1,14 +1,14 @@
 """Weights of a grid of parameters: log space throughout, so that no cell is lost that may come back."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import numbers, of_kind, positive, whole
+from tactometry.arguments.require import numbers, of_kind
 from tactometry.errors import InvalidParameter
 
 from ..procedures.procedure import Ending
@@ -106,37 +106,3 @@ def mean_sd(values: Array, marginal: Array) -> tuple[float, float]:
     """
     mean = float(marginal @ values)
     return mean, math.sqrt(float(marginal @ (values - mean) ** 2))
-
-
-@dataclass(frozen=True)
-class Stop:
-    """When a run that weighs a threshold ends: after `n_trials`, or at a posterior standard deviation."""
-
-    n_trials: int
-    sd: float | None
-
-    def check(self, owner: str) -> None:
-        """Refuse what never ends."""
-        whole(owner, lowest=1, n_trials=self.n_trials)
-        if self.sd is not None:
-            positive(owner, sd_stop=self.sd)
-
-    def ending(self, weighed: Callable[[], tuple[Array, Array]], *, n_told: int, contradicted: bool) -> Ending | None:
-        """How the run ended after `n_told` answers; None if it goes on.
-
-        `weighed` gives the thresholds and their weights, and is called only where the end depends on them.
-
-        >>> weighed = np.arange(3.0), np.array([0.2, 0.6, 0.2])
-        >>> Stop(n_trials=2, sd=None).ending(lambda: weighed, n_told=2, contradicted=False)
-        'trials'
-        """
-        if contradicted:
-            return "aborted"
-        last = n_told >= self.n_trials
-        if not last and (self.sd is None or n_told == 0):
-            return None
-        values, marginal = weighed()
-        converged = self.sd is not None and mean_sd(values, marginal)[1] <= self.sd
-        if not (last or converged):
-            return None
-        return edge(values, marginal) or ("converged" if converged else "trials")

@@ -1,9 +1,9 @@
 """QUEST: a Bayesian estimate of one threshold, presented where it stands."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, Self, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,9 @@ from tactometry.arguments.require import below_1, finite, one_of, positive
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
-from ..procedures.procedure import Ending, checked_response, finite_level, refuse_finished
 from .parameter_grid import NARROWEST, ParameterGrid
-from .posterior import Posterior, Stop, mean_sd
+from .posterior import Posterior
+from .weighing import WeighingRule, WeighingRun
 
 Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
@@ -23,7 +23,7 @@ N_STEPS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Quest:
+class Quest(WeighingRule):
     """The threshold's posterior under a Weibull function of known slope; the next level is its quantile, mean or mode.
 
     Watson and Pelli, Perception & Psychophysics 33, 113 (1983), in the form of Psychtoolbox and PsychoPy:
@@ -70,29 +70,17 @@ class Quest:
     placing: Placing = "quantile"
     n_trials: int = 40
     sd_stop: float | None = None
-    responses: tuple[bool, ...] = ()
-    delivered: tuple[float, ...] = ()
-    contradicted: bool = False
-    state: Posterior | None = field(default=None, repr=False)
-    grid: ParameterGrid | None = field(default=None, repr=False)
 
     name = "quest"
 
     def __post_init__(self) -> None:
-        if self.state is not None:
-            return
-        self._check()
-        object.__setattr__(self, "grid", self._grid())
-        object.__setattr__(self, "state", Posterior.of(-0.5 * ((self.thresholds - self.start) / self.start_sd) ** 2))
-
-    def _check(self) -> None:
         one_of("Quest.placing", self.placing, get_args(Placing))
         finite("Quest", start=self.start, low=self.low, high=self.high, target=self.target)
         finite("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
         positive("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
         if self.start_sd < NARROWEST * (self.high - self.low):
             raise InvalidParameter(f"Quest.start_sd: found {self.start_sd:g}, expected more; the prior is a point")
-        Stop(self.n_trials, self.sd_stop).check("Quest")
+        self._check_stop()
         if not self.low <= self.start <= self.high or not 1 <= (self.high - self.low) / self.step <= N_STEPS:
             raise InvalidParameter(
                 f"Quest.start: found {self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}, "
@@ -109,6 +97,27 @@ class Quest:
             )
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        return self.low, self.high
+
+    def begin(self, rng: np.random.Generator | None = None) -> "QuestRun":
+        del rng
+        return QuestRun(self, state=self.prior_state)
+
+    @cached_property
+    def prior_state(self) -> Posterior:
+        prior = Posterior.of(-0.5 * ((self.thresholds - self.start) / self.start_sd) ** 2)
+        assert prior is not None  # every distance from the start is finite
+        return prior
+
+    @property
+    def point(self) -> str:
+        return f"at a chance of {self.target:.2f}"
+
+    def log_chance(self, level: float, outcome: int) -> Array:
+        return self.grid.log_chance(level, outcome)
+
+    @property
     def lapse_rate(self) -> float:
         """Of a blind press the part that is not a lucky guess."""
         return self.blind_share * (1 - self.guess_rate)
@@ -119,35 +128,14 @@ class Quest:
         n_steps = math.floor((self.high - self.low) / self.step * (1 + 1e-12))
         return np.asarray(self.low + self.step * np.arange(n_steps + 1), dtype=np.float64)
 
-    def _grid(self) -> ParameterGrid:
+    @cached_property
+    def grid(self) -> ParameterGrid:
         """The same functions by their half points."""
         gumbel, scale = shape_named("gumbel"), self.decade / (self.slope * math.log(10))
         unscaled = (self.target - self.guess_rate) / (1 - self.guess_rate - self.lapse_rate)
         to_half = (math.log(math.log(2)) - math.log(-math.log1p(-unscaled))) * scale
         half = tuple(float(threshold) + to_half for threshold in self.thresholds)
         return ParameterGrid(half, (gumbel.z_width * scale,), (self.guess_rate,), (self.lapse_rate,))
-
-    @property
-    def posterior(self) -> Array:
-        """Weights of `thresholds` that add up to 1."""
-        assert self.state is not None
-        return self.state.weights
-
-    @cached_property
-    def level(self) -> float:
-        placed = {"mean": self._mean, "mode": self._mode, "quantile": self._quantile}[self.placing]()
-        return min(max(placed, self.low), self.high)
-
-    def _mean(self) -> float:
-        return mean_sd(self.thresholds, self.posterior)[0]
-
-    def _mode(self) -> float:
-        return float(self.thresholds[int(self.posterior.argmax())])
-
-    def _quantile(self) -> float:
-        summed = np.cumsum(self.posterior)
-        rising = np.flatnonzero(np.diff(summed, prepend=-1.0))
-        return float(np.interp(self.quantile_order * summed[-1], summed[rising], self.thresholds[rising]))
 
     @cached_property
     def quantile_order(self) -> float:
@@ -157,40 +145,37 @@ class Quest:
         chord = (_binary_entropy(high) - _binary_entropy(low)) / (high - low)
         return (1 / (1 + math.exp(chord)) - low) / (high - low)
 
-    @cached_property
-    def threshold(self) -> float | None:
-        """The posterior mean, at which P(1) is `target`; None for a censored or aborted run."""
-        return None if self.ended in ("censored_above", "censored_below", "aborted") else self._mean()
 
-    @cached_property
-    def threshold_sd(self) -> float:
-        """The posterior standard deviation."""
-        return mean_sd(self.thresholds, self.posterior)[1]
+@dataclass(frozen=True, eq=False)
+class QuestRun(WeighingRun[Quest]):
+    """Places the next level on the posterior of the threshold."""
 
     @property
-    def finished(self) -> bool:
-        return self.ended is not None
+    def posterior(self) -> Array:
+        """Weights of the thresholds that add up to 1."""
+        return self.state.weights
+
+    @property
+    def marginal_of_threshold(self) -> Array:
+        return self.posterior
 
     @cached_property
-    def ended(self) -> Ending | None:
-        stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
-        return stop.ending(lambda: (self.thresholds, self.posterior), n_told=n_told, contradicted=self.contradicted)
+    def level(self) -> float:
+        rule = self.rule
+        placed = {"mean": self._mean, "mode": self._mode, "quantile": self._quantile}[rule.placing]()
+        return min(max(placed, rule.low), rule.high)
 
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The posterior after an answer to the level that was delivered (default: the one asked for)."""
-        yes = checked_response(response, "Quest")
-        refuse_finished(finished=self.finished, procedure="Quest")
-        level = finite_level(self.level if delivered is None else delivered, "Quest")
-        assert self.state is not None
-        assert self.grid is not None
-        state = self.state.after(self.grid.log_chance(level, int(yes)))
-        return replace(
-            self,
-            responses=(*self.responses, yes),
-            delivered=(*self.delivered, level),
-            state=state or self.state,
-            contradicted=state is None,
-        )
+    def _mean(self) -> float:
+        return self.mean_sd[0]
+
+    def _mode(self) -> float:
+        return float(self.rule.thresholds[int(self.posterior.argmax())])
+
+    def _quantile(self) -> float:
+        summed = np.cumsum(self.posterior)
+        rising = np.flatnonzero(np.diff(summed, prepend=-1.0))  # interp wants each height once
+        order = self.rule.quantile_order * summed[-1]
+        return float(np.interp(order, summed[rising], self.rule.thresholds[rising]))
 
 
 def _binary_entropy(p: float) -> float:

@@ -1,10 +1,10 @@
 """QUEST+: the level whose answer is expected to tell most."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
-from typing import Literal, Self, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from tactometry.arguments.require import at_most, numbers, of_kind, one_of
 from tactometry.errors import InvalidParameter
 
-from ..procedures.procedure import Ending, checked_outcome, finite_level, refuse_finished
 from .outcome_model import Chances, OutcomeModel, p_log_p, size
-from .posterior import Posterior, Stop, log_prior, mean_sd
+from .posterior import Posterior, log_prior
+from .weighing import WeighingRule, WeighingRun
 
 Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
@@ -26,7 +26,7 @@ TIE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class QuestPlus:
+class QuestPlus(WeighingRule):
     """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
     Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, or the sum of
@@ -69,25 +69,10 @@ class QuestPlus:
     aim: Aim = "parameters"
     criterion: Criterion = "entropy"
     prior: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    responses: tuple[int, ...] = ()
-    delivered: tuple[float, ...] = ()
-    contradicted: bool = False
-    state: Posterior | None = field(default=None, repr=False)
-    chances: Chances | None = field(default=None, repr=False)
 
     name = "quest_plus"
 
     def __post_init__(self) -> None:
-        if self.state is not None:
-            return
-        self._check()
-        object.__setattr__(self, "state", self._prior())
-        object.__setattr__(self, "chances", self.grid.chances(self.levels))
-        if self.aim == "parameters" and self.criterion == "entropy":
-            self._chances.prepare()
-        _ = self.level, self._log_chance(self.levels[0], 0)  # the first trial does not wait for them either
-
-    def _check(self) -> None:
         numbers("QuestPlus.levels", self.levels)
         if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
             raise InvalidParameter(
@@ -99,35 +84,59 @@ class QuestPlus:
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
         n_combinations = prod(map(len, self.grid.parameters.values()))
         at_most("QuestPlus: levels times combinations of parameters", len(self.levels) * n_combinations, MOST_CHANCES)
-        Stop(self.n_trials, self.sd_stop).check("QuestPlus")
+        self._check_stop()
+        # the first trial waits for neither the tables nor its level
+        if self.aim == "parameters" and self.criterion == "entropy":
+            self.chances.prepare()
+        _ = self.level, self.log_chance(self.levels[0], 0)
 
-    def _prior(self) -> Posterior:
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return min(self.levels), max(self.levels)
+
+    @property
+    def n_outcomes(self) -> int:
+        return self.grid.n_outcomes
+
+    def begin(self, rng: np.random.Generator | None = None) -> "QuestPlusRun":
+        del rng
+        return QuestPlusRun(self, state=self.prior_state)
+
+    @cached_property
+    def chances(self) -> Chances:
+        return self.grid.chances(self.levels)
+
+    @cached_property
+    def prior_state(self) -> Posterior:
         prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))
         assert prior is not None  # every parameter has a weight above 0
         return prior
 
-    @property
-    def _state(self) -> Posterior:
-        assert self.state is not None
-        return self.state
+    @cached_property
+    def thresholds(self) -> Array:
+        return np.asarray(next(iter(self.grid.parameters.values())), dtype=np.float64)
 
     @property
-    def _chances(self) -> Chances:
-        assert self.chances is not None
-        return self.chances
+    def point(self) -> str:
+        return "of the half point of its functions"
 
-    @property
-    def low(self) -> float:
-        return min(self.levels)
+    def log_chance(self, level: float, outcome: int) -> Array:
+        tabled = self.chances.log_chance(self.levels.index(level), outcome) if level in self.levels else None
+        return self.grid.log_chance(level, outcome) if tabled is None else tabled
 
-    @property
-    def high(self) -> float:
-        return max(self.levels)
+
+@dataclass(frozen=True, eq=False)
+class QuestPlusRun(WeighingRun[QuestPlus]):
+    """Looks at every level for what its answer is expected to tell."""
 
     @property
     def posterior(self) -> Array:
         """Weights (n_first, n_rest) that add up to 1."""
-        return self._state.weights.reshape(size(self.grid))
+        return self.state.weights.reshape(size(self.rule.grid))
+
+    @property
+    def marginal_of_threshold(self) -> Array:
+        return np.asarray(self.posterior.sum(axis=1), dtype=np.float64)
 
     def marginal(self, parameter: str) -> Array:
         """The posterior of one parameter, (n_values,).
@@ -137,89 +146,60 @@ class QuestPlus:
         InvalidParameter
             If there is no such parameter.
         """
-        names = list(self.grid.parameters)
+        names = list(self.rule.grid.parameters)
         if parameter not in names:
             raise InvalidParameter(f"QuestPlus.marginal: found {parameter!r}, expected one of {', '.join(names)}")
-        cells = self._state.weights.reshape([len(values) for values in self.grid.parameters.values()])
+        cells = self.state.weights.reshape([len(values) for values in self.rule.grid.parameters.values()])
         others = tuple(n for n, name in enumerate(names) if name != parameter)
         return np.asarray(cells.sum(axis=others), dtype=np.float64)
 
     def mean(self, parameter: str) -> float:
         """The posterior mean of one parameter."""
-        return float(self.marginal(parameter) @ np.asarray(self.grid.parameters[parameter]))
+        return float(self.marginal(parameter) @ np.asarray(self.rule.grid.parameters[parameter]))
 
     @cached_property
     def level(self) -> float:
         """The level with the least expected loss; the first of equals."""
         losses = self.expected_loss()
         least = float(losses.min())
-        return self.levels[int((losses <= least + TIE * (1 + abs(least))).argmax())]
+        return self.rule.levels[int((losses <= least + TIE * (1 + abs(least))).argmax())]
 
     def expected_loss(self) -> Array:
         """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
-        if self.criterion == "variance":
+        if self.rule.criterion == "variance":
             return self._variance()
-        chances, weights = self._chances, self._state.weights
+        chances, weights = self.rule.chances, self.state.weights
         spread = _sum_p_log_p(chances.total(weights))
-        if self.aim == "threshold":
+        if self.rule.aim == "threshold":
             return np.asarray(spread - _sum_p_log_p(chances.joint(weights)).sum(axis=1), dtype=np.float64)
-        return spread - chances.certainty(weights) + self._state.entropy
+        return spread - chances.certainty(weights) + self.state.entropy
 
     def _variance(self) -> Array:
         """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
-        if self.aim == "threshold":
+        if self.rule.aim == "threshold":
             return self._variance_of(self._axis(0))
-        axes = [self._axis(n) for n, values in enumerate(self.grid.parameters.values()) if len(values) > 1]
-        prior = self._prior().weights
+        axes = [self._axis(n) for n, values in enumerate(self.rule.grid.parameters.values()) if len(values) > 1]
+        prior = self.rule.prior_state.weights
         spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
         relative = [self._variance_of(axis) / spread for axis, spread in zip(axes, spreads, strict=True) if spread > 0]
-        return sum(relative, start=np.zeros(len(self.levels)))
+        return sum(relative, start=np.zeros(len(self.rule.levels)))
 
     def _axis(self, n: int) -> Array:
         """The value of the nth parameter in each cell, (n_cells,)."""
-        axes = np.meshgrid(*self.grid.parameters.values(), indexing="ij")
+        axes = np.meshgrid(*self.rule.grid.parameters.values(), indexing="ij")
         return np.asarray(axes[n], dtype=np.float64).ravel()
 
     def _variance_of(self, axis: Array) -> Array:
-        weights = self._state.weights
+        weights = self.state.weights
         away = axis - float(weights @ axis)
-        mass, first, second = (self._chances.total(weights * away**power) for power in range(3))
+        mass, first, second = (self.rule.chances.total(weights * away**power) for power in range(3))
         left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
         return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
-
-    @cached_property
-    def threshold(self) -> float | None:
-        """The posterior mean of the first parameter; None for a censored or aborted run."""
-        if self.ended in ("censored_above", "censored_below", "aborted"):
-            return None
-        return mean_sd(self._values, self._marginal)[0]
-
-    @cached_property
-    def threshold_sd(self) -> float:
-        """The posterior standard deviation of the first parameter."""
-        return mean_sd(self._values, self._marginal)[1]
-
-    @cached_property
-    def _values(self) -> Array:
-        return np.asarray(next(iter(self.grid.parameters.values())), dtype=np.float64)
-
-    @cached_property
-    def _marginal(self) -> Array:
-        return np.asarray(self.posterior.sum(axis=1), dtype=np.float64)
-
-    @property
-    def finished(self) -> bool:
-        return self.ended is not None
-
-    @cached_property
-    def ended(self) -> Ending | None:
-        stop, n_told = Stop(self.n_trials, self.sd_stop), len(self.responses)
-        return stop.ending(lambda: (self._values, self._marginal), n_told=n_told, contradicted=self.contradicted)
 
     @property
     def remark(self) -> str | None:
         """One sentence on a run that has no threshold."""
-        first = next(iter(self.grid.parameters))
+        first = next(iter(self.rule.grid.parameters))
         if self.ended == "aborted":
             return (
                 f"QuestPlus.grid: found answer {self.responses[-1]} at level {self.delivered[-1]:g} in trial "
@@ -230,24 +210,6 @@ class QuestPlus:
             end, bound = ("last", "above") if self.ended == "censored_above" else ("first", "below")
             return f"QuestPlus: the {end} {first} of the grid is the likeliest; the true one may lie {bound} it"
         return None
-
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The posterior after an answer to the level that was delivered, on the grid or not."""
-        outcome = checked_outcome(response, self.grid.n_outcomes, "QuestPlus")
-        refuse_finished(finished=self.finished, procedure="QuestPlus")
-        level = finite_level(self.level if delivered is None else delivered, "QuestPlus")
-        state = self._state.after(self._log_chance(level, outcome))
-        return replace(
-            self,
-            responses=(*self.responses, outcome),
-            delivered=(*self.delivered, level),
-            state=state or self.state,
-            contradicted=state is None,
-        )
-
-    def _log_chance(self, level: float, outcome: int) -> Array:
-        tabled = self._chances.log_chance(self.levels.index(level), outcome) if level in self.levels else None
-        return self.grid.log_chance(level, outcome) if tabled is None else tabled
 
 
 def _sum_p_log_p(chances: Array) -> Array:

@@ -12,19 +12,12 @@ from scipy.special import logsumexp
 from tactometry.arguments.require import of_kind
 from tactometry.errors import InvalidParameter, nearest
 
-from ..procedures.procedure import Ending, Procedure, checked_outcome, finite_level, refuse_finished
+from ..procedures.procedure import Ending, Procedure, RuleThreshold
 from .outcome_model import size
 from .posterior import Posterior, log_prior
-from .quest_plus import QuestPlus
+from .quest_plus import QuestPlus, QuestPlusRun
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class _Answers:
-    responses: tuple[int, ...] = ()
-    delivered: tuple[float, ...] = ()
-    contradicted: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,14 +35,14 @@ class SharedQuestPlus:
     Parameters
     ----------
     rule : QuestPlus
-        That of every track, before its first answer.
+        That of every track.
     tracks : tuple of str
         Their names.
 
     Raises
     ------
     InvalidParameter
-        If there is no track, a name stands twice, or the rule has had answers.
+        If there is no track, or a name stands twice.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -61,23 +54,19 @@ class SharedQuestPlus:
     rule: QuestPlus
     tracks: tuple[str, ...]
     log_likelihoods: Mapping[str, Array] = field(default_factory=dict, repr=False)
-    answers: Mapping[str, _Answers] = field(default_factory=dict, repr=False)
+    runs: Mapping[str, QuestPlusRun] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         of_kind("SharedQuestPlus", QuestPlus, rule=self.rule)
         of_kind("SharedQuestPlus", tuple, tracks=self.tracks)
         if not self.tracks or len(set(self.tracks)) != len(self.tracks):
             raise InvalidParameter(f"SharedQuestPlus.tracks: found {self.tracks}, expected names, each once")
-        if self.rule.responses:
-            raise InvalidParameter(
-                f"SharedQuestPlus.rule: found one with {len(self.rule.responses)} answers, expected one without"
-            )
 
     @property
     def finished(self) -> bool:
         return all(self.procedure(track).finished for track in self.tracks)
 
-    def procedure(self, track: str) -> QuestPlus:
+    def procedure(self, track: str) -> QuestPlusRun:
         """How a track stands. Tell answers to the pool, not to this."""
         if track not in self.tracks:
             raise InvalidParameter(
@@ -91,22 +80,15 @@ class SharedQuestPlus:
         return tuple(SharedTrack(self, track) for track in self.tracks)
 
     @cached_property
-    def _views(self) -> Mapping[str, QuestPlus]:
+    def _views(self) -> Mapping[str, QuestPlusRun]:
         evidence = {track: logsumexp(self._own(track), axis=0) for track in self.tracks}
         return {track: self._view(track, evidence) for track in self.tracks}
 
-    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlus:
+    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlusRun:
         of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_shared_prior)
         state = Posterior.of((self._own(track) + of_others).ravel())
         assert state is not None  # answers that nothing allows are not taken in
-        told = self.answers.get(track, _Answers())
-        return replace(
-            self.rule,
-            state=state,
-            responses=told.responses,
-            delivered=told.delivered,
-            contradicted=told.contradicted,
-        )
+        return replace(self.runs.get(track, self.rule.begin()), state=state)
 
     def _own(self, track: str) -> Array:
         """log p(t) L(t, s), (n_first, n_rest)."""
@@ -136,19 +118,16 @@ class SharedQuestPlus:
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
         """The pool after an answer to the level that was delivered on one track."""
-        view, grid = self.procedure(track), self.rule.grid
-        outcome = checked_outcome(response, grid.n_outcomes, "SharedQuestPlus")
-        refuse_finished(finished=view.finished, procedure=f"SharedQuestPlus track {track!r}")
-        level = finite_level(view.level if delivered is None else delivered, "SharedQuestPlus")
-        log_chances = grid.log_chance(level, outcome)
-        possible = view.state is not None and view.state.after(log_chances) is not None
-        told = _Answers((*view.responses, outcome), (*view.delivered, level), contradicted=not possible)
-        tables = {track: self.log_likelihoods.get(track, 0.0) + log_chances.reshape(self._size)} if possible else {}
-        return replace(
-            self,
-            log_likelihoods={**self.log_likelihoods, **tables},
-            answers={**self.answers, track: told},
-        )
+        try:
+            run = self.procedure(track).after(response, delivered)
+        except InvalidParameter as error:
+            raise InvalidParameter(f"SharedQuestPlus track {track!r}, {error}") from None
+        pool = replace(self, runs={**self.runs, track: run})
+        if run.contradicted:
+            return pool
+        log_chances = self.rule.grid.log_chance(run.delivered[-1], run.responses[-1]).reshape(self._size)
+        table = self.log_likelihoods.get(track, 0.0) + log_chances
+        return replace(pool, log_likelihoods={**self.log_likelihoods, track: table})
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +148,8 @@ class SharedTrack:
     name = "quest_plus"
 
     @property
-    def view(self) -> QuestPlus:
-        """The track's posterior, as a `QuestPlus`: thresholds, spreads, marginals."""
+    def view(self) -> QuestPlusRun:
+        """The track's run with what all tracks say: threshold, spread, marginals, `remark`."""
         return self.pool.procedure(self.track)
 
     @property
@@ -178,16 +157,12 @@ class SharedTrack:
         return self.view.level
 
     @property
-    def low(self) -> float:
-        return self.view.low
+    def bounds(self) -> tuple[float, float]:
+        return self.pool.rule.bounds
 
     @property
-    def high(self) -> float:
-        return self.view.high
-
-    @property
-    def n_trials(self) -> int:
-        return self.view.n_trials
+    def n_trials_at_most(self) -> int:
+        return self.pool.rule.n_trials_at_most
 
     @property
     def finished(self) -> bool:
@@ -202,12 +177,8 @@ class SharedTrack:
         return self.view.threshold
 
     @property
-    def threshold_sd(self) -> float:
-        return self.view.threshold_sd
-
-    @property
-    def remark(self) -> str | None:
-        return self.view.remark
+    def estimate(self) -> RuleThreshold:
+        return self.view.estimate
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The track after an answer of its own."""

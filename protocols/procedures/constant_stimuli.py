@@ -1,6 +1,5 @@
 """The method of constant stimuli."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -9,16 +8,17 @@ import numpy as np
 from tactometry.arguments.require import numbers, repeated, whole
 from tactometry.errors import InvalidParameter, counted
 
-from .procedure import MOST_TRIALS, Ending, checked_response, refuse_finished
+from .procedure import MOST_TRIALS, Ending, Rule, RuleThreshold, Run, checked_outcome
 
 
 @dataclass(frozen=True)
-class ConstantStimuli:
+class ConstantStimuli(Rule["ConstantStimuliRun"]):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
-    Without `shuffled` the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The
-    Fundamentals, 3rd ed. (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its
-    levels the threshold lies, and ends as censored.
+    `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
+    the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The Fundamentals, 3rd ed.
+    (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
+    and ends as censored.
 
     Raises
     ------
@@ -33,11 +33,9 @@ class ConstantStimuli:
 
     levels: tuple[float, ...]
     repeats: int
-    order: tuple[float, ...] = ()
-    n_done: int = 0
-    _n_told: tuple[int, int] = (0, 0)
 
     name = "constant_stimuli"
+    unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)
@@ -50,52 +48,64 @@ class ConstantStimuli:
                 f"ConstantStimuli.levels[{n}]: found {self.levels[n]:g} twice, expected each level once; raise repeats "
                 "to present it more often"
             )
-        if self.repeats * len(self.levels) > MOST_TRIALS:
+        if self.n_trials_at_most > MOST_TRIALS:
             raise InvalidParameter(
                 f"ConstantStimuli.repeats: found {self.repeats} of {counted(len(self.levels), 'level')}, expected at "
                 f"most {MOST_TRIALS} trials in all"
             )
-        if not self.order:
-            object.__setattr__(self, "order", tuple(self.levels) * self.repeats)
 
-    def shuffled(self, rng: np.random.Generator) -> Self:
-        """Block-randomised: within each repeat every level comes once, in random order."""
-        blocks: Sequence[np.ndarray] = [rng.permutation(self.levels) for _ in range(self.repeats)]
-        return replace(self, order=tuple(float(level) for block in blocks for level in block))
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return min(self.levels), max(self.levels)
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.repeats * len(self.levels)
+
+    def begin(self, rng: np.random.Generator | None = None) -> "ConstantStimuliRun":
+        if rng is None:
+            return ConstantStimuliRun(self, order=tuple(self.levels) * self.repeats)
+        blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
+        return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
+
+    def skipped(self) -> "ConstantStimuliRun":
+        return self._begun.skipped()
+
+    def told(self, response: int | bool) -> "ConstantStimuliRun":
+        return self._begun.told(response)
+
+
+@dataclass(frozen=True)
+class ConstantStimuliRun(Run[ConstantStimuli]):
+    """The levels in their `order`, of which the first `n_done` were presented or left out."""
+
+    order: tuple[float, ...] = ()
+    n_done: int = 0
 
     @property
     def level(self) -> float:
         return self.order[min(self.n_done, len(self.order) - 1)]
 
     @property
-    def finished(self) -> bool:
-        return self.n_done >= len(self.order)
-
-    @property
     def ended(self) -> Ending | None:
-        if not self.finished:
+        if self.n_done < len(self.order):
             return None
-        n_no, n_yes = self._n_told
-        if n_no == 0 < n_yes:
+        n_yes = sum(self.responses)
+        if n_yes == len(self.responses) > 0:
             return "censored_below"
-        return "censored_above" if n_yes == 0 < n_no else "trials"
-
-    @property
-    def threshold(self) -> None:
-        """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""
-
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The next presentation; neither argument changes the order."""
-        del delivered
-        refuse_finished(finished=self.finished, procedure="ConstantStimuli")
-        return self.skipped().told(response)
+        return "censored_above" if n_yes == 0 < len(self.responses) else "trials"
 
     def told(self, response: int | bool) -> Self:
         """The answer counts, the presentation stays."""
-        yes = checked_response(response, "ConstantStimuli")
-        n_no, n_yes = self._n_told
-        return replace(self, _n_told=(n_no + (not yes), n_yes + yes))
+        return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))
 
     def skipped(self) -> Self:
         """The next presentation; the present one is left to the block, which comes back to it."""
         return replace(self, n_done=self.n_done + 1)
+
+    def _updated(self) -> Self:
+        return self.skipped()
+
+    def _estimate(self) -> RuleThreshold:
+        """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""
+        return RuleThreshold(note=self.rule.unreplayed)

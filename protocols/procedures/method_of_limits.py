@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from statistics import fmean
 from typing import Literal, Self, get_args
 
 import numpy as np
@@ -9,13 +10,7 @@ import numpy as np
 from tactometry.arguments.require import finite, one_of, whole
 from tactometry.errors import InvalidParameter
 
-from .procedure import (
-    MOST_TRIALS,
-    Ending,
-    checked_response,
-    finite_level,
-    refuse_finished,
-)
+from .procedure import MOST_TRIALS, Ending, Rule, RuleThreshold, Run
 
 Direction = Literal["ascending", "descending", "alternating"]
 N_STEPS = 10_000
@@ -23,7 +18,7 @@ N_STEPS = 10_000
 
 
 @dataclass(frozen=True)
-class MethodOfLimits:
+class MethodOfLimits(Rule["MethodOfLimitsRun"]):
     """Series of rising or falling levels, each until the answer changes.
 
     An ascending series starts at `low` and ends at the first 1, a descending one starts at `high` and ends at the
@@ -40,7 +35,8 @@ class MethodOfLimits:
     n_series : int
         How many series there are.
     n_start_steps : int
-        `shuffled` moves the start of each series inwards by 0 to this many steps, against the habit of counting.
+        `begin` with a generator moves the start of each series inwards by 0 to this many steps, against the habit of
+        counting.
 
     Raises
     ------
@@ -60,13 +56,9 @@ class MethodOfLimits:
     n_series: int = 10
     direction: Direction = "alternating"
     n_start_steps: int = 0
-    starts: tuple[int, ...] = ()
-    levels: tuple[float, ...] = ()
-    responses: tuple[bool, ...] = ()
-    transitions: tuple[float | None, ...] = ()
-    n_in_series: int = 0
 
     name = "method_of_limits"
+    unreplayed = "the series of the method of limits are not replayed"
 
     def __post_init__(self) -> None:
         one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
@@ -83,66 +75,76 @@ class MethodOfLimits:
                 f"MethodOfLimits.n_series: found {self.n_series} series over {self.n_steps} steps with starts up to "
                 f"{self.n_start_steps} steps inwards, expected at least one series of at least two levels"
             )
-        if not self.starts:
-            object.__setattr__(self, "starts", (0,) * self.n_series)
 
     @property
     def n_steps(self) -> int:
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
-    def shuffled(self, rng: np.random.Generator) -> Self:
-        """Each series starts at another level, drawn from `n_start_steps` + 1 of them."""
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return self.low, self.high
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.n_series * (self.n_steps + 1)
+
+    def begin(self, rng: np.random.Generator | None = None) -> "MethodOfLimitsRun":
+        """With a generator each series starts at another level, drawn from `n_start_steps` + 1 of them."""
+        if rng is None:
+            return MethodOfLimitsRun(self, starts=(0,) * self.n_series)
         drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
-        return replace(self, starts=tuple(int(n) for n in drawn))
+        return MethodOfLimitsRun(self, starts=tuple(int(n) for n in drawn))
+
+
+@dataclass(frozen=True)
+class MethodOfLimitsRun(Run[MethodOfLimits]):
+    """The series so far: where each begins in steps inwards (`starts`), the `transitions` of those that are over, and
+    how many levels of the present one were answered."""
+
+    starts: tuple[int, ...] = ()
+    transitions: tuple[float | None, ...] = ()
+    n_in_series: int = 0
 
     @property
     def ascending(self) -> bool:
         """Whether the present series rises."""
-        if self.direction == "alternating":
+        if self.rule.direction == "alternating":
             return len(self.transitions) % 2 == 1
-        return self.direction == "ascending"
+        return self.rule.direction == "ascending"
 
     @property
     def level(self) -> float:
-        series = min(len(self.transitions), self.n_series - 1)
-        steps = min(self.starts[series] + self.n_in_series, self.n_steps)
-        return self.low + self.step * (steps if self.ascending else self.n_steps - steps)
-
-    @property
-    def finished(self) -> bool:
-        return len(self.transitions) >= self.n_series
+        rule = self.rule
+        series = min(len(self.transitions), rule.n_series - 1)
+        steps = min(self.starts[series] + self.n_in_series, rule.n_steps)
+        return rule.low + rule.step * (steps if self.ascending else rule.n_steps - steps)
 
     @property
     def ended(self) -> Ending | None:
-        if not self.finished:
+        if len(self.transitions) < self.rule.n_series:
             return None
-        if 2 * self.transitions.count(None) <= self.n_series:
+        if 2 * self.transitions.count(None) <= self.rule.n_series:
             return "trials"
         more_yes = 2 * sum(self.responses) - len(self.responses)
         if more_yes == 0:
             return "aborted"
         return "censored_below" if more_yes > 0 else "censored_above"
 
-    @property
-    def threshold(self) -> float | None:
-        """The mean of the transitions; None where there is none or the run is censored."""
+    def _estimate(self) -> RuleThreshold:
+        """The mean of the transitions; None where there is none."""
         known = [transition for transition in self.transitions if transition is not None]
-        return math.fsum(known) / len(known) if known and self.ended in (None, "trials") else None
+        return RuleThreshold(fmean(known) if known else None, note=f"of {self.name}")
 
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+    def _updated(self) -> Self:
         """The next level of the series, or the first of the next one."""
-        yes = checked_response(response, "MethodOfLimits")
-        refuse_finished(finished=self.finished, procedure="MethodOfLimits")
-        level = finite_level(self.level if delivered is None else delivered, "MethodOfLimits")
-        told = replace(self, levels=(*self.levels, level), responses=(*self.responses, yes))
-        if yes == self.ascending or self._at_last():
-            return replace(told, transitions=(*self.transitions, told._transition()), n_in_series=0)
-        return replace(told, n_in_series=self.n_in_series + 1)
+        if self.responses[-1] == self.ascending or self._at_last():
+            return replace(self, transitions=(*self.transitions, self._transition()), n_in_series=0)
+        return replace(self, n_in_series=self.n_in_series + 1)
 
     def _at_last(self) -> bool:
-        return self.starts[len(self.transitions)] + self.n_in_series >= self.n_steps
+        return self.starts[len(self.transitions)] + self.n_in_series >= self.rule.n_steps
 
     def _transition(self) -> float | None:
         """Half-way between the last two levels of the series, if the last answer is another than the one before it."""
         changed = self.n_in_series > 0 and self.responses[-1] == self.ascending
-        return 0.5 * (self.levels[-2] + self.levels[-1]) if changed else None
+        return 0.5 * (self.delivered[-2] + self.delivered[-1]) if changed else None

@@ -1,16 +1,18 @@
 """Practice until a criterion is met."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
+
+import numpy as np
 
 from tactometry.arguments.require import numbers, whole
 from tactometry.errors import InvalidParameter
 
-from .procedure import Ending, checked_response, refuse_finished
+from .procedure import Ending, Rule, RuleThreshold, Run
 
 
 @dataclass(frozen=True)
-class Practice:
+class Practice(Rule["PracticeRun"]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
@@ -29,7 +31,6 @@ class Practice:
     n_correct: int = 4
     n_of: int = 5
     n_trials: int = 20
-    responses: tuple[bool, ...] = ()
 
     name = "practice"
 
@@ -47,25 +48,34 @@ class Practice:
                 )
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        return min(self.levels), max(self.levels)
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.n_trials
+
+    def begin(self, rng: np.random.Generator | None = None) -> "PracticeRun":
+        del rng
+        return PracticeRun(self)
+
+
+@dataclass(frozen=True)
+class PracticeRun(Run[Practice]):
+    """Its answers are all that it knows."""
+
+    @property
     def level(self) -> float:
-        return self.levels[len(self.responses) % len(self.levels)]
-
-    @property
-    def finished(self) -> bool:
-        return self.ended is not None
-
-    @property
-    def threshold(self) -> None:
-        """None: practice measures nothing."""
+        return self.rule.levels[len(self.responses) % len(self.rule.levels)]
 
     @property
     def ended(self) -> Ending | None:
-        if sum(self.responses[-self.n_of :]) >= self.n_correct:
+        if sum(self.responses[-self.rule.n_of :]) >= self.rule.n_correct:
             return "converged"
-        return "trials" if len(self.responses) >= self.n_trials else None
+        return "trials" if len(self.responses) >= self.rule.n_trials else None
 
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The practice after an answer; the level that was delivered does not count."""
-        del delivered
-        refuse_finished(finished=self.finished, procedure="Practice")
-        return replace(self, responses=(*self.responses, checked_response(response, "Practice")))
+    def _updated(self) -> Self:
+        return self
+
+    def _estimate(self) -> RuleThreshold:
+        return RuleThreshold(note="practice measures nothing")

@@ -1,6 +1,9 @@
-"""What every rule for the next level is."""
+"""What every rule for the next level is: its numbers (`Rule`), and how far it has come with them (`Run`)."""
 
-from typing import Literal, Protocol, Self
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -12,17 +15,35 @@ MOST_TRIALS = 1_000_000
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
 
+@dataclass(frozen=True)
+class RuleThreshold:
+    """What a rule makes of its answers: a level, its standard deviation, of how many reversals or answers it comes, and
+    what it is or why there is none."""
+
+    level: float | None = None
+    sd: float | None = None
+    n: int | None = None
+    note: str = ""
+
+
 class Procedure(Protocol):
-    """A frozen, pure rule for the next level.
+    """A frozen, pure rule for the next level, before its first answer or after any.
 
     `after` gives the procedure that follows a response (1 or True: correct, or "felt") to the level that was
     *delivered*, which counts whether or not it is the one that was asked for. A finished procedure says by `ended` how
-    it came to its end. `threshold` is what the rule itself makes of the answers so far; None where it makes nothing of
-    them, or they only bound it.
+    it came to its end. It asks for levels within `bounds` (lowest, highest), and takes `n_trials_at_most` answers.
+    `threshold` is what the rule itself makes of the answers so far, in the unit of the levels; None before the first
+    one, of a rule that makes no estimate, and where the answers only bound it. `estimate` says how it came about.
     """
 
     @property
     def name(self) -> str: ...
+
+    @property
+    def bounds(self) -> tuple[float, float]: ...
+
+    @property
+    def n_trials_at_most(self) -> int: ...
 
     @property
     def level(self) -> float: ...
@@ -36,23 +57,142 @@ class Procedure(Protocol):
     @property
     def threshold(self) -> float | None: ...
 
-    def after(self, response: int | bool, delivered: float | None = None) -> Self: ...
+    @property
+    def estimate(self) -> RuleThreshold: ...
+
+    def after(self, response: int | bool, delivered: float | None = None) -> "Procedure": ...
 
 
-def checked_response(response: object, procedure: str) -> bool:
-    """`response` as a truth value.
+RunT = TypeVar("RunT", bound="Run[Any]")
+RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
-    Raises
-    ------
-    InvalidParameter
-        If it is anything but 0, 1, False or True: an unanswered trial must be asked again, not counted as wrong.
+
+class Rule(ABC, Generic[RunT]):
+    """The numbers of a procedure, frozen and checked: what a study file holds.
+
+    It is a procedure too, that which stands before its first answer.
     """
-    if isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
-        return bool(response)
-    raise InvalidParameter(
-        f"{procedure}.after: found the response {response!r}, expected 1 (correct, felt) or 0; ask the trial again if "
-        "it was not answered"
-    )
+
+    name: ClassVar[str]
+    unreplayed: ClassVar[str] = ""
+    """Why answers and levels alone do not bring a run back; empty where they do."""
+
+    @property
+    @abstractmethod
+    def bounds(self) -> tuple[float, float]:
+        """The lowest and the highest level that it may ask for."""
+
+    @property
+    @abstractmethod
+    def n_trials_at_most(self) -> int:
+        """How many answers it takes at most."""
+
+    @abstractmethod
+    def begin(self, rng: np.random.Generator | None = None) -> RunT:
+        """A run without answers; an order of its own is drawn from `rng`, and the given one without."""
+
+    @property
+    def n_outcomes(self) -> int:
+        """How many answers there are, told as 0, 1, ..."""
+        return 2
+
+    @cached_property
+    def _begun(self) -> RunT:
+        return self.begin()
+
+    @property
+    def level(self) -> float:
+        return self._begun.level
+
+    @property
+    def finished(self) -> bool:
+        return self._begun.finished
+
+    @property
+    def ended(self) -> Ending | None:
+        return self._begun.ended
+
+    @property
+    def threshold(self) -> float | None:
+        return self._begun.threshold
+
+    @property
+    def estimate(self) -> RuleThreshold:
+        return self._begun.estimate
+
+    def after(self, response: int | bool, delivered: float | None = None) -> RunT:
+        """The run after its first response."""
+        return self._begun.after(response, delivered)
+
+
+@dataclass(frozen=True)
+class Run(ABC, Generic[RuleT]):
+    """How far a rule has come: the rule, the history (`responses`, and the levels that were `delivered`), and in each
+    kind of run what the rule has made of them."""
+
+    rule: RuleT
+    responses: tuple[int, ...] = ()
+    delivered: tuple[float, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return self.rule.name
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return self.rule.bounds
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.rule.n_trials_at_most
+
+    @property
+    @abstractmethod
+    def level(self) -> float:
+        """The next level."""
+
+    @property
+    @abstractmethod
+    def ended(self) -> Ending | None:
+        """How it came to its end; None if it goes on."""
+
+    @property
+    def finished(self) -> bool:
+        return self.ended is not None
+
+    @property
+    def threshold(self) -> float | None:
+        return self.estimate.level
+
+    @cached_property
+    def estimate(self) -> RuleThreshold:
+        if self.ended in ("censored_above", "censored_below", "aborted"):
+            return RuleThreshold(note=f"the rule ended as {self.ended}")
+        return self._estimate() if self.responses else RuleThreshold(note="no answer")
+
+    def after(self, response: int | bool, delivered: float | None = None) -> Self:
+        """The run after a response to the level that was delivered (default: the one asked for).
+
+        Raises
+        ------
+        InvalidParameter
+            If the response is no outcome of the rule, the level not a finite number, or the run has finished.
+        """
+        owner = type(self.rule).__name__
+        outcome = checked_outcome(response, self.rule.n_outcomes, owner)
+        if self.finished:
+            raise InvalidParameter(f"{owner}.after: the procedure has finished, expected no further response")
+        level = self.level if delivered is None else _finite_level(delivered, owner)
+        history = replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))
+        return history._updated()
+
+    @abstractmethod
+    def _updated(self) -> Self:
+        """What the rule makes of the last response of the history."""
+
+    @abstractmethod
+    def _estimate(self) -> RuleThreshold:
+        """Of a run that has answers, and was neither censored nor aborted."""
 
 
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
@@ -61,31 +201,19 @@ def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
     Raises
     ------
     InvalidParameter
-        If it is none of them.
+        If it is none of them: an unanswered trial must be asked again, not counted as wrong.
     """
-    if n_outcomes == 2:
-        return int(checked_response(response, procedure))
+    if n_outcomes == 2 and isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
+        return int(response)
     if isinstance(response, int | np.integer) and 0 <= response < n_outcomes:
         return int(response)
-    raise InvalidParameter(
-        f"{procedure}.after: found the response {response!r}, expected a whole number from 0 to {n_outcomes - 1}"
-    )
+    expected = f"a whole number from 0 to {n_outcomes - 1}"
+    if n_outcomes == 2:
+        expected = "1 (correct, felt) or 0; ask the trial again if it was not answered"
+    raise InvalidParameter(f"{procedure}.after: found the response {response!r}, expected {expected}")
 
 
-def finite_level(level: float, procedure: str) -> float:
-    """`level`, if it is a finite number.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is not.
-    """
+def _finite_level(level: float, procedure: str) -> float:
     if is_number(level):
         return level
     raise InvalidParameter(f"{procedure}.after: found the delivered level {level!r:.60}, expected a finite number")
-
-
-def refuse_finished(*, finished: bool, procedure: str) -> None:
-    """Raise if a finished procedure is asked to go on."""
-    if finished:
-        raise InvalidParameter(f"{procedure}.after: the procedure has finished, expected no further response")

@@ -1,47 +1,71 @@
 """The transformed up-down staircase."""
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Protocol, Self
+from abc import abstractmethod
+from dataclasses import dataclass, field, replace
+from statistics import fmean, stdev
+from typing import Self
+
+import numpy as np
 
 from tactometry.arguments.require import finite, numbers, whole
 from tactometry.errors import InvalidParameter
 
-from .procedure import Ending, checked_response, finite_level, refuse_finished
+from .procedure import Ending, Rule, RuleThreshold, Run
 
-COUNTS: Final = ("n_down", "n_reversals", "n_trials", "n_at_bound")
+UP, STAY, DOWN = 1, 0, -1
 
 
-class BoundedTrack(Protocol):
-    """What every staircase states."""
+class UpDown(Rule["StaircaseRun"]):
+    """What the transformed and the weighted staircase share: everything but the sizes of their steps."""
+
+    start: float
+    low: float
+    high: float
+    n_up: int
+    n_down: int
+    n_reversals: int
+    n_trials: int
+    n_at_bound: int
+    initial_rule: bool
+
+    @abstractmethod
+    def step(self, direction: int, n_reversals: int) -> float:
+        """The size of a step `UP` or `DOWN` after so many reversals."""
 
     @property
-    def start(self) -> float: ...
+    @abstractmethod
+    def point(self) -> str:
+        """At which level it settles, in words."""
 
     @property
-    def low(self) -> float: ...
+    def bounds(self) -> tuple[float, float]:
+        return self.low, self.high
 
     @property
-    def high(self) -> float: ...
+    def n_trials_at_most(self) -> int:
+        return self.n_trials
 
+    def begin(self, rng: np.random.Generator | None = None) -> "StaircaseRun":
+        del rng
+        return StaircaseRun(self, asked=self.start)
 
-def check_rule(rule: BoundedTrack, counts: Sequence[str], **schedules: tuple[float, ...]) -> None:
-    """Refuse bounds, a start, counts (by their names) or steps that make no staircase; the sentence opens with the
-    class of `rule`."""
-    owner = type(rule).__name__
-    finite(owner, start=rule.start, low=rule.low, high=rule.high)
-    for name, steps in schedules.items():
-        numbers(f"{owner}.{name}", steps)
-    whole(owner, lowest=1, **{name: getattr(rule, name) for name in counts})
-    if not rule.low < rule.high:
-        raise InvalidParameter(f"{owner}.low: found {rule.low:g}, expected less than high ({rule.high:g})")
-    if not rule.low <= rule.start <= rule.high:
-        raise InvalidParameter(
-            f"{owner}.start: found {rule.start:g}, expected a level between low ({rule.low:g}) and high ({rule.high:g})"
-        )
-    for name, steps in schedules.items():
-        _check_steps(f"{owner}.{name}", steps, rule.high - rule.low)
+    def _check(self, **schedules: tuple[float, ...]) -> None:
+        """Refuse bounds, a start, counts or schedules of steps that make no staircase."""
+        owner = type(self).__name__
+        finite(owner, start=self.start, low=self.low, high=self.high)
+        for name, steps in schedules.items():
+            numbers(f"{owner}.{name}", steps)
+        counts = {"n_up": self.n_up, "n_down": self.n_down, "n_reversals": self.n_reversals}
+        whole(owner, lowest=1, **counts, n_trials=self.n_trials, n_at_bound=self.n_at_bound)
+        if not self.low < self.high:
+            raise InvalidParameter(f"{owner}.low: found {self.low:g}, expected less than high ({self.high:g})")
+        if not self.low <= self.start <= self.high:
+            raise InvalidParameter(
+                f"{owner}.start: found {self.start:g}, expected a level between low ({self.low:g}) and high "
+                f"({self.high:g})"
+            )
+        for name, steps in schedules.items():
+            _check_steps(f"{owner}.{name}", steps, self.high - self.low)
 
 
 def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
@@ -55,7 +79,7 @@ def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
 
 
 @dataclass(frozen=True)
-class Staircase:
+class Staircase(UpDown):
     """n-up m-down: `n_down` correct responses in a row lower the level, `n_up` wrong ones in a row raise it.
 
     The target of 1 up, m down is the level of p = 0.5^(1/m) correct (Levitt, J. Acoust. Soc. Am. 49, 467, 1971, table
@@ -86,95 +110,102 @@ class Staircase:
     n_trials: int = 60
     n_at_bound: int = 3
     initial_rule: bool = True
-    levels: tuple[float, ...] = ()
-    responses: tuple[bool, ...] = ()
-    reversals: tuple[float, ...] = ()
-    _asked: float | None = None
-    _direction: int = 0
-    _run: int = 0
-    _n_pinned: int = 0
 
     name = "staircase"
 
     def __post_init__(self) -> None:
-        if self.levels:
-            return
-        check_rule(self, ("n_up", *COUNTS), steps=self.steps)
+        self._check(steps=self.steps)
+
+    def step(self, direction: int, n_reversals: int) -> float:
+        del direction
+        return self.steps[min(n_reversals, len(self.steps) - 1)]
+
+    @property
+    def point(self) -> str:
+        return f"of {self.n_up} up, {self.n_down} down"
+
+
+@dataclass(frozen=True)
+class StaircaseRun(Run[UpDown]):
+    """A staircase on its way.
+
+    Parameters
+    ----------
+    asked : float
+        The next level.
+    reversals : tuple of float
+        The levels at which it turned round.
+    direction : int
+        Of the last move: `UP`, `DOWN`, or `STAY` before the first.
+    streak : int
+        Responses in a row of one kind since the last move: above 0 correct, below 0 wrong.
+    n_pinned : int
+        Moves in a row that asked for a level beyond a bound.
+    """
+
+    asked: float = field(kw_only=True)
+    reversals: tuple[float, ...] = ()
+    direction: int = STAY
+    streak: int = 0
+    n_pinned: int = 0
 
     @property
     def level(self) -> float:
-        return self.start if self._asked is None else self._asked
-
-    @property
-    def finished(self) -> bool:
-        return self.ended is not None
+        return self.asked
 
     @property
     def ended(self) -> Ending | None:
-        if self._n_pinned >= self.n_at_bound:
-            return "censored_above" if self._direction > 0 else "censored_below"
-        if len(self.reversals) >= self.n_reversals:
+        if self.n_pinned >= self.rule.n_at_bound:
+            return "censored_above" if self.direction == UP else "censored_below"
+        if len(self.reversals) >= self.rule.n_reversals:
             return "converged"
-        return "trials" if len(self.responses) >= self.n_trials else None
-
-    @property
-    def step(self) -> float:
-        return self.steps[min(len(self.reversals), len(self.steps) - 1)]
-
-    @property
-    def threshold(self) -> float | None:
-        """`mean_of_reversals` without the first two."""
-        return self.mean_of_reversals()
+        return "trials" if len(self.responses) >= self.rule.n_trials else None
 
     def mean_of_reversals(self, *, discard: int = 2) -> float | None:
         """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
         than two of them or the run is censored."""
-        kept = self.reversals[discard + (len(self.reversals) - discard) % 2 :]
+        kept = self._late_reversals(discard)
         censored = self.ended in ("censored_above", "censored_below")
-        return None if censored or len(kept) < 2 else math.fsum(kept) / len(kept)
+        return None if censored or len(kept) < 2 else fmean(kept)
 
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The staircase after a response to the level that was delivered (default: the one asked for)."""
-        correct = checked_response(response, "Staircase")
-        refuse_finished(finished=self.finished, procedure="Staircase")
-        level = finite_level(self.level if delivered is None else delivered, "Staircase")
-        told = replace(
-            self,
-            levels=(*self.levels, level),
-            responses=(*self.responses, correct),
-            _run=self._count(correct),
-        )
-        return told._moved(level, told._direction_asked())
+    def _late_reversals(self, discard: int = 2) -> tuple[float, ...]:
+        return self.reversals[discard + (len(self.reversals) - discard) % 2 :]
 
-    def _count(self, correct: bool) -> int:
-        """Responses in a row of one kind since the last move: above 0 correct, below 0 wrong."""
-        same = self._run > 0 if correct else self._run < 0
-        return (self._run if same else 0) + (1 if correct else -1)
+    def _estimate(self) -> RuleThreshold:
+        """`mean_of_reversals` without the first two."""
+        kept = self._late_reversals()
+        if len(kept) < 2:
+            return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")
+        return RuleThreshold(fmean(kept), stdev(kept), len(kept), f"mean of reversals {self.rule.point}")
 
-    def _direction_asked(self) -> int:
-        """+1 up, -1 down, 0 stay."""
-        first = self.initial_rule and not self.reversals
-        if self._run >= (1 if first else self.n_down):
-            return -1
-        return 1 if -self._run >= (1 if first else self.n_up) else 0
+    def _updated(self) -> Self:
+        correct, level = bool(self.responses[-1]), self.delivered[-1]
+        same = self.streak > 0 if correct else self.streak < 0
+        streak = (self.streak if same else 0) + (1 if correct else -1)
+        direction = self._direction_after(streak)
+        if direction == STAY:
+            return replace(self, streak=streak, asked=self._bounded(level))
+        return self._moved(level, direction)
+
+    def _direction_after(self, streak: int) -> int:
+        first = self.rule.initial_rule and not self.reversals
+        if streak >= (1 if first else self.rule.n_down):
+            return DOWN
+        return UP if -streak >= (1 if first else self.rule.n_up) else STAY
 
     def _moved(self, level: float, direction: int) -> Self:
-        if direction == 0:
-            return replace(self, _asked=self._bounded(level))
-        turned = self._direction == -direction
-        told = replace(
-            self,
-            reversals=(*self.reversals, level) if turned else self.reversals,
-            _direction=direction,
-            _run=0,
-        )
-        wanted = level + direction * told.step
-        pinned = level >= self.high if direction > 0 else level <= self.low
+        """A step from the level that was delivered; it counts as pinned if a bound stood there already."""
+        turned = self.direction == -direction
+        reversals = (*self.reversals, level) if turned else self.reversals
+        pinned = level >= self.rule.high if direction == UP else level <= self.rule.low
         return replace(
-            told,
-            _asked=self._bounded(wanted),
-            _n_pinned=self._n_pinned + 1 if pinned and not turned else int(pinned),
+            self,
+            asked=self._bounded(level + direction * self.rule.step(direction, len(reversals))),
+            reversals=reversals,
+            direction=direction,
+            streak=0,
+            n_pinned=self.n_pinned + 1 if pinned and not turned else int(pinned),
         )
 
     def _bounded(self, level: float) -> float:
-        return min(max(level, self.low), self.high)
+        return min(max(level, self.rule.low), self.rule.high)

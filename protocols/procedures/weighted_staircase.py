@@ -1,22 +1,19 @@
 """The weighted up-down staircase."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass
 
 from tactometry.errors import InvalidParameter
 
-from .procedure import Ending, checked_response, refuse_finished
-from .staircase import COUNTS, Staircase, check_rule
+from .staircase import UP, UpDown
 
 
 @dataclass(frozen=True)
-class WeightedStaircase:
+class WeightedStaircase(UpDown):
     """Steps up and down of different size: the target is p = (d_up / (d_up + d_down))^(1 / n_down).
 
     With `n_down` 1 it is Kaernbach's (Perception & Psychophysics 49, 227, 1991), above 1 Garcia-Perez's weighted
-    transformed one (Vision Research 38, 1861, 1998). `state` is a `Staircase` that is given the steps of the
-    answer's direction, so that reversals, bounds, schedule and endings are the same.
+    transformed one (Vision Research 38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
 
     Parameters
     ----------
@@ -42,38 +39,22 @@ class WeightedStaircase:
     n_reversals: int = 8
     n_trials: int = 60
     n_at_bound: int = 3
-    state: Staircase | None = None
 
     name = "weighted_staircase"
+    n_up = 1
+    initial_rule = False
 
     def __post_init__(self) -> None:
-        if self.state is not None:
-            return
-        check_rule(self, COUNTS, steps_up=self.steps_up, steps_down=self.steps_down)
+        self._check(steps_up=self.steps_up, steps_down=self.steps_down)
         if len(self.steps_up) != len(self.steps_down):
             raise InvalidParameter(
                 f"WeightedStaircase.steps_up: found {len(self.steps_up)} steps and {len(self.steps_down)} steps_down, "
                 "expected pairs"
             )
-        object.__setattr__(self, "state", self._inside())
 
-    def _inside(self) -> Staircase:
-        return Staircase(
-            self.start,
-            self.steps_down,
-            self.low,
-            self.high,
-            n_down=self.n_down,
-            n_reversals=self.n_reversals,
-            n_trials=self.n_trials,
-            n_at_bound=self.n_at_bound,
-            initial_rule=False,
-        )
-
-    @property
-    def _inner(self) -> Staircase:
-        assert self.state is not None
-        return self.state
+    def step(self, direction: int, n_reversals: int) -> float:
+        steps = self.steps_up if direction == UP else self.steps_down
+        return steps[min(n_reversals, len(steps) - 1)]
 
     @property
     def target(self) -> float:
@@ -82,33 +63,5 @@ class WeightedStaircase:
         return math.pow(up / (up + down), 1 / self.n_down)
 
     @property
-    def level(self) -> float:
-        return self._inner.level
-
-    @property
-    def reversals(self) -> tuple[float, ...]:
-        return self._inner.reversals
-
-    @property
-    def finished(self) -> bool:
-        return self._inner.finished
-
-    @property
-    def ended(self) -> Ending | None:
-        return self._inner.ended
-
-    @property
-    def threshold(self) -> float | None:
-        """`mean_of_reversals` without the first two."""
-        return self._inner.threshold
-
-    def mean_of_reversals(self, *, discard: int = 2) -> float | None:
-        """As `Staircase.mean_of_reversals`."""
-        return self._inner.mean_of_reversals(discard=discard)
-
-    def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The staircase after a response to the level that was delivered (default: the one asked for)."""
-        correct = checked_response(response, "WeightedStaircase")
-        refuse_finished(finished=self.finished, procedure="WeightedStaircase")
-        steps = self.steps_down if correct else self.steps_up
-        return replace(self, state=replace(self._inner, steps=steps).after(correct, delivered))
+    def point(self) -> str:
+        return f"at a chance of {self.target:.2f}"

@@ -15,9 +15,8 @@ from tactometry.analysis.tasks.rule_estimate import COLUMNS, reversals
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
-from tactometry.protocols.bayesian.quest import Quest
-from tactometry.protocols.bayesian.quest_plus import QuestPlus
 from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
+from tactometry.protocols.bayesian.weighing import WeighingRun
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.records.data_set import sessions
 from tactometry.records.journal import read
@@ -46,7 +45,7 @@ def tracks_at_the_end(root):
 
 
 def spread_and_number(procedure):
-    if isinstance(procedure, Quest | QuestPlus):
+    if isinstance(procedure, WeighingRun):
         return procedure.threshold_sd, len(procedure.responses)
     kept = procedure.reversals[2 + len(procedure.reversals) % 2 :]
     return stdev(kept), len(kept)
@@ -138,6 +137,6 @@ def test_levels_tell_the_reversals_of_a_staircase_but_the_last(answers, n_down):
     rule = Staircase(0.0, (4.0, 2.0), -1e3, 1e3, n_down=n_down, n_reversals=100, n_trials=100)
     for answer in answers:
         rule = rule.after(answer)
-    told = reversals(rule.levels)
+    told = reversals(rule.delivered)
     assert tuple(told) == rule.reversals[: len(told)]
     assert len(rule.reversals) - len(told) in (0, 1)

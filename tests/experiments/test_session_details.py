@@ -249,7 +249,7 @@ def test_a_procedure_learns_the_level_that_was_delivered():
     course = run_block(catalogue.block("yes_no", "staircase_1_up_1_down"), 1, 1, np.random.default_rng(1))
     (track,), _ = run(course, Clipping(), memory)
     delivered = [trial.level_delivered for trial in memory.trials if not trial.catch]
-    assert list(track.procedure.levels) == delivered
+    assert list(track.procedure.delivered) == delivered
     assert all(trial.level_delivered == trial.level - 3.0 for trial in memory.trials if not trial.catch)
 
 
@@ -272,7 +272,7 @@ def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block(
     assert track.ended == "trials"
     assert next_trial == 1 + len({trial.trial for trial in memory.trials})
     felt = sorted(trial.level for trial in memory.trials if trial.valid and not trial.catch)
-    assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].order)
+    assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].begin().order)
 
 
 def test_a_block_of_which_no_touch_is_valid_is_aborted():
@@ -290,7 +290,7 @@ def test_catch_trials_come_at_any_place_of_their_group():
 
 
 def test_repeats_of_constant_stimuli_have_orders_of_their_own():
-    order = ConstantStimuli((1.0, 2.0, 3.0, 4.0), repeats=50).shuffled(np.random.default_rng()).order
+    order = ConstantStimuli((1.0, 2.0, 3.0, 4.0), repeats=50).begin(np.random.default_rng()).order
     assert len({order[n : n + 4] for n in range(0, 200, 4)}) > 1
 
 

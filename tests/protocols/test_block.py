@@ -105,7 +105,7 @@ def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
     assert set(attempts.values()) == {1}
     for track in tracks:
         felt = [t.level for t in memory.trials if t.track == track.name and t.valid and not t.catch]
-        asked_for = block.tracks[tracks.index(track)].procedure.order
+        asked_for = block.tracks[tracks.index(track)].procedure.begin().order
         assert track.ended == "aborted" or sorted(felt) == sorted(asked_for)
         owed = {t.trial for t in memory.trials if t.track == track.name} - {
             t.trial for t in memory.trials if t.track == track.name and t.valid

@@ -11,7 +11,6 @@ import numpy as np
 
 import tactometry.protocols as room
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.procedure_table import PROCEDURES
 from tactometry.protocols import (
     FunctionModel,
     Inquiry,
@@ -35,11 +34,8 @@ HOSTILE = {
     "complex": 1 + 1j, "mapping": {"a": "b"},
 }  # fmt: skip
 STATE = {
-    "QuestPlus": ("responses", "delivered", "contradicted", "state", "chances"),
-    "Practice": ("responses",),
-    "SharedQuestPlus": ("log_likelihoods", "answers"),
+    "SharedQuestPlus": ("log_likelihoods", "runs"),
     "SharedTrack": ("pool", "track"),
-    **{kind.table.__name__: kind.state for kind in PROCEDURES.values() if kind.state},
 }
 """What holds the answers so far: `after` makes it, and nobody else."""
 
@@ -57,7 +53,8 @@ def coin(level, outcome, *, bias):
 SETTINGS = QuestPlusSettings(0.0, 40.0, 5, 4.0, 16.0, 2, 2.0, threshold_low=0.0, threshold_high=40.0, n_thresholds=5)
 SMALL = QuestPlus((0.0, 20.0, 40.0), ParameterGrid((0.0, 20.0, 40.0), (8.0,)), n_trials=3)
 VALID = (
-    *catalogue.PROCEDURES.values(), *catalogue.TASKS.values(), *catalogue.TOUCHES.values(),
+    *(getattr(each, "rule", each) for each in catalogue.PROCEDURES.values()),
+    *catalogue.TASKS.values(), *catalogue.TOUCHES.values(),
     Measurement(), Practice((10.0, 20.0)), SMALL.grid, SETTINGS, Inquiry(load_form("sus")),
     PsiSettings(0.0, 40.0, 5, 1.0, 8.0, 2), SharedQuestPlus(SMALL, ("first", "second")),
     FunctionModel({"bias": (0.25, 0.75)}, 2, coin),

@@ -1,6 +1,8 @@
 """What holds for every procedure of the catalogue when the level that is delivered is not the one asked for."""
 
+import itertools
 import math
+from dataclasses import fields
 
 import catalogue
 import numpy as np
@@ -9,6 +11,7 @@ from hard_cases import exact_case
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.procedure_table import PROCEDURES
 
 per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
 
@@ -23,6 +26,35 @@ def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(proce
         procedure = procedure.after(answer, delivered=level)
         assert math.isfinite(procedure.level)
         assert 0.0 <= procedure.level <= 40.0
+
+
+@per_procedure
+@given(answers=st.lists(st.booleans(), max_size=60))
+@settings(max_examples=10, deadline=None)
+def test_it_asks_within_its_bounds_and_no_longer_than_it_says(procedure, answers):
+    n_answers, (low, high) = 0, procedure.bounds
+    for answer in itertools.chain(answers, itertools.cycle((0, 1, 1))):
+        assert low <= procedure.level <= high
+        if procedure.finished:
+            break
+        procedure, n_answers = procedure.after(answer), n_answers + 1
+    assert n_answers <= procedure.n_trials_at_most
+
+
+@per_procedure
+def test_before_the_first_answer_there_is_no_threshold(procedure):
+    assert (procedure.threshold, procedure.estimate.note) == (None, "no answer")
+
+
+@pytest.mark.parametrize("kind", PROCEDURES)
+def test_a_rule_is_its_numbers_and_nothing_else(kind):
+    """What a study file sets is all that the class holds, and a run leaves it as it is."""
+    rule = catalogue.PROCEDURES[kind]
+    run = rule.after(1).after(0)
+    assert run.rule is rule
+    assert [field.name for field in fields(run)][:3] == ["rule", "responses", "delivered"]
+    assert not {field.name for field in fields(rule)} & {field.name for field in fields(run)}
+    assert (run.responses, len(run.delivered), rule.level == rule.begin().level) == ((1, 0), 2, True)
 
 
 @per_procedure
@@ -78,7 +110,5 @@ def levels(procedure, answers):
 @per_procedure
 @pytest.mark.parametrize("level", [math.nan, math.inf])
 def test_a_delivered_level_that_is_no_number_is_refused(procedure, level):
-    if procedure.name == "constant_stimuli":
-        pytest.skip("constant stimuli take no notice of the delivered level: the journal has it")
     with pytest.raises(InvalidParameter, match="expected a finite number"):
         procedure.after(1, delivered=level)

@@ -41,7 +41,7 @@ def test_descending_series_all_fall():
 def test_a_transition_lies_between_the_levels_that_were_delivered():
     rule = MethodOfLimits(low=0.0, high=10.0, step=5.0, n_series=1, direction="ascending")
     rule = rule.after(0, delivered=0.5).after(1, delivered=4.5)
-    assert (rule.threshold, rule.levels) == (2.5, (0.5, 4.5))
+    assert (rule.threshold, rule.delivered) == (2.5, (0.5, 4.5))
 
 
 @pytest.mark.parametrize("direction", ["ascending", "descending", "alternating"])
@@ -68,7 +68,7 @@ def test_half_of_the_series_without_a_transition_are_not_too_many():
 
 def test_starts_are_drawn_inwards_by_whole_steps():
     rule = MethodOfLimits(low=0.0, high=10.0, step=1.0, n_series=200, n_start_steps=3, direction="ascending")
-    starts = {rule.level for rule in firsts(rule.shuffled(np.random.default_rng()))}
+    starts = {rule.level for rule in firsts(rule.begin(np.random.default_rng()))}
     assert starts == {0.0, 1.0, 2.0, 3.0}
 
 

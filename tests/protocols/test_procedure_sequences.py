@@ -16,16 +16,13 @@ def chance(level):
 
 
 def bare(rule):
-    """The rule without its history: what decides the next levels when steps are fixed."""
-    if isinstance(rule, WeightedStaircase):
-        return replace(rule, state=bare(rule.state))
+    """The run without its history: what decides the next levels when steps are fixed."""
     asked = round(rule.level, 6) + 0.0
-    return replace(rule, levels=(), responses=(), reversals=(), _asked=asked, _direction=0, _n_pinned=0)
+    return replace(rule, delivered=(), responses=(), reversals=(), asked=asked, direction=0, n_pinned=0)
 
 
 def key(rule):
-    inner = rule.state if isinstance(rule, WeightedStaircase) else rule
-    return inner.level, inner._run
+    return rule.level, rule.streak
 
 
 def stationary(rule):

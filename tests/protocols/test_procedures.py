@@ -103,7 +103,7 @@ def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_deli
     next(handler)
     handler.addResponse(1, intensity=7.0)
     rule = Staircase(start=10.0, steps=(2.0, 1.0), low=-100.0, high=100.0, n_down=1).after(1, delivered=7.0)
-    assert (next(handler), rule.level, rule.levels) == (8.0, 5.0, (7.0,))
+    assert (next(handler), rule.level, rule.delivered) == (8.0, 5.0, (7.0,))
 
 
 @pytest.mark.parametrize(("answer", "ended"), [(0, "censored_above"), (1, "censored_below")])
@@ -144,7 +144,7 @@ def test_a_staircase_settles_where_levitt_says(n_down):
             start=0.0, steps=(0.1,), low=-12.0, high=12.0, n_down=n_down, n_reversals=10**6, n_trials=n_trials
         )
         rule = end_of(rule, ndtr, rng)
-        shares.append(np.mean(ndtr(rule.levels[60:])))
+        shares.append(np.mean(ndtr(rule.delivered[60:])))
     target = 0.5 ** (1 / n_down)
     assert abs(np.mean(shares) - target) <= 3.89 * np.std(shares) / np.sqrt(n_runs) + 0.005
 
@@ -187,7 +187,7 @@ def test_a_weighted_staircase_settles_at_its_target():
     for _ in range(200):
         rule = WeightedStaircase(0.0, (0.3,), (0.1,), low=-12.0, high=12.0, n_reversals=10**6, n_trials=200)
         rule = end_of(rule, ndtr, rng)
-        shares.append(np.mean(ndtr(rule.state.levels[60:])))
+        shares.append(np.mean(ndtr(rule.delivered[60:])))
     assert abs(np.mean(shares) - 0.75) <= 3.89 * np.std(shares) / np.sqrt(200) + 0.005
 
 
@@ -207,14 +207,14 @@ def test_a_weighted_staircase_names_the_step_that_is_wrong(up, down, found):
 
 
 def test_constant_stimuli_presents_each_level_as_often_as_asked():
-    rule = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=5).shuffled(np.random.default_rng())
+    rule = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=5).begin(np.random.default_rng())
     levels, end = follow(rule, [1, 0] * 100)
     assert {level: levels.count(level) for level in (1.0, 2.0, 3.0)} == {1.0: 5, 2.0: 5, 3.0: 5}
     assert end.ended == "trials"
 
 
 def test_each_repeat_of_constant_stimuli_holds_every_level_once():
-    order = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=50).shuffled(np.random.default_rng()).order
+    order = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=50).begin(np.random.default_rng()).order
     assert all(sorted(order[n : n + 3]) == [1.0, 2.0, 3.0] for n in range(0, 150, 3))
 
 

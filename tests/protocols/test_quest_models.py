@@ -43,12 +43,17 @@ def similarity(level, outcome, *, centre, spread):
 THREE = FunctionModel({"centre": tuple(np.linspace(0, 10, 11)), "spread": (0.5, 1.0, 2.0)}, 3, similarity)
 
 
+def losses(run, aim, criterion):
+    """What a run expects under another criterion."""
+    return replace(run, rule=replace(run.rule, aim=aim, criterion=criterion)).expected_loss()
+
+
 def test_any_model_gives_the_losses_of_the_grid_that_it_equals():
     rng, levels = np.random.default_rng(), LEVELS[::5]
-    grid, general = QuestPlus(levels, GRID), QuestPlus(levels, GENERAL)
+    grid, general = QuestPlus(levels, GRID).begin(), QuestPlus(levels, GENERAL).begin()
     for _ in range(8):
         for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
-            ours, theirs = (replace(rule, aim=aim, criterion=criterion).expected_loss() for rule in (grid, general))
+            ours, theirs = (losses(run, aim, criterion) for run in (grid, general))
             np.testing.assert_allclose(ours, theirs, atol=1e-9)
         answer, level = bool(rng.random() < 0.7), float(rng.uniform(0, 40))
         grid, general = grid.after(answer, level), general.after(answer, level)
@@ -77,7 +82,7 @@ def test_an_answer_at_a_candidate_counts_as_the_model_says(levels, outcome):
 @given(answers=st.lists(st.tuples(st.integers(0, 2), st.floats(-2, 12)), max_size=12))
 @settings(max_examples=15)
 def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_for(aim, criterion, answers):
-    rule = QuestPlus((0.0, 2.5, 5.0, 10.0), THREE, aim=aim, criterion=criterion, n_trials=100)
+    rule = QuestPlus((0.0, 2.5, 5.0, 10.0), THREE, aim=aim, criterion=criterion, n_trials=100).begin()
     for answer, level in answers:
         rule = rule.after(answer, level)
     level = 2.5
@@ -88,16 +93,16 @@ def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_f
 
 def loss(rule):
     """Entropy or variance of a posterior, from the definition."""
-    if rule.criterion == "entropy":
-        weights = rule.posterior.ravel() if rule.aim == "parameters" else rule.posterior.sum(axis=1)
+    if rule.rule.criterion == "entropy":
+        weights = rule.posterior.ravel() if rule.rule.aim == "parameters" else rule.posterior.sum(axis=1)
         return float(-(weights[weights > 0] * np.log(weights[weights > 0])).sum())
-    if rule.aim == "threshold":
+    if rule.rule.aim == "threshold":
         return rule.threshold_sd**2
-    return sum(variance(rule, name) / np.var(values) for name, values in rule.grid.parameters.items())
+    return sum(variance(rule, name) / np.var(values) for name, values in rule.rule.grid.parameters.items())
 
 
 def variance(rule, name):
-    away = np.asarray(rule.grid.parameters[name]) - rule.mean(name)
+    away = np.asarray(rule.rule.grid.parameters[name]) - rule.mean(name)
     return float(rule.marginal(name) @ away**2)
 
 
@@ -123,7 +128,7 @@ def test_three_answers_find_what_they_come_from():
 def test_a_table_is_a_model_and_between_its_levels_chances_lie_on_straight_lines():
     table = np.stack([[np.exp(GRID.log_chance(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
     model = TableModel(GRID.parameters, LEVELS, table)
-    np.testing.assert_allclose(QuestPlus(LEVELS, model).expected_loss(), QuestPlus(LEVELS, GRID).expected_loss())
+    np.testing.assert_allclose(*(QuestPlus(LEVELS, each).begin().expected_loss() for each in (model, GRID)))
     between = 0.25 * table[1, 3] + 0.75 * table[1, 4]
     level = 0.25 * LEVELS[3] + 0.75 * LEVELS[4]
     np.testing.assert_allclose(np.exp(model.log_chance(level, 1)), between.ravel(), rtol=1e-12)
@@ -151,7 +156,7 @@ def test_the_psi_method_weighs_twenty_standard_deviations_with_equal_ratios():
 
 def test_a_log_normal_prior_of_widths_has_its_middle_and_its_factor():
     settings = QuestPlusSettings(0.0, 40.0, 11, width_low=2.0, width_high=32.0, n_widths=5, width_prior_factor=2.0)
-    weights = settings.procedure().marginal("width")
+    weights = settings.procedure().begin().marginal("width")
     np.testing.assert_allclose(weights / weights[2], np.exp([-2.0, -0.5, 0.0, -0.5, -2.0]))
 
 
@@ -166,7 +171,7 @@ def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
     one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
     taught = QuestPlus(LEVELS, one).after(1, 20.0).after(0, 10.0)
     prior = tuple(np.exp(one.log_chance(20.0, 1) + one.log_chance(10.0, 0)))
-    np.testing.assert_allclose(QuestPlus(LEVELS, one, prior={"threshold": prior}).posterior, taught.posterior)
+    np.testing.assert_allclose(QuestPlus(LEVELS, one, prior={"threshold": prior}).begin().posterior, taught.posterior)
     assert told.marginal("width").sum() == pytest.approx(1)
 
 
@@ -209,7 +214,7 @@ def test_ten_thousand_contradictory_answers_stay_finite():
     assert np.isfinite(rule.posterior).all()
     assert np.isfinite(rule.state.log_weights).all()
     for aim, criterion in itertools.product(("parameters", "threshold"), ("entropy", "variance")):
-        assert np.isfinite(replace(rule, aim=aim, criterion=criterion).expected_loss()).all()
+        assert np.isfinite(losses(rule, aim, criterion)).all()
     exact_case("10 000 contradictory answers", against="all finite")
 
 
@@ -252,7 +257,10 @@ def summing_to(total):
         (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (0.0,) * 3}), "expected 3 finite numbers from 0, not all 0"),
-        (lambda: QuestPlus(LEVELS, GRID).marginal("slope"), "QuestPlus.marginal: found 'slope', expected one of"),
+        (
+            lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
+            "QuestPlus.marginal: found 'slope', expected one of",
+        ),
         (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.ones((2, 3, 1))), r"TableModel.table: found the shape"),
         (lambda: TableModel({"a": (1.0,)}, (1.0, 0.0), np.full((2, 2, 1), 0.5)), "expected rising levels"),
         (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.4)), "add up to 0.8"),

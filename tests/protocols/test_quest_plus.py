@@ -43,7 +43,7 @@ def test_the_published_sequence():
     levels, rule = follow(QuestPlus(LEVELS, watson_grid(), n_trials=100), [a == "C" for a in answers])
     assert levels == expected
     shift = 20 / (3.5 * math.log(10)) * HALF_FROM_63
-    assert rule.grid.thresholds[int(rule.posterior.sum(axis=1).argmax())] - shift == pytest.approx(-20)
+    assert rule.rule.grid.thresholds[int(rule.posterior.sum(axis=1).argmax())] - shift == pytest.approx(-20)
     assert rule.threshold - shift == pytest.approx(-20.3936, abs=1e-4)
 
 
@@ -71,7 +71,7 @@ def questplus(slopes, lapses):
 def test_choices_equal_those_of_the_package(lapses):
     rng = np.random.default_rng()
     for _ in range(3):
-        peer, ours = questplus((3.5,), lapses), QuestPlus(LEVELS, watson_grid(lapses=lapses), n_trials=1000)
+        peer, ours = questplus((3.5,), lapses), QuestPlus(LEVELS, watson_grid(lapses=lapses), n_trials=1000).begin()
         for _ in range(20):
             theirs = float(np.asarray(peer.next_stim["intensity"]))
             entropies = ours.expected_loss()
@@ -96,9 +96,9 @@ def small(aim="parameters", **options):
 @settings(max_examples=20)
 def test_expected_entropy_is_that_of_the_posteriors_it_stands_for(aim, answers):
     _, rule = follow(small(aim, n_trials=100), answers)
-    n = len(rule.levels) // 2
-    chance = rule.after(1, delivered=rule.levels[n]), rule.after(0, delivered=rule.levels[n])
-    yes = float(np.exp(rule.grid.log_chance(rule.levels[n], 1)) @ rule.posterior.ravel())
+    n = len(rule.rule.levels) // 2
+    chance = rule.after(1, delivered=rule.rule.levels[n]), rule.after(0, delivered=rule.rule.levels[n])
+    yes = float(np.exp(rule.rule.grid.log_chance(rule.rule.levels[n], 1)) @ rule.posterior.ravel())
     expected = yes * entropy(chance[0], aim) + (1 - yes) * entropy(chance[1], aim)
     found = rule.expected_loss()[n]
     hard_case("expected entropy of any answers (nat)", found, expected, 1e-12, against="the posteriors", floor=1)

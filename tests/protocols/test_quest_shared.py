@@ -83,7 +83,9 @@ def test_each_track_ends_after_its_own_trials():
         pool = pool.after(track, 1)
     assert pool.procedure("a").finished
     assert not pool.finished
-    with pytest.raises(InvalidParameter, match="SharedQuestPlus track 'a'.after: the procedure has finished"):
+    with pytest.raises(
+        InvalidParameter, match="SharedQuestPlus track 'a', QuestPlus.after: the procedure has finished"
+    ):
         pool.after("a", 1)
     assert pool.after("b", 1).after("b", 0).finished
 
@@ -105,7 +107,7 @@ def test_sharing_the_slope_is_worth_trials():
         truths = rng.uniform(10, 30, 4)
         shared = run(SharedQuestPlus(rule, tuple("abcd")).procedures(), truths, rng)
         alone = run((rule,) * 4, truths, rng)
-        spreads.append([np.mean([each.threshold_sd for each in ends]) for ends in (shared, alone)])
+        spreads.append([np.mean([each.estimate.sd for each in ends]) for ends in (shared, alone)])
     differences = np.subtract(*np.transpose(spreads))
     assert np.mean(differences) < 3.72 * np.std(differences) / math.sqrt(len(differences))
 
@@ -122,7 +124,7 @@ def run(procedures, truths, rng):
     [
         (lambda: SharedQuestPlus(RULE, ()), r"SharedQuestPlus.tracks: found \(\), expected names, each once"),
         (lambda: SharedQuestPlus(RULE, ("a", "a")), "expected names, each once"),
-        (lambda: SharedQuestPlus(RULE.after(1), ("a",)), "SharedQuestPlus.rule: found one with 1 answers"),
+        (lambda: SharedQuestPlus(RULE.after(1), ("a",)), "SharedQuestPlus.rule: found QuestPlusRun.*, expected"),
         (lambda: SharedQuestPlus(RULE, ("left",)).procedure("lefty"), "found the track 'lefty', expected one of left"),
     ],
 )
