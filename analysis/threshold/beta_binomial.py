@@ -5,8 +5,6 @@ Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) et
 Its prior is Beta(1, 10).
 """
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.special import gammaln, polygamma, psi
 
@@ -14,15 +12,11 @@ from tactometry.psychometric import Shape
 
 from .counts import Array, Counts
 from .likelihood import Expansion, curvature_of_chances
-from .mode import Mode, find_mode
-from .prior import BETA_B, Prior
+from .prior import BETA_B
 
 BINOMIAL_BELOW = 1e-4
 """Below this the beta-binomial differs from the binomial by less than its own rounding."""
 LARGEST = 0.99
-COARSE = (0.0, 0.03, 0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.65)
-GOLDEN = (np.sqrt(5) - 1) / 2
-N_GOLDEN = 16
 SMALLEST_CHANCE = 1e-100
 
 
@@ -61,31 +55,3 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
     gradient = np.einsum("nl,nli->ni", first, by)
     hessian = np.einsum("nl,nli,nlj->nij", second, by, by) + np.einsum("nl,nlij->nij", first, by_by)
     return Expansion(value.sum(axis=1), gradient, hessian)
-
-
-def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
-    """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
-    covariance is at that eta."""
-    places, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
-
-    def at(eta: Array) -> Mode:
-        return _at(shape, counts, replace(prior, overdispersion=eta), near)
-
-    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in places], axis=1)
-    best = densities.argmax(axis=1)
-    low, high = places[np.maximum(best - 1, 0)], np.append(places, LARGEST)[best + 1]
-    for _ in range(N_GOLDEN):
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        to_left = at(left).log_density >= at(right).log_density
-        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
-    eta = (low + high) / 2
-    eta = np.where(at(np.zeros(len(counts))).log_density >= at(eta).log_density, 0.0, eta)
-    return at(eta), eta
-
-
-def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
-    """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
-    found, other = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
-    places = np.arange(len(counts)) + np.where(other.log_density > found.log_density, len(counts), 0)
-    highest = found.joined(other)[places]
-    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))

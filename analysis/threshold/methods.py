@@ -10,12 +10,11 @@ from scipy.special import ndtri
 from tactometry.psychometric import Shape
 
 from . import intervals
-from .beta_binomial import find_overdispersed_mode
 from .counts import Array, Bools, Counts
 from .evidence import verdict_shares
 from .likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
 from .marginals import Marginals
-from .mode import Mode, find_mode
+from .mode import Mode, find_mode, find_overdispersed_mode
 from .prior import Prior
 from .result import ThresholdFit
 from .shared_grid import batched_marginals

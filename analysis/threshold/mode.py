@@ -4,13 +4,14 @@ The Hessian is exact, the damping is scaled by its diagonal, and the steps are p
 lapse and guess rates often come to lie.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, overdispersed_expansion
 from .counts import Array, Counts, Which
 from .likelihood import (
     GUESS,
@@ -40,6 +41,10 @@ POOR_FIT = 2.0
 STEP_MARGIN = 1.0
 """How far below the mode in log density a step may be and yet lead above it."""
 SMALLEST_CURVATURE = 1e-12
+COARSE = (0.0, 0.03, 0.06, 0.1, 0.15, 0.22, 0.32, 0.45, 0.65)
+"""Overdispersions at which the search begins; `N_GOLDEN` sections by `GOLDEN` narrow the best place of them."""
+GOLDEN = (np.sqrt(5) - 1) / 2
+N_GOLDEN = 16
 
 
 @dataclass(frozen=True)
@@ -179,8 +184,6 @@ def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expans
     """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
     if prior.overdispersion is None or not (prior.overdispersion > 0).any():
         return expansion(shape, counts, theta)
-    from .beta_binomial import BINOMIAL_BELOW, overdispersed_expansion
-
     eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
     spread = overdispersed_expansion(shape, counts, theta, eta)
     return _chosen(prior.overdispersion >= BINOMIAL_BELOW, spread, expansion(shape, counts, theta))
@@ -259,3 +262,31 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
+
+
+def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
+    """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
+    covariance is at that eta."""
+    places, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
+
+    def at(eta: Array) -> Mode:
+        return _at(shape, counts, replace(prior, overdispersion=eta), near)
+
+    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in places], axis=1)
+    best = densities.argmax(axis=1)
+    low, high = places[np.maximum(best - 1, 0)], np.append(places, LARGEST)[best + 1]
+    for _ in range(N_GOLDEN):
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        to_left = at(left).log_density >= at(right).log_density
+        low, high = np.where(to_left, low, left), np.where(to_left, right, high)
+    eta = (low + high) / 2
+    eta = np.where(at(np.zeros(len(counts))).log_density >= at(eta).log_density, 0.0, eta)
+    return at(eta), eta
+
+
+def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
+    """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
+    found, other = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
+    places = np.arange(len(counts)) + np.where(other.log_density > found.log_density, len(counts), 0)
+    highest = found.joined(other)[places]
+    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))
