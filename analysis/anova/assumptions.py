@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import shapiro
 
+from ..arrays import Array
 from ..report.apa import p_text, share_text
 from .contrasts import Effect, effects
-from .design import Array, spread, within_design
+from .design import spread, within_design
 
 ALPHA = 0.05
 MANY_SD = 3.0

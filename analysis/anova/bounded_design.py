@@ -8,17 +8,8 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
-from .design import (
-    RELATIVE_ZERO,
-    Array,
-    DesignStatus,
-    UndefinedStatistic,
-    codes_of,
-    expect_columns,
-    expect_names,
-    refuse_few,
-    size_of,
-)
+from ..arrays import RELATIVE_ZERO, Array, size_of
+from .design import DesignStatus, UndefinedStatistic, codes_of, expect_columns, expect_names, refuse_few
 from .split_plot import groups_of
 from .strata import BoundedValues
 

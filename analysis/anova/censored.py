@@ -16,9 +16,10 @@ from scipy.stats import t as student
 
 from tactometry.errors import InvalidParameter
 
+from ..arrays import Array
 from .bounded_design import BoundedDesign, bounded_design
 from .contrasts import Sphericity, Tested, epsilons
-from .design import Array, DesignStatus, UndefinedStatistic
+from .design import DesignStatus, UndefinedStatistic
 from .effect_size import INTERVAL
 from .strata import LEAST_VARIANCE, StrataFit, fit_strata
 from .within_intervals import within_variances

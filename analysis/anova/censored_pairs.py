@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from ..arrays import Array
 from .censored import CensoredAnova
-from .design import Array
 from .equivalence import told_equivalent, two_one_sided
 from .post_hoc import all_together
 

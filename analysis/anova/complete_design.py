@@ -6,7 +6,8 @@ from itertools import combinations, product
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from ..arrays import Bools
 
 MAX_SUBSETS = 200_000
 MIN_PARTICIPANTS = 3
@@ -73,7 +74,7 @@ def _presence(
     subject: str,
     levels: Sequence[Sequence[object]],
     subjects: Sequence[object],
-) -> NDArray[np.bool_]:
+) -> Bools:
     has = np.zeros((len(subjects), *(len(part) for part in levels)), dtype=bool)
     present = table[table[dependent].notna()]
     places = [[subjects.index(code) for code in present[subject]]]
@@ -95,7 +96,7 @@ def _kept(
     subject: str,
     levels: Sequence[Sequence[object]],
     subjects: Sequence[object],
-    has: NDArray[np.bool_],
+    has: Bools,
     chosen: tuple[tuple[int, ...], ...],
 ) -> SubDesign:
     complete = np.asarray(has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)).tolist()

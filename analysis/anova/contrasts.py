@@ -14,7 +14,8 @@ from scipy.stats import chi2, f as fisher
 
 from tactometry.errors import InvalidParameter
 
-from .design import Array, WithinDesign
+from ..arrays import Array
+from .design import WithinDesign
 
 MOST_EXACT = 14
 """Up to so many participants every change of signs is tried."""

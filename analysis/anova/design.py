@@ -6,15 +6,13 @@ from enum import StrEnum
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter, nearest
 
-Array = NDArray[np.float64]
+from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
+
 MIN_PARTICIPANTS = 3
 AVERAGED = "several values of one participant in one cell were averaged"
-RELATIVE_ZERO = 1e-12
-"""A spread below this part of the values' size is rounding."""
 
 
 class DesignStatus(StrEnum):
@@ -103,7 +101,7 @@ def within_design(
     return WithinDesign(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
 
 
-def codes_of(data: pd.DataFrame, name: str) -> tuple[NDArray[np.int64], Sequence[object]]:
+def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
     """The place of each row's value among the different values of a column, which are sorted.
 
     Raises
@@ -119,16 +117,7 @@ def codes_of(data: pd.DataFrame, name: str) -> tuple[NDArray[np.int64], Sequence
     return codes, list(different)
 
 
-def size_of(values: Array) -> float:
-    """The power of two below the largest value: values over it lose no digit, and their squares stay finite.
-
-    >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
-    (4.0, True)
-    """
-    return float(np.exp2(np.frexp(np.abs(values).max())[1] - 1.0))
-
-
-def _averaged(n_values: NDArray[np.int64]) -> tuple[str, ...]:
+def _averaged(n_values: Indices) -> tuple[str, ...]:
     """A note where cells hold several values, and how many where they do not hold equally many."""
     few, many = int(n_values.min()), int(n_values.max())
     uneven = f", from {few} to {many} in a cell: values are missing in some" if few < many else ""
@@ -191,9 +180,7 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
             )
 
 
-def _refuse_holes(
-    n_values: NDArray[np.int64], levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str
-) -> None:
+def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
     holes = np.argwhere(n_values == 0)
     first = ", ".join(f"{name} = {part[i]}" for name, part, i in zip(names, levels, holes[0], strict=True))
     whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))

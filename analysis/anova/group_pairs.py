@@ -6,14 +6,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import ttest_ind
 
-from .design import (
-    RELATIVE_ZERO,
-    Array,
-    DesignStatus,
-    UndefinedStatistic,
-    finite_rows,
-    size_of,
-)
+from ..arrays import RELATIVE_ZERO, Array, size_of
+from .design import DesignStatus, UndefinedStatistic, finite_rows
 from .post_hoc import all_together
 
 MIN_GROUP = 2

@@ -10,8 +10,9 @@ from scipy.stats import rankdata
 
 from tactometry.errors import InvalidParameter, nearest
 
+from ..arrays import Array
 from .contrasts import Effect, effects
-from .design import Array, DesignStatus, UndefinedStatistic, WithinDesign, spread, within_design
+from .design import DesignStatus, UndefinedStatistic, WithinDesign, spread, within_design
 from .post_hoc import pairs
 
 DIGITS = 9

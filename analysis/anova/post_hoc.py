@@ -12,7 +12,8 @@ from scipy.stats import t as student, wilcoxon
 
 from tactometry.errors import InvalidParameter, nearest
 
-from .design import RELATIVE_ZERO, Array, WithinDesign, size_of, within_design
+from ..arrays import RELATIVE_ZERO, Array, size_of
+from .design import WithinDesign, within_design
 
 CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0

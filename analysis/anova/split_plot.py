@@ -12,8 +12,9 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
+from ..arrays import Array
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
-from .design import Array, DesignStatus, UndefinedStatistic, finite_rows, within_design
+from .design import DesignStatus, UndefinedStatistic, finite_rows, within_design
 from .effect_size import INTERVAL
 from .within_subjects import effect_table, scaled_design, told
 

@@ -14,10 +14,9 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Bools, Indices
 from .contrasts import contrasts
-from .design import Array
 from .truncated_normal import between
 
 TOLERANCE = 1e-8
@@ -36,11 +35,11 @@ class BoundedValues:
 
     low: Array
     high: Array
-    group: NDArray[np.int64]
+    group: Indices
     n_levels: tuple[int, ...]
 
     @property
-    def known(self) -> NDArray[np.bool_]:
+    def known(self) -> Bools:
         return np.asarray(self.low == self.high)
 
     @property

@@ -15,7 +15,7 @@ from scipy.stats import qmc
 
 from tactometry.psychometric import log1mexp
 
-from .design import Array
+from ..arrays import Array
 
 N_POINTS = 1024
 """A power of two, for which the sequence of Sobol is even."""

@@ -10,7 +10,7 @@ Research Methods 44, 158-175). Of more conditions both hold on average over the 
 
 import numpy as np
 
-from .design import Array
+from ..arrays import Array
 
 DIFFERENCE = float(np.sqrt(0.5))
 """What shortens an interval so that two which do not meet tell a difference (Baguley 2012)."""

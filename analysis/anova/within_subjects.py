@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from ..arrays import Array, size_of
 from .contrasts import MOST_EXACT, Tested, effects, participant_scores, permutation_p as _permutation_p
-from .design import Array, DesignStatus, WithinDesign, size_of, spread, within_design
+from .design import DesignStatus, WithinDesign, spread, within_design
 from .effect_size import INTERVAL, eta_squared
 
 MAX_FACTORS = 3

@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
 from tactometry.trials.columns import RESERVED, stated_factors
 
-from ..anova.design import Array
+from ..arrays import Array
 from ..outcomes.group_means import MEANS, group_table, mean_with_interval
 
 NAME = "attrakdiff"

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
+from ..arrays import Array
 from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
-from ..threshold.counts import Array, checked
+from ..threshold.counts import checked
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .layout import (

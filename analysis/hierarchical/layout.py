@@ -11,8 +11,9 @@ from scipy.stats import t as t_distribution
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Indices
 from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
-from ..threshold.counts import Array, normalised
+from ..threshold.counts import normalised
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
 from .model import StudyCounts
@@ -40,7 +41,7 @@ class Layout:
 
     participants: tuple[str, ...]
     conditions: pd.DataFrame
-    width_group: NDArray[np.int64]
+    width_group: Indices
     u: Array
     n_yes: Array
     n_trials: Array
@@ -94,7 +95,7 @@ def _scale(x: Array) -> tuple[float, float]:
     return low + (high - low) / 2, (high - low) or 1.0
 
 
-def _stacked(cell: NDArray[np.int64], n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+def _stacked(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
     order = np.argsort(cell, kind="stable")
     sizes = np.bincount(cell, minlength=n_cells)
@@ -120,7 +121,7 @@ class ParameterPlace:
     log_width_se: Array
 
     @classmethod
-    def of(cls, parts: Sequence[Array], told: NDArray[np.int64], n_conditions: int) -> "ParameterPlace":
+    def of(cls, parts: Sequence[Array], told: Indices, n_conditions: int) -> "ParameterPlace":
         whole = [np.full((n_conditions, *part.shape[1:]), np.nan) for part in parts]
         for each, part in zip(whole, parts, strict=True):
             each[told] = part

@@ -6,22 +6,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Expansion, Indices
 from ..mixed_models.laplace import ClusteredModel
-from ..threshold.counts import Array, Counts
-from ..threshold.likelihood import (
-    GUESS,
-    LAPSE,
-    LOG_WIDTH,
-    N_PARAMETERS,
-    THRESHOLD,
-    Expansion,
-    chance_information,
-    expansion,
-)
+from ..threshold.counts import Counts
+from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_information, expansion
 from ..threshold.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
 
 START_SD = (0.1, 0.2, 0.05, 0.1)
@@ -45,7 +36,7 @@ class StudyCounts:
     u: Array
     n_yes: Array
     n_trials: Array
-    width_group: NDArray[np.int64]
+    width_group: Indices
     guess_rate: float | None
     lapse_rate: float | None
     n_false_alarms: int
@@ -73,7 +64,7 @@ class StudyCounts:
         rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
         return [place for place, rate in rates if rate is None]
 
-    def only(self, conditions: NDArray[np.int64]) -> "StudyCounts":
+    def only(self, conditions: Indices) -> "StudyCounts":
         """Of some conditions."""
         u, k, n = (part[:, conditions] for part in (self.u, self.n_yes, self.n_trials))
         group = np.unique(self.width_group[conditions], return_inverse=True)[1]

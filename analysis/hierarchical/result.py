@@ -14,7 +14,7 @@ from scipy.stats import chi2, f as f_distribution, t as t_distribution
 from tactometry.errors import InvalidParameter
 
 from ..anova.contrasts import epsilons
-from ..threshold.counts import Array
+from ..arrays import Array
 
 
 class GroupStatus(StrEnum):

@@ -4,9 +4,8 @@ hierarchical fit starts, and what it can tell at all."""
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..threshold.counts import Array
+from ..arrays import Array, Indices
 from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
 from .model import StudyCounts
@@ -40,7 +39,7 @@ class Alone:
         return found
 
     @property
-    def told(self) -> NDArray[np.int64]:
+    def told(self) -> Indices:
         """The conditions with a threshold."""
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 

@@ -10,16 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import log1mexp
 
 from ..anova.bounded_design import ends_of
-from ..anova.design import expect_columns, size_of
-from ..threshold.counts import Array, Bools
-from ..threshold.likelihood import Expansion
+from ..anova.design import expect_columns
+from ..arrays import Array, Bools, Expansion, Indices, size_of
 from .glmm import clustered
 from .held import endless_direction, leaves_no_error
 from .laplace import ClusteredModel as Clusters, MixedFit, maximise
@@ -133,7 +131,7 @@ class _Censored:
     x: Array
 
     @classmethod
-    def of(cls, ends: Array, x: Array, groups: NDArray[np.int64]) -> "_Censored":
+    def of(cls, ends: Array, x: Array, groups: Indices) -> "_Censored":
         narrow = ends[:, 1] - ends[:, 0] < NARROW
         ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
         laid, used = clustered(groups, np.column_stack([ends, x]), np.ones(len(x)))
@@ -216,7 +214,7 @@ def _log_density(z: Array) -> Array:
     return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
 
 
-def _refuse_unheld(ends: Array, matrix: DesignMatrix, groups: NDArray[np.int64]) -> None:
+def _refuse_unheld(ends: Array, matrix: DesignMatrix, groups: Indices) -> None:
     """Before a search that would go on for long."""
     if np.all(ends[:, 0] == ends[:, 1]):
         return

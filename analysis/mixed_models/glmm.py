@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import SHAPES, Shape
 
+from ..arrays import Array, Expansion, Indices
 from ..threshold.chances import by_point, expected_information
-from ..threshold.counts import Array, checked
-from ..threshold.likelihood import Expansion
+from ..threshold.counts import checked
 from .laplace import ClusteredModel, MixedFit, maximise
 from .quadrature import maximise_by_quadrature
 
@@ -261,7 +261,7 @@ class _Design:
         return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))
 
 
-def clustered(cluster: NDArray[np.int64], *columns: Array) -> list[Array]:
+def clustered(cluster: Indices, *columns: Array) -> list[Array]:
     """Rows (n_rows, ...) laid out as (n_clusters, n_slots, ...), with zeros in the slots that are not used."""
     order = np.argsort(cluster, kind="stable")
     sizes = np.bincount(cluster)

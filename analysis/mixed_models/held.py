@@ -1,10 +1,9 @@
 """Whether values and bounds hold every coefficient of a linear model, or the likelihood rises without end along one."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from ..threshold.counts import Array
+from ..arrays import Array, Indices
 
 ZERO = 1e-7
 
@@ -30,7 +29,7 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
     return np.asarray(found.x, dtype=np.float64) + 0.0  # a zero without a sign
 
 
-def leaves_no_error(ends: Array, x: Array, groups: NDArray[np.int64]) -> bool:
+def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
     """Whether coefficients and participants' intercepts meet several known values of a participant exactly: no known
     value then tells the variance of errors, and the likelihood may rise without end as it vanishes."""
     known = ends[:, 0] == ends[:, 1]

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from ..threshold.counts import Array
-from ..threshold.likelihood import Expansion
+from ..arrays import Array, Bools, Expansion
 
 DIFFERENCE = 1e-4
 MAX_INNER_STEPS = 60
@@ -167,7 +165,7 @@ def _inner_step(here: Inner, damping: Array) -> tuple[Array, Array]:
     return step, (step * gradient).sum(axis=1)
 
 
-def _merged(better: NDArray[np.bool_], there: Inner, here: Inner) -> Inner:
+def _merged(better: Bools, there: Inner, here: Inner) -> Inner:
     if better.all():
         return there
 

@@ -12,23 +12,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher, t as student
 
 from tactometry.errors import InvalidParameter
 
-from ..anova.design import (
-    RELATIVE_ZERO,
-    Array,
-    DesignStatus,
-    UndefinedStatistic,
-    codes_of,
-    finite_rows,
-    size_of,
-)
+from ..anova.design import DesignStatus, UndefinedStatistic, codes_of, finite_rows
+from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 
-Counts = NDArray[np.int64]
+Counts = Indices
 RATIOS = (1e-8, 1e10)
 """Where the variance of participants over the residual one is looked for, besides 0."""
 N_GRID = 73

@@ -7,8 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from ..threshold.counts import Array
-from ..threshold.likelihood import Expansion
+from ..arrays import Array, Expansion
 from .laplace import ClusteredModel, Inner, MixedFit, maximise, with_prior
 
 

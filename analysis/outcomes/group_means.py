@@ -9,11 +9,10 @@ import pandas as pd
 from scipy.stats import t as student
 from statsmodels.stats.proportion import proportion_confint
 
-from ..anova.design import RELATIVE_ZERO, size_of
 from ..anova.within_intervals import within_variances
+from ..arrays import RELATIVE_ZERO, Array, size_of
 from ..reading.trials import Trials
 from ..tasks.cells import Cell
-from ..threshold.counts import Array
 from ..wording.numbers import interval_text
 
 MAX_LEVELS = 16

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from ..arrays import Array
 
 
 def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
@@ -38,7 +39,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     return cells.set_axis(range(len(names)), axis=1)
 
 
-def plain_numbers(text: "pd.Series[str]") -> NDArray[np.float64] | None:
+def plain_numbers(text: "pd.Series[str]") -> Array | None:
     """Numbers of text cells, NaN for empty ones, if all are numbers.
 
     >>> plain_numbers(pd.Series(["1.5", "", "-2e3"]))

@@ -9,7 +9,7 @@ import pandas as pd
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
-from ..threshold.counts import Array
+from ..arrays import Array
 
 LevelScale = Literal["linear", "log10", "db"]
 LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, counted
 from tactometry.records.description import SIMULATED
 from tactometry.records.head import Head
 from tactometry.records.sittings import changes, heads
 
+from ..arrays import Bools
 from ..wording.labels import NAMED
 from .trials import Trials
 
@@ -84,7 +84,7 @@ def _heads(path: Path) -> dict[Key, tuple[Head, ...]]:
     return found
 
 
-def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> NDArray[np.bool_]:
+def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> Bools:
     rigs = rows["rig"].astype(str) if "rig" in rows.columns else pd.Series("", index=rows.index)
     if known and "session" in rows.columns and (rigs == "").any():
         by_journal = {key: told[0].rig for key, told in known.items()}

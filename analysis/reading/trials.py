@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import listed
@@ -22,6 +21,7 @@ from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
 from tactometry.trials.row_rules import rows_text
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
+from ..arrays import Array
 from .arrow_text import plain_numbers
 from .column_map import ColumnMap, translated, trials_of
 from .doubled_rows import doubled
@@ -282,7 +282,7 @@ def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
     return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
 
 
-def _numbers_of_words(text: "pd.Series[str]") -> NDArray[np.float64]:
+def _numbers_of_words(text: "pd.Series[str]") -> Array:
     """Each different text is read once."""
     codes, different = pd.factorize(text)
     words = [word or "nan" for word in different.tolist()]

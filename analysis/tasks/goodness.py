@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.stats import binom
 
 from tactometry.psychometric import shape_named
 
+from ..arrays import Array, Indices
 from ..reading.trials import Trials
-from ..threshold.counts import POOLED_BELOW, Array, Counts, checked, normalised
+from ..threshold.counts import POOLED_BELOW, Counts, checked, normalised
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
@@ -89,7 +89,7 @@ def _in_order(trials: Trials) -> pd.DataFrame:
     return rows.assign(stretch=place * n_stretches // n_trials, follows=follows)
 
 
-def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[NDArray[np.int64]]:
+def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[Indices]:
     """Cells with few levels apart from those with many, which would fill them up with empty places."""
     n_levels = np.array([len(found[n].cell.levels) for n in chosen])
     size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
@@ -100,7 +100,7 @@ def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[NDAr
 def _tested(
     rows: pd.DataFrame,
     found: Sequence[Estimate],
-    cells: NDArray[np.int64],
+    cells: Indices,
     options: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> Goodness:
@@ -126,7 +126,7 @@ def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:
     return np.stack([(threshold - counts.centre) / counts.spread, np.log(width / counts.spread), lapse, guess], axis=1)
 
 
-def _sequences(rows: pd.DataFrame, number: NDArray[np.int64], levels: Array, counts: Counts) -> Sequences:
+def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
     """The answers of the sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts, which
     pool those that are equal but for rounding."""
     apart = np.diff((levels - counts.centre[:, None]) / counts.spread[:, None], axis=1) > POOLED_BELOW

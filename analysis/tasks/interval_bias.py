@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
+
+from ..arrays import Indices
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
     return IntervalBias(*counts, shares, _criterion(table) if n_intervals == 2 else None, _equal_shares(table))
 
 
-def _table(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -> NDArray[np.int64]:
+def _table(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -> Indices:
     """Counts (target, response)."""
     if not targets or len(targets) != len(responses):
         raise InvalidParameter(
@@ -71,14 +72,14 @@ def _table(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -
     return table
 
 
-def _criterion(table: NDArray[np.int64]) -> float:
+def _criterion(table: Indices) -> float:
     from scipy.special import ndtri
 
     second = (table[:, 1] + 0.5) / (table.sum(axis=1) + 1)
     return float(-ndtri(second).sum() / 2)
 
 
-def _equal_shares(table: NDArray[np.int64]) -> float | None:
+def _equal_shares(table: Indices) -> float | None:
     from scipy.stats import chi2_contingency
 
     right = table.diagonal()

@@ -12,8 +12,8 @@ from scipy.stats import linregress, t as student
 
 from tactometry.errors import InvalidFile
 
+from ..arrays import Array
 from ..reading.trials import Trials, parsed, used_rows
-from ..threshold.counts import Array
 from .cells import delivered
 
 TASK = "magnitude"

@@ -19,8 +19,8 @@ from scipy.stats import norm, t as student
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.trials.row_rules import rows_text
 
+from ..arrays import Array
 from ..reading.trials import Trials, parsed, used_rows
-from ..threshold.counts import Array
 
 Texts = NDArray[np.str_]
 

@@ -10,8 +10,9 @@ from scipy.special import gammaln, polygamma, psi
 
 from tactometry.psychometric import Shape
 
-from .counts import Array, Counts
-from .likelihood import Expansion, curvature_of_chances
+from ..arrays import Array, Expansion
+from .counts import Counts
+from .likelihood import curvature_of_chances
 from .prior import BETA_B
 
 BINOMIAL_BELOW = 1e-4

@@ -13,7 +13,7 @@ from scipy.special import expit, ndtr
 
 from tactometry.psychometric import SHAPES, Shape, log_mixture
 
-from .counts import Array
+from ..arrays import Array
 
 SMALLEST_LINEAR = 1e-140
 """A chance whose square is still a float."""

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.errors import InvalidParameter
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Which = NDArray[np.int64] | NDArray[np.bool_] | slice
+from ..arrays import Array, Bools, Indices, Which
 
 POOLED_BELOW = 1e-9
 """Levels closer than this part of their range are one level."""
@@ -32,7 +30,7 @@ class Counts:
     centre: Array
     spread: Array
     gap: Array
-    n_levels: NDArray[np.int64]
+    n_levels: Indices
 
     def __getitem__(self, which: Which) -> "Counts":
         return Counts(
@@ -98,7 +96,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
     return found.astype(np.float64)
 
 
-def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> None:
+def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
     if bad.any():
         dataset, row = np.argwhere(bad)[0]
         where = f"{name}, row {row}" + (f" of data set {dataset}" if values.shape[0] > 1 else "")
@@ -123,7 +121,7 @@ def normalised(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> C
     return Counts(u, k, n, centre, spread, _smallest_gap(u, n), (n > 0).sum(axis=1))
 
 
-def _ends(x: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
     low, high = np.where(used, x, np.inf).min(axis=1), np.where(used, x, -np.inf).max(axis=1)
     return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
 

@@ -13,8 +13,9 @@ made reach a Bayes factor of b for a curve in at most one of b cases, whatever t
 import numpy as np
 from scipy.special import betainc, betaln, logsumexp
 
+from ..arrays import Array
 from .chances import weighted
-from .counts import Array, Counts
+from .counts import Counts
 from .marginals import Marginals
 from .prior import LARGEST_RATE, Prior
 

@@ -12,7 +12,8 @@ from tactometry.arguments.require import one_of, positive
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import shape_named
 
-from .counts import Array, checked, normalised
+from ..arrays import Array
+from .counts import checked, normalised
 from .methods import Fitting
 from .prior import BETA_B, Prior
 from .result import ThresholdFit

@@ -12,12 +12,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools, Indices
 from .chances import weighted
-from .counts import Array, Bools, Counts
+from .counts import Counts
 from .likelihood import GUESS, log_chances, saturated_log_likelihood
 from .mode import climb
 from .prior import Prior
@@ -49,7 +49,7 @@ class Sequences:
     n_yes: Array
     n_trials: Array
 
-    def __getitem__(self, which: NDArray[np.int64]) -> "Sequences":
+    def __getitem__(self, which: Indices) -> "Sequences":
         return Sequences(self.n_yes[which], self.n_trials[which])
 
 
@@ -172,14 +172,14 @@ class _Tally:
     """How many draws were made for each p (n_sets, 4), and how many of them were as extreme as the answers; a p that
     has `ENOUGH` of these is closed."""
 
-    n_drawn: NDArray[np.int64]
-    n_extreme: NDArray[np.int64]
+    n_drawn: Indices
+    n_extreme: Indices
 
-    def is_open(self) -> NDArray[np.int64]:
+    def is_open(self) -> Indices:
         """The data sets of which some p needs more draws."""
         return np.flatnonzero((self.n_extreme < ENOUGH).any(axis=1))
 
-    def add(self, sets: NDArray[np.int64], extreme: Bools) -> None:
+    def add(self, sets: Indices, extreme: Bools) -> None:
         """Count `extreme` (n_sets, n_draws, 4), of each p up to the draw that closes it."""
         before = self.n_extreme[sets]
         so_far = before[:, None] + np.cumsum(extreme, axis=1)
@@ -194,7 +194,7 @@ class _Tally:
         return np.where(closed, self.n_extreme / np.maximum(self.n_drawn, 1), (self.n_extreme + 1) / (self.n_drawn + 1))
 
 
-def _portions(sets: NDArray[np.int64], n_numbers: int) -> Iterator[NDArray[np.int64]]:
+def _portions(sets: Indices, n_numbers: int) -> Iterator[Indices]:
     """The data sets in parts of which each draws at most `MOST_AT_ONCE` numbers, where one set draws `n_numbers`."""
     size = max(1, MOST_AT_ONCE // n_numbers)
     yield from (sets[start : start + size] for start in range(0, len(sets), size))

@@ -8,7 +8,8 @@ from scipy.stats import chi2
 
 from tactometry.psychometric import Shape
 
-from .counts import Array, Bools, Counts
+from ..arrays import Array, Bools
+from .counts import Counts
 from .likelihood import GUESS, THRESHOLD, log_chances
 from .mode import Mode, climb
 from .prior import Prior

@@ -4,14 +4,13 @@ A parameter vector is (m, v, l, g): threshold and log width on the scale of `Cou
 rate.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tactometry.psychometric import Shape, log_mixture
 
+from ..arrays import Array, Expansion
 from .chances import ByPoint, bend, by_point, expected_information, linear, weighted
-from .counts import Array, Counts
+from .counts import Counts
 
 N_PARAMETERS = 4
 THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
@@ -57,18 +56,6 @@ def _z(shape: Shape, u: Array, theta: Array) -> Array:
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH])
     return shape.z50 + (u - theta[..., THRESHOLD, None]) * slope[..., None]
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Value (n,), gradient (n, 4) and Hessian (n, 4, 4) of a log density."""
-
-    value: Array
-    gradient: Array
-    hessian: Array
-
-    def __add__(self, other: "Expansion") -> "Expansion":
-        return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
 
 
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from tactometry.psychometric import Shape
 
-from .counts import Array, Bools, Counts
+from ..arrays import Array, Bools, Indices
+from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .prior import Prior
 
@@ -39,7 +39,7 @@ class Marginals:
         mean = np.full((n, N_PARAMETERS), np.nan)
         return cls(mean, median, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
 
-    def put(self, places: NDArray[np.int64], other: "Marginals", which: Bools) -> None:
+    def put(self, places: Indices, other: "Marginals", which: Bools) -> None:
         """Write those of another into some places of this one."""
         for name in (each.name for each in fields(self)):
             getattr(self, name)[places] = getattr(other, name)[which]

@@ -9,8 +9,9 @@ from scipy.special import ndtri
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools, Indices
 from . import intervals
-from .counts import Array, Bools, Counts
+from .counts import Counts
 from .evidence import verdict_shares
 from .likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
 from .marginals import Marginals
@@ -141,9 +142,7 @@ class Fitting:
             threshold[chosen] = self._refined(chosen, own[chosen], n_resamples, rng)
         return PointEstimate(_with_width(own.theta), threshold, width, eta)
 
-    def _refined(
-        self, chosen: NDArray[np.int64], own: Mode, n_resamples: int, rng: np.random.Generator | None
-    ) -> Array:
+    def _refined(self, chosen: Indices, own: Mode, n_resamples: int, rng: np.random.Generator | None) -> Array:
         """The intervals that cost more than a Hessian."""
         sets, prior = self.counts[chosen], self.prior[chosen]
         if rng is not None and self.method == "bootstrap":

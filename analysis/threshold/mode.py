@@ -7,19 +7,18 @@ lapse and guess rates often come to lie.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools, Expansion, Indices, Which
 from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, overdispersed_expansion
-from .counts import Array, Counts, Which
+from .counts import Counts
 from .likelihood import (
     GUESS,
     LAPSE,
     LOG_WIDTH,
     N_PARAMETERS,
     THRESHOLD,
-    Expansion,
     expansion,
     log_likelihood,
     saturated_log_likelihood,
@@ -58,7 +57,7 @@ class Mode:
     theta: Array
     log_density: Array
     covariance: Array
-    interior: NDArray[np.bool_]
+    interior: Bools
 
     def __getitem__(self, which: Which) -> "Mode":
         return Mode(self.theta[which], self.log_density[which], self.covariance[which], self.interior[which])
@@ -131,7 +130,7 @@ def climb(
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
         at = np.where(better[:, None], trial, at)
         part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
-        here = _chosen(better, there, here)
+        here = there.where(better, here)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
         going = (decrement > small) & ~is_endless & (part.damping < 1e15)
@@ -139,7 +138,7 @@ def climb(
         if not going.any():
             break
         if going.mean() < WORTH_LEAVING:
-            part, here, at = part[going], _part(here, going), at[going]
+            part, here, at = part[going], here[going], at[going]
     return _described(shape, counts, prior, theta)
 
 
@@ -147,14 +146,14 @@ def climb(
 class _Open:
     """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
 
-    sets: NDArray[np.int64]
+    sets: Indices
     counts: Counts
     prior: Prior
     low: Array
     high: Array
     damping: Array
 
-    def __getitem__(self, which: NDArray[np.bool_]) -> "_Open":
+    def __getitem__(self, which: Bools) -> "_Open":
         counts = self.counts[which].by_level()
         return _Open(
             self.sets[which], counts, self.prior[which], self.low[which], self.high[which], self.damping[which]
@@ -186,27 +185,15 @@ def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expans
         return expansion(shape, counts, theta)
     eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
     spread = overdispersed_expansion(shape, counts, theta, eta)
-    return _chosen(prior.overdispersion >= BINOMIAL_BELOW, spread, expansion(shape, counts, theta))
+    return spread.where(prior.overdispersion >= BINOMIAL_BELOW, expansion(shape, counts, theta))
 
 
-def _part(whole: Expansion, which: NDArray[np.bool_]) -> Expansion:
-    return Expansion(whole.value[which], whole.gradient[which], whole.hessian[which])
-
-
-def _chosen(better: NDArray[np.bool_], there: Expansion, here: Expansion) -> Expansion:
-    return Expansion(
-        np.where(better, there.value, here.value),
-        np.where(better[:, None], there.gradient, here.gradient),
-        np.where(better[:, None, None], there.hessian, here.hessian),
-    )
-
-
-def _held(theta: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
     """Fixed parameters, and those on a bound with the density rising beyond it."""
     return np.asarray((low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0)))
 
 
-def _step(here: Expansion, held: NDArray[np.bool_], damping: Array) -> tuple[Array, Array]:
+def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
     """The damped Newton step of the parameters that are not held, and the Newton decrement."""
     gradient = np.where(held, 0.0, here.gradient)
     step = convex_solve(_without(-here.hessian, held), gradient, damping)
@@ -239,7 +226,7 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
     return np.stack([x[i] / scale[i] for i in range(p)], axis=1)
 
 
-def _without(matrix: Array, held: NDArray[np.bool_]) -> Array:
+def _without(matrix: Array, held: Bools) -> Array:
     """The matrix with rows and columns of the held parameters replaced by those of the unit matrix."""
     either = held[:, :, None] | held[:, None, :]
     return np.where(either, np.eye(N_PARAMETERS), matrix)

@@ -12,9 +12,10 @@ import numpy as np
 
 from tactometry.psychometric import Shape, log_mixture
 
+from ..arrays import Array, Which
 from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
 from .chances import linear, weighted
-from .counts import Array, Counts, Which
+from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .marginals import Marginals, beyond_levels, described, log_cell
 from .mode import Mode

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .counts import Array, Which
-from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, Expansion
+from ..arrays import Array, Expansion, Which
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 
 BETA_B = 10.0
 LARGEST_RATE = 0.5

@@ -13,8 +13,9 @@ import numpy as np
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools
 from .chances import linear
-from .counts import Array, Bools, Counts
+from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .marginals import Marginals, beyond_levels, described, log_cell
 from .mode import Mode

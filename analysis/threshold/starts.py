@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools, Indices
 from .chances import weighted
-from .counts import Array, Bools, Counts
+from .counts import Counts
 from .likelihood import (
     GUESS,
     LAPSE,
@@ -43,7 +43,7 @@ STEEP = 0.7
 class Starts:
     """Parameters `theta` (n_starts, 4) for the data sets number `sets` (n_starts,)."""
 
-    sets: NDArray[np.int64]
+    sets: Indices
     theta: Array
 
     @classmethod
@@ -78,7 +78,7 @@ def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Sta
     return summits, halves
 
 
-def same_rows(rows: Array) -> list[NDArray[np.int64]]:
+def same_rows(rows: Array) -> list[Indices]:
     """The places of equal rows, group by group."""
     if not len(rows) or (rows == rows[0]).all():
         return [np.arange(len(rows))] if len(rows) else []
@@ -117,7 +117,7 @@ def _density(chances: list[Array], counts: Counts) -> Array:
     return np.asarray(sum(n @ part.T for n, part in zip(answers, chances, strict=True)))
 
 
-def _tops(sets: NDArray[np.int64], density: Array, nodes: Array) -> tuple[Starts, Starts]:
+def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
     """From densities (n_sets, n_widths, n_thresholds, n_rates): the tops over widths and thresholds of the best rates,
     and the best of the narrow and of the wide half."""
     rate = density.argmax(axis=3)
@@ -181,9 +181,7 @@ def _steps(shape: Shape, counts: Counts, prior: Prior) -> tuple[tuple[Array, Arr
     return first, second
 
 
-def _asymptotes(
-    counts: Counts, prior: Prior, below: NDArray[np.int64], above: NDArray[np.int64]
-) -> tuple[Array, Array, Array]:
+def _asymptotes(counts: Counts, prior: Prior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
     """Of the levels before `below` and from `above` on: log density (n_sets, n_steps), lapse and guess rates."""
     none = np.zeros((len(counts), 1))
     k, n = (np.hstack([none, np.cumsum(part, axis=1)]) for part in (counts.n_yes, counts.n_trials))

@@ -4,13 +4,13 @@ method."""
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 from scipy.special import betaincinv
 from scipy.stats import chi2
 
+from ..arrays import Array, Bools
 from .chances import weighted
-from .counts import Array, Counts
+from .counts import Counts
 from .likelihood import saturated_log_likelihood
 from .prior import Prior
 from .step import StepFit
@@ -55,7 +55,7 @@ AFTER_A_TRACK = (
 UNEVEN, FEW = 1e-3, 10
 
 
-def stand_as_after_a_track(counts: Counts) -> NDArray[np.bool_]:
+def stand_as_after_a_track(counts: Counts) -> Bools:
     """Whether some levels have more trials than an even spread explains (chi square), or hardly any has two: constant
     stimuli are even."""
     n, n_levels = counts.n_trials.sum(axis=1), np.maximum(counts.n_levels, 1)
@@ -113,7 +113,7 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
     return low, high
 
 
-def _falls(counts: Counts) -> NDArray[np.bool_]:
+def _falls(counts: Counts) -> Bools:
     """A falling trend (score test), or drops that no rising function explains (isotonic against
     saturated)."""
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -4,12 +4,12 @@ bound."""
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
+from ..arrays import Array, Bools
 from .chances import weighted
-from .counts import Array, Counts
+from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood
 from .mode import Mode
 
@@ -25,8 +25,8 @@ class StepFit:
     the price of a likelihood ratio below e^1, so that no level shows anything in between.
     """
 
-    is_best: NDArray[np.bool_]
-    is_between: NDArray[np.bool_]
+    is_best: Bools
+    is_between: Bools
     place: Array
 
 
