@@ -10,22 +10,23 @@ import pandas as pd
 from tactometry.errors import InvalidFile, InvalidParameter
 
 from .attrakdiff.ratings import Ratings, ratings
-from .outcomes import group_means
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
 from .outcomes.outcome import outcome
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
+from .reading.exclusion import exclude
 from .reading.origin import Origin, of_one_kind
-from .reading.quality import frames, with_frames
+from .reading.quality import frames, quality, with_frames
 from .reading.trials import Trials, read_trials
 from .report import methods as words
 from .report.study_text import StudyText, study_text
 from .tasks import adjustment, cells, magnitude
-from .tasks.applied_force import applied, force_of_participants, force_table, has_force
+from .tasks.applied_force import force_of_participants, force_table, has_force
 from .tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
 from .tasks.measurement import loss_table, losses
 from .tasks.preference import preference_table
+from .tasks.rates import detection_rates, mean_rates
 from .tasks.rule_estimate import Replay, rule_columns
 from .tasks.same_different import same_different_table
 from .tasks.tracks import tracks
@@ -203,7 +204,8 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
     plan = plan or AnalysisPlan()
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
-    trials, excluded = applied(everything, plan.exclusion)
+    recorded = quality(everything)
+    trials, excluded = exclude(everything, plan.exclusion, recorded)
     found, forms, lost = cells.cells(trials), ratings(trials, plan.primary), losses(trials)
     choices = _choice_tables(trials)
     if not found and not forms and not choices and lost.empty:
@@ -228,7 +230,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
     fits = tuple(
         fit for part in by_task if part and (fit := together(part, trials.factors, n_choices, unit)) is not None
     )
-    quality = with_frames(group_means.quality(everything), frames(everything.path))
+    recorded = with_frames(recorded, frames(everything.path))
     return Analysis(
         trials=trials,
         unit=unit,
@@ -237,7 +239,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
         together=fits,
         forms=forms,
         plan=plan,
-        tables=_tables(table, outcomes, found, trials, quality)
+        tables=_tables(table, outcomes, found, trials, recorded)
         | _together_tables(fits)
         | choices
         | _other_tables(forms, forces, trials.factors, excluded)
@@ -250,7 +252,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
             *trials.notes,
             *words.exclusion_warnings(excluded),
             *_missing(choices, trials.factors),
-            *words.warnings(trials, table, quality, n_choices),
+            *words.warnings(trials, table, recorded, n_choices),
             *(goodness_warnings(table, trials.factors) if len(table) else []),
         ),
         methods=origin.method
@@ -322,9 +324,9 @@ def _tables(
     outcomes: Sequence[Outcome],
     found: Sequence[cells.Cell],
     trials: Trials,
-    quality: pd.DataFrame,
+    recorded: pd.DataFrame,
 ) -> dict[str, pd.DataFrame]:
-    tables = _fit_tables(table, found, trials) | {"quality": quality}
+    tables = _fit_tables(table, found, trials) | {"quality": recorded}
     several = len({o.task for o in outcomes}) > 1
     for each in outcomes:
         tables |= each.tables(f"{each.task}_{each.dependent}" if several else each.dependent)
@@ -337,8 +339,8 @@ def _fit_tables(table: pd.DataFrame, found: Sequence[cells.Cell], trials: Trials
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
-        "rates": group_means.detection_rates(found, trials.factors),
-        "mean_rates": group_means.mean_rates(found, trials.factors),
+        "rates": detection_rates(found, trials.factors),
+        "mean_rates": mean_rates(found, trials.factors),
         "counts": cells.count_table(found, trials.factors),
         "tracks": tracks(trials),
     }

@@ -11,8 +11,8 @@ from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, read_toml
 from tactometry.errors import InvalidParameter, nearest
 
+from .reading.exclusion import Exclusion
 from .reading.study_file import stated
-from .tasks.applied_force import Exclusion
 
 
 @dataclass(frozen=True)

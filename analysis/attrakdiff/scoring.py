@@ -13,7 +13,8 @@ from tactometry.questionnaire import Questionnaire, load, shipped
 from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..arrays import Array
-from ..outcomes.group_means import MEANS, group_table, mean_with_interval
+from ..means import mean_with_interval
+from ..outcomes.group_means import MEANS, group_table
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")

@@ -14,7 +14,7 @@ from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, f
 from ..report import apa
 from ..tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
 from ..threshold.status import Status
-from ..wording.numbers import interval_text, number_text
+from ..wording.numbers import interval_text, number_text, p_text
 
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
@@ -47,7 +47,7 @@ class HierarchicalOutcome:
         """Effects, variances and rates, and what a reader must know."""
         if self.fit is None:
             return [self.note]
-        tested = [f"{name}: Wald's {_statistic(one)}, {apa.p_text(one.p)}" for name, one in self.effects.items()]
+        tested = [f"{name}: Wald's {_statistic(one)}, {p_text(one.p)}" for name, one in self.effects.items()]
         return [*tested, *_variance_sentences(self.fit, unit), *([self.note] if self.note else [])]
 
 

@@ -23,8 +23,9 @@ from ..anova.split_plot import mixed_anova
 from ..anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
 from ..mixed_models.linear import MixedModel, mixed_model
-from . import group_means
+from ..wording.cross_table import cross_table
 from .findings import FORCE, Outcome
+from .group_means import HIGH, LOW, bounds_of, group_table
 from .primary import TITLES, Primary, chosen
 
 MEASURED = "log2 of the measured force"
@@ -49,7 +50,7 @@ class Given:
         fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
         apart = len(fixed) == 1
         within = tuple(name for name in varied if not (apart and name in fixed))
-        return cls(group_means.bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
+        return cls(bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
 
     @property
     def factors(self) -> list[str]:
@@ -82,9 +83,8 @@ def outcome(
     condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
     the rule of `primary` does."""
     given = Given.of(table, factors, dependent)
-    together = group_means.group_table(table, factors, dependent)
-    cross = group_means.cross_table(together, factors)
-    found = Outcome(task, dependent, table, together, cross, given.within, given.between)
+    group = group_table(table, factors, dependent)
+    found = Outcome(task, dependent, table, group, cross_table(group, factors), given.within, given.between)
     part, notes = _complete(given)
     found = replace(found, notes=notes)
     if part is not None:
@@ -173,11 +173,9 @@ def _with_censored(found: Outcome, given: Given, factors: Sequence[str]) -> Outc
         censored = _censored(given, part.table, part.within)
     except InvalidParameter as refusal:
         return replace(found, notes=(*found.notes, f"no analysis of bounds: {refusal}"))
-    means = group_means.group_table(
-        found.estimates, factors, found.dependent, model=_means(censored, part.table, factors)
-    )
+    means = group_table(found.estimates, factors, found.dependent, model=_means(censored, part.table, factors))
     notes = (*found.notes, *_counted(censored), *_lost(part))
-    return replace(found, censored=censored, notes=notes, group=means, cross=group_means.cross_table(means, factors))
+    return replace(found, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
 
 
 def _means(found: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -188,9 +186,7 @@ def _means(found: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) ->
 
 def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
     between = given.between if given.between and table[given.between].nunique() > 1 else None
-    return censored_anova(
-        table, low=group_means.LOW, high=group_means.HIGH, within=list(within), between=between, **given.arguments
-    )
+    return censored_anova(table, low=LOW, high=HIGH, within=list(within), between=between, **given.arguments)
 
 
 def _counted(found: CensoredAnova) -> list[str]:
@@ -219,7 +215,7 @@ def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
     own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
     data = given.table.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
     known = data[given.dependent].notna()
-    data = data[known | data[[group_means.LOW, group_means.HIGH]].notna().any(axis=1)]
+    data = data[known | data[[LOW, HIGH]].notna().any(axis=1)]
     data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
     factors = [name for name in given.factors if name != FORCE]
     arguments: Any = {"factors": factors, "covariates": [MEASURED], **given.arguments}
@@ -234,7 +230,7 @@ def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
 def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) -> MixedModel:
     if is_known:
         return mixed_model(data, **arguments)
-    return censored_model(data, low=group_means.LOW, high=group_means.HIGH, **arguments)
+    return censored_model(data, low=LOW, high=HIGH, **arguments)
 
 
 def _with_primary(found: Outcome, named: str | None, *, is_whole: bool) -> Outcome:

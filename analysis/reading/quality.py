@@ -1,10 +1,12 @@
-"""What became of the screen's frames, from the events of the sessions of a data set."""
+"""Per participant: what was recorded and used, how catch trials were answered, what became of the frames."""
 
 from pathlib import Path
 
 import pandas as pd
 
 from tactometry.errors import InvalidFile
+
+from .trials import Trials
 
 COUNTS = ("n_frames", "n_dropped_frames")
 SLOWEST = "frame_interval_max_s"
@@ -42,3 +44,35 @@ def with_frames(quality: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
     if found.empty:
         return quality
     return quality.merge(found, on="participant", how="left").astype(dict.fromkeys(COUNTS, "Int64"))
+
+
+def quality(trials: Trials) -> pd.DataFrame:
+    """Per participant: what was recorded, what of it is used, and how the catch trials were answered."""
+    rows = trials.rows
+    practice, invalid, silent = _is(rows, "practice", 1), _is(rows, "valid", 0), rows["response"] == ""
+    catch = _is(rows, "catch", 1) & ~practice & ~invalid & ~silent
+    flags = {
+        "n_rows": True,
+        "n_practice": practice,
+        "n_invalid": invalid,
+        "n_repeated": _is_repeated(rows),
+        "n_unanswered": silent & ~invalid,
+        "n_catch": catch,
+        "n_false_alarms": catch & rows["response"].isin(["1", "1.0"]),
+    }
+    table = pd.DataFrame(flags, index=rows.index).groupby(rows["participant"], sort=True).sum()
+    rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)
+    return table.assign(false_alarm_rate=rate).reset_index()
+
+
+def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
+    """The first row of each attempt behind the first: a questionnaire has a row for each of its items."""
+    if "attempt" not in rows.columns:
+        return pd.Series(False, index=rows.index)
+    keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
+    first = rows["item"].eq("") | ~rows.duplicated(keys) if "item" in rows.columns else True
+    return (rows["attempt"] > 1) & first
+
+
+def _is(rows: pd.DataFrame, name: str, value: int) -> "pd.Series[bool]":
+    return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)

@@ -7,31 +7,12 @@ import pandas as pd
 
 from ..anova.post_hoc import evidence
 from ..mixed_models.linear import MixedModel
-from ..wording.labels import level_of, percent_text, value_of
-from ..wording.numbers import interval_texts, number_text
+from ..wording.labels import level_of, value_of
+from ..wording.numbers import interval_texts, number_text, p_text, percent_text, share_text
 
 INTERVAL_OF_ETA = "90 %"
 MOST_EVIDENCE = 10_000
 """A larger Bayes factor is told as larger."""
-
-
-def p_text(p: float) -> str:
-    """
-    >>> p_text(0.03141), p_text(1e-9), p_text(0.9999)
-    ('p = .031', 'p < .001', 'p > .999')
-    """
-    if p < 0.001:
-        return "p < .001"
-    return "p > .999" if p > 0.9995 else f"p = {p:.3f}".replace("0.", ".", 1)
-
-
-def share_text(x: float) -> str:
-    """A number that cannot pass 1, without its leading zero.
-
-    >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
-    ('.845', '-.043', '1.000')
-    """
-    return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
 
 
 def _with_interval(value: float, low: float, high: float, unit: str, level: str = "95 %") -> str:

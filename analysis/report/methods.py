@@ -16,7 +16,8 @@ from ..reading.trials import Trials
 from ..tasks.cells import FITTED_TASKS
 from ..tasks.measurement import TASK as MEASURED_TASK
 from ..threshold.status import Status
-from ..wording.labels import named_cells, percent_text
+from ..wording.labels import named_cells
+from ..wording.numbers import percent_text
 from .group_methods import group_methods
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")

@@ -13,13 +13,13 @@ from tactometry.files.safe_text import file_text
 
 from ..attrakdiff.ratings import Ratings
 from ..outcomes.findings import Outcome
-from ..outcomes.group_means import cross_table
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..pipeline import Analysis
+from ..wording.cross_table import cross_table
 from ..wording.decibels import as_amplitudes, is_decibel
 from ..wording.labels import in_words, split_unit
+from ..wording.numbers import p_text
 from . import methods
-from .apa import p_text
 from .captions import means_sentence
 from .choice_text import choice_table
 from .figure_list import NAMES, Figure, Place, figures_of

@@ -12,7 +12,8 @@ from typing import Any
 from tactometry.config.quantity import as_si
 from tactometry.config.toml import located, read_table
 
-from ..wording.labels import in_words, level_of, percent_text, split_unit
+from ..wording.labels import in_words, level_of, split_unit
+from ..wording.numbers import percent_text
 
 Table = Mapping[str, Any]
 STIMULI = {

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..outcomes.group_means import cross_table
+from ..wording.cross_table import cross_table
 from ..wording.labels import in_words
 from .captions import means_text
 from .choice_text import choice_table

@@ -6,7 +6,7 @@ Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
 import numpy as np
 import pandas as pd
 
-from ..outcomes.group_means import mean_with_interval
+from ..means import mean_row
 from ..reading.trials import Trials, parsed, used_rows
 
 TASK = "adjustment"
@@ -26,6 +26,6 @@ def adjustment_table(trials: Trials, interval: float = 0.95) -> pd.DataFrame:
 
 
 def _row(settings: "pd.Series[float]", interval: float) -> dict[str, object]:
-    found: dict[str, object] = {"task": TASK, "mean": None, "mean_low": None, "mean_high": None, "sd": None}
-    found |= mean_with_interval(np.asarray(settings, dtype=np.float64), interval)
-    return {name.replace("mean", DEPENDENT): value for name, value in found.items()} | {"n_settings": len(settings)}
+    mean = mean_row(np.asarray(settings, dtype=np.float64), interval)
+    named = {name.replace("mean", DEPENDENT): value for name, value in mean.items()}
+    return {"task": TASK, **named, "n_settings": len(settings)}

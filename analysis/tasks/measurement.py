@@ -7,7 +7,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile
 
-from ..outcomes.group_means import mean_with_interval
+from ..means import mean_row, mean_with_interval
 from ..reading.trials import Trials, used_rows
 
 TASK = "measurement"
@@ -70,12 +70,9 @@ def _reading(part: pd.DataFrame, interval: float = 0.95) -> dict[str, object]:
 
 
 def _condition(part: pd.DataFrame, interval: float) -> dict[str, object]:
-    row: dict[str, object] = dict.fromkeys(("mean", "mean_low", "mean_high", "sd"))
-    if len(part) == 1:
-        one = part.iloc[0]
-        row |= {"mean": one["loss"], "mean_low": one["loss_low"], "mean_high": one["loss_high"]}
-    else:
-        row |= mean_with_interval(part["loss"].to_numpy(float), interval)
+    row = mean_row(part["loss"].to_numpy(float), interval)
+    if len(part) == 1:  # then the interval is that of the participant's own readings
+        row |= {f"mean{end}": part[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
     row |= {"n": len(part), "n_readings": int(part["n_readings"].sum())}
     if "force_mean_n" in part.columns:
         row["force_mean_n"] = float(part["force_mean_n"].mean())

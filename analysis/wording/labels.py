@@ -80,14 +80,6 @@ def header_of(column: str, factors: Sequence[str]) -> str:
     return title_of(column) if column in factors else in_words(column, factors).replace("_", " ")
 
 
-def percent_text(share: float) -> str:
-    """
-    >>> percent_text(0.954)
-    '95 %'
-    """
-    return f"{100 * share:.0f} %"
-
-
 def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
     return ", ".join(value_of(name, value) for name, value in zip(factors, condition, strict=True)) or "all"
 

@@ -67,3 +67,30 @@ def cell_text(value: Any) -> str:
     if isinstance(value, float):
         return str(int(value)) if value.is_integer() and abs(value) < LARGEST else number_text(value)
     return str(value)
+
+
+def p_text(p: float) -> str:
+    """
+    >>> p_text(0.03141), p_text(1e-9), p_text(0.9999)
+    ('p = .031', 'p < .001', 'p > .999')
+    """
+    if p < 0.001:
+        return "p < .001"
+    return "p > .999" if p > 0.9995 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def share_text(x: float) -> str:
+    """A number that cannot pass 1, without its leading zero.
+
+    >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
+    ('.845', '-.043', '1.000')
+    """
+    return f"{x:.3f}".replace("0.", ".", 1) if abs(x) < 1 else f"{x:.3f}"
+
+
+def percent_text(share: float) -> str:
+    """
+    >>> percent_text(0.954)
+    '95 %'
+    """
+    return f"{100 * share:.0f} %"

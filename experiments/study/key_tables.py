@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.tasks.applied_force import Exclusion
+from tactometry.analysis.reading.exclusion import Exclusion
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.procedures.practice import Practice

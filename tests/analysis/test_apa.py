@@ -16,12 +16,11 @@ from tactometry.analysis.report.apa import (
     equivalence_sentences,
     friedman_sentence,
     model_sentences,
-    p_text,
     pair_sentences,
     permutation_sentences,
     rank_sentences,
-    share_text,
 )
+from tactometry.analysis.wording.numbers import p_text, share_text
 
 ARGUMENTS = {"dependent": "y", "subject": "subject"}
 

@@ -8,14 +8,10 @@ import pytest
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan, plan_of, read_plan
+from tactometry.analysis.reading.exclusion import Exclusion, exclude
+from tactometry.analysis.reading.quality import quality
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.analysis.tasks.applied_force import (
-    Exclusion,
-    applied,
-    force_of_participants,
-    force_table,
-    has_force,
-)
+from tactometry.analysis.tasks.applied_force import force_of_participants, force_table, has_force
 from tactometry.errors import InvalidFile, InvalidParameter
 
 COLUMNS = "participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response,correct,latency_s"
@@ -97,7 +93,7 @@ def test_one_participant_has_a_mean_without_an_interval(some) -> None:
     ],
 )  # fmt: skip
 def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
-    kept, table = applied(some, Exclusion(**rules))
+    kept, table = exclude(some, Exclusion(**rules), quality(some))
     assert [tuple(row) for row in table.itertuples(index=False)] == lost
     if lost and lost[0][1] in ("false_alarm_share_max", "invalid_share_max"):
         assert set(kept.rows["participant"]) == {"P2"}
@@ -105,7 +101,7 @@ def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
 
 
 def test_a_force_that_was_not_measured_breaks_no_rule(some) -> None:
-    kept, _ = applied(some, Exclusion(force_in_band_share_min=0.99, force_deviation_ratio_max=0.0))
+    kept, _ = exclude(some, Exclusion(force_in_band_share_min=0.99, force_deviation_ratio_max=0.0), quality(some))
     assert kept.rows["force_mean_n"].isna().sum() == 1
 
 
@@ -155,8 +151,8 @@ def test_a_rule_names_the_column_that_it_needs(some) -> None:
 
     without = replace(some, rows=some.rows.drop(columns="latency_s"))
     with pytest.raises(InvalidParameter, match="latency_max_s: found no column 'latency_s', which this rule needs"):
-        applied(without, Exclusion(latency_max_s=3.0))
-    assert isinstance(applied(without, Exclusion())[1], pd.DataFrame)
+        exclude(without, Exclusion(latency_max_s=3.0), quality(without))
+    assert isinstance(exclude(without, Exclusion(), quality(without))[1], pd.DataFrame)
 
 
 def data_set(tmp_path, analysis):

@@ -10,7 +10,7 @@ from command_line import call
 from places import RECORDED
 from tutorial_session import journal_of, live
 
-from tactometry.analysis.outcomes.group_means import quality
+from tactometry.analysis.reading.quality import quality
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.experiments.data_sets.edited import edited
 

@@ -14,15 +14,16 @@ import pytest
 from click.testing import CliRunner
 from places import SHARED
 
-from tactometry.analysis.outcomes.group_means import cross_table, group_table
+from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.analysis.pipeline import Analysis, analyse
 from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.reading.exclusion import Exclusion
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import write_report
 from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
-from tactometry.analysis.tasks.applied_force import Exclusion
 from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.wording.cross_table import cross_table
 from tactometry.cli.analyse import command, summary_text
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 

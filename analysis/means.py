@@ -1,0 +1,31 @@
+"""Mean with its t-interval."""
+
+import numpy as np
+from scipy.stats import t as student
+
+from .arrays import RELATIVE_ZERO, Array, size_of
+
+MEAN = ("mean", "mean_low", "mean_high", "sd")
+
+
+def mean_row(values: Array, interval: float) -> dict[str, object]:
+    """All columns of `MEAN`: None where there is nothing to tell."""
+    return dict.fromkeys(MEAN) | mean_with_interval(values, interval)
+
+
+def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
+    """Mean of one value at least, with SD of two, and t-interval where they differ.
+
+    >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
+    {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
+    """
+    n, size = len(values), size_of(values)
+    mean = float((values / size).mean())
+    if n < 2:
+        return {"mean": mean * size}
+    sd = float((values / size).std(ddof=1))
+    if sd <= RELATIVE_ZERO * float(np.abs(values / size).max()):
+        return {"mean": mean * size, "sd": 0.0}
+    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
+    found = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
+    return {name: value * size for name, value in found.items()}

@@ -1,0 +1,112 @@
+"""Rules of exclusion, stated before the data are seen, in a file or as arguments, and what they leave out.
+
+Without any rule nothing is left out.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+import pandas as pd
+
+from tactometry.errors import InvalidParameter, nearest
+
+from .trials import Trials
+
+TARGET = "force_n"
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """Which trials and participants are left out; None: no such rule.
+
+    Parameters
+    ----------
+    force_in_band_share_min : float, optional
+        A trial with a smaller share of its stimulus in the target band is left out.
+    force_deviation_ratio_max : float, optional
+        A trial whose mean force deviates from the target (the factor `force_n`) by more than this part of it.
+    latency_min_s, latency_max_s : float, optional
+        A trial that was answered faster or slower.
+    false_alarm_share_max : float, optional
+        A participant with a larger rate of "yes" in catch trials.
+    invalid_share_max : float, optional
+        A participant with a larger part of invalid trials.
+
+    Raises
+    ------
+    InvalidParameter
+        If a bound is not a number from 0 (shares: to 1), or the bounds of the latency are crossed.
+    """
+
+    force_in_band_share_min: float | None = None
+    force_deviation_ratio_max: float | None = None
+    latency_min_s: float | None = None
+    latency_max_s: float | None = None
+    false_alarm_share_max: float | None = None
+    invalid_share_max: float | None = None
+
+    def __post_init__(self) -> None:
+        shares = ("force_in_band_share_min", "false_alarm_share_max", "invalid_share_max")
+        for name, value in self.stated().items():
+            top = 1.0 if name in shares else np.inf
+            if not 0 <= value <= top or not np.isfinite(value):
+                raise InvalidParameter(f"{name}: found {value}, expected a number from 0{' to 1' if top == 1 else ''}")
+        if (self.latency_min_s or 0.0) >= (self.latency_max_s or np.inf):
+            raise InvalidParameter(
+                f"latency_max_s: found {self.latency_max_s}, expected more than latency_min_s, {self.latency_min_s}"
+            )
+
+    def stated(self) -> dict[str, float]:
+        """The rules that there are.
+
+        >>> Exclusion(force_in_band_share_min=0.8).stated()
+        {'force_in_band_share_min': 0.8}
+        """
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
+    """The trials that the rules leave, and a table of what they left out: `participant, rule, bound, n_trials`.
+
+    `quality` is that of the trials (`reading.quality`), whose shares the rules on participants ask for.
+
+    Raises
+    ------
+    InvalidParameter
+        If a rule needs a column that the table does not have.
+    """
+    rows = trials.rows
+    broken = {name: _broken(rows, name, bound, quality) for name, bound in rules.stated().items()}
+    lost = [
+        {"participant": code, "rule": name, "bound": rules.stated()[name], "n_trials": int(part.sum())}
+        for name, bad in broken.items()
+        for code, part in bad.groupby(rows["participant"], sort=True)
+        if part.any()
+    ]
+    out = np.logical_or.reduce([bad.to_numpy() for bad in broken.values()]) if broken else np.zeros(len(rows), bool)
+    kept = replace(trials, rows=rows[~out].reset_index(drop=True))
+    return kept, pd.DataFrame(lost, columns=["participant", "rule", "bound", "n_trials"])
+
+
+def _broken(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
+    """Rows that break a rule; what was not measured breaks none."""
+    if name == "force_in_band_share_min":
+        return _column(rows, "force_in_band", name) < bound
+    if name == "force_deviation_ratio_max":
+        target = pd.to_numeric(_column(rows, TARGET, name), errors="coerce")
+        return (_column(rows, "force_mean_n", name) - target).abs() > bound * target
+    if name == "latency_min_s":
+        return _column(rows, "latency_s", name) < bound
+    if name == "latency_max_s":
+        return _column(rows, "latency_s", name) > bound
+    of = quality.set_index("participant")
+    share = of["false_alarm_rate"] if name == "false_alarm_share_max" else of["n_invalid"] / of["n_rows"]
+    return rows["participant"].map(share > bound).astype(bool)
+
+
+def _column(rows: pd.DataFrame, name: str, rule: str) -> "pd.Series[float]":
+    if name not in rows.columns:
+        hint = nearest(name, [str(column) for column in rows.columns])
+        raise InvalidParameter(f"{rule}: found no column {name!r}{hint}, which this rule needs")
+    return rows[name]

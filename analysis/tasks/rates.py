@@ -1,0 +1,51 @@
+"""How often was felt what: rates against the level, and over all levels."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from statsmodels.stats.proportion import proportion_confint
+
+from ..arrays import Array
+from .cells import Cell
+
+MAX_LEVELS = 16
+"""More levels than this are drawn together for the rates."""
+
+
+def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    """Rate of "yes", correct or "more" against the level in each condition, all participants together.
+
+    With Wilson's interval, which treats the answers as independent. Levels are drawn together into
+    `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
+    """
+    rows = [
+        (*cell.condition, cell.task, level, k, n)
+        for cell in found
+        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+    ]
+    table = pd.DataFrame(rows, columns=[*factors, "task", "level", "n_yes", "n_trials"])
+    table["level"] = _classes(table["level"].to_numpy(dtype=float), table["n_trials"].to_numpy(dtype=float))
+    rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
+    low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
+    rate = rates["n_yes"] / rates["n_trials"]
+    return rates.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
+
+
+def _classes(levels: Array, weights: Array) -> Array:
+    if len(np.unique(levels)) <= MAX_LEVELS:
+        return levels
+    edges = np.linspace(levels.min(), levels.max(), MAX_LEVELS + 1)
+    place = np.clip(np.digitize(levels, edges) - 1, 0, MAX_LEVELS - 1)
+    total = np.bincount(place, weights, MAX_LEVELS)
+    mean = np.bincount(place, weights * levels, MAX_LEVELS) / np.maximum(total, 1e-300)
+    return np.asarray(mean[place])
+
+
+def mean_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    """Mean over participants of the rate over all levels, in each condition (the thesis's detection
+    rates)."""
+    rows = [(*cell.condition, cell.task, sum(cell.n_yes) / sum(cell.n_trials)) for cell in found if sum(cell.n_trials)]
+    table = pd.DataFrame(rows, columns=[*factors, "task", "rate"])
+    grouped = table.groupby([*factors, "task"], sort=True, observed=True)["rate"]
+    return grouped.agg(rate="mean", sd="std", n="size").reset_index()
