@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from .means import mean_with_interval as mean_with_interval
     from .mixed_models.glmm import fit_glmm as fit_glmm
     from .outcomes.group_means import group_table as group_table
-    from .pipeline import Analysis as Analysis, analyse as analyse
+    from .pipeline import analyse as analyse
     from .plan import AnalysisPlan as AnalysisPlan, read_plan as read_plan
     from .reading.column_map import ColumnMap as ColumnMap, read_column_map as read_column_map
     from .reading.trials import Trials as Trials, read_trials as read_trials
     from .report.page import write_report as write_report
+    from .result import Analysis as Analysis
     from .tasks.same_different import (
         differencing_sensitivity as differencing_sensitivity,
         independent_sensitivity as independent_sensitivity,

@@ -1,7 +1,7 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,18 +9,20 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter
 
-from .attrakdiff.ratings import Ratings, ratings
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
 from .outcomes.outcome import outcome
+from .outcomes.ratings import Ratings, ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.exclusion import exclude
-from .reading.origin import Origin, of_one_kind
+from .reading.origin import of_one_kind
 from .reading.quality import frames, quality, with_frames
+from .reading.study_text import study_text
 from .reading.trials import Trials, read_trials
-from .report import methods as words
-from .report.study_text import StudyText, study_text
+from .report import data_warnings
+from .report.methods import methods
+from .result import Analysis
 from .tasks import adjustment, cells, magnitude
 from .tasks.applied_force import force_of_participants, force_table, has_force
 from .tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
@@ -38,97 +40,6 @@ OUTCOMES = {
 }
 DIRECT = {adjustment.TASK: adjustment.DEPENDENT, magnitude.TASK: magnitude.DEPENDENT}
 """Tasks whose answers are estimates: what stands in the table of participants for the value."""
-
-
-@dataclass(frozen=True)
-class Analysis:
-    """What was found in one data set.
-
-    `tables` maps a name to the table that is written as NAME.csv. `report` and `tables_folder` are None until
-    written.
-    """
-
-    trials: Trials
-    unit: str
-    estimates: tuple[cells.Estimate, ...]
-    outcomes: tuple[Outcome, ...]
-    tables: Mapping[str, pd.DataFrame]
-    warnings: tuple[str, ...]
-    methods: str
-    together: tuple[HierarchicalOutcome, ...] = ()
-    forms: tuple[Ratings, ...] = ()
-    plan: AnalysisPlan = field(default_factory=AnalysisPlan)
-    origin: Origin = field(default_factory=Origin)
-    study: StudyText = field(default_factory=StudyText)
-    report: Path | None = None
-    tables_folder: Path | None = None
-    figures_folder: Path | None = None
-
-    def summary(self) -> dict[str, object]:
-        """The result as plain values for JSON."""
-        return {
-            "path": str(self.trials.path),
-            "n_trials": len(self.trials.rows),
-            "n_participants": int(self.trials.rows["participant"].nunique()),
-            "factors": list(self.trials.factors),
-            "level_unit": self.unit,
-            "simulated": self.origin.is_simulated,
-            "seeds": list(self.origin.seeds),
-            "warnings": list(self.warnings),
-            "thresholds": words.plain_rows(self.tables.get("thresholds", pd.DataFrame())),
-            "goodness": words.plain_rows(self.tables.get("goodness", pd.DataFrame())),
-            "outcomes": [_plain_outcome(outcome, self.unit) for outcome in self.outcomes],
-            "hierarchical": [_plain_together(each, self.unit) for each in self.together],
-            "questionnaires": {form.name: words.plain_rows(form.summary) for form in self.forms},
-            "questionnaire_statistics": {form.name: form.sentences() for form in self.forms},
-            "loss": words.plain_rows(self.tables.get("loss", pd.DataFrame())),
-            "force": words.plain_rows(self.tables.get("force", pd.DataFrame())),
-            "same_different": words.plain_rows(self.tables.get("same_different", pd.DataFrame())),
-            "preference": words.plain_rows(self.tables.get("preference", pd.DataFrame())),
-            "adjustment": words.plain_rows(self.tables.get("adjustment", pd.DataFrame())),
-            "magnitude": words.plain_rows(self.tables.get("magnitude", pd.DataFrame())),
-            "excluded": words.plain_rows(self.tables.get("excluded", pd.DataFrame())),
-            "report": None if self.report is None else str(self.report),
-            "tables": None if self.tables_folder is None else str(self.tables_folder),
-            "figures": None if self.figures_folder is None else str(self.figures_folder),
-        }
-
-
-def _plain_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
-    return {
-        "task": outcome.task,
-        "dependent": outcome.dependent,
-        "group": words.plain_rows(outcome.group),
-        "primary": _plain_primary(outcome),
-        "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
-        "anova": None if outcome.anova is None else words.plain_rows(outcome.anova),
-        "status": None if outcome.status is None else outcome.status.value,
-        "sentences": list(outcome.sentences),
-        "statistics": outcome.all_sentences(unit),
-        "notes": list(outcome.notes),
-    }
-
-
-def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
-    if outcome.primary is None or outcome.effects is None:
-        return None
-    return {
-        "analysis": outcome.primary.value,
-        "title": outcome.title(outcome.primary),
-        "reason": outcome.reason,
-        "effects": words.plain_rows(outcome.effects),
-    }
-
-
-def _plain_together(each: HierarchicalOutcome, unit: str) -> dict[str, object]:
-    return {
-        "task": each.task,
-        "status": None if each.fit is None else each.fit.status.value,
-        "conditions": words.plain_rows(each.conditions),
-        "participants": words.plain_rows(each.participants),
-        "components": {} if each.fit is None else dict(each.fit.components),
-        "sentences": each.sentences(unit),
-    }
 
 
 def analyse(
@@ -250,13 +161,13 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
         warnings=(
             *origin.warnings,
             *trials.notes,
-            *words.exclusion_warnings(excluded),
+            *data_warnings.exclusion_warnings(excluded),
             *_missing(choices, trials.factors),
-            *words.warnings(trials, table, recorded, n_choices),
+            *data_warnings.warnings(trials, table, recorded, n_choices),
             *(goodness_warnings(table, trials.factors) if len(table) else []),
         ),
         methods=origin.method
-        + words.methods(
+        + methods(
             table,
             n_choices,
             forms,
@@ -281,7 +192,7 @@ def _missing(choices: Mapping[str, pd.DataFrame], factors: Sequence[str]) -> Ite
     """What is to be said of cells without a value, of tasks that are analysed directly."""
     for task in DIRECT:
         if task in choices:
-            yield from words.missing_cells(choices[task], factors)
+            yield from data_warnings.missing_cells(choices[task], factors)
 
 
 def _bounds(plan: AnalysisPlan, task: str) -> Mapping[str, float]:

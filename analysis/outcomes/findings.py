@@ -8,7 +8,6 @@ import pandas as pd
 from ..anova.censored import CensoredAnova
 from ..anova.design import DesignStatus
 from ..mixed_models.linear import MixedModel
-from ..report import apa
 from .primary import TITLES, Primary
 
 FORCE = "force_n"
@@ -20,7 +19,7 @@ DIFFERENCES = ("jnd",)
 class Outcome:
     """One dependent value of one task.
 
-    `primary` names the analysis that answers and `reason` says why it does; `sentences` are its. The others that ran
+    `primary` names the analysis that answers and `reason` says why it does. The others that ran
     are checks: `anova` of the largest complete part (`left_out` names what it lacks) with its `status` and assumptions
     (`checks`), `censored` of all that is known, a `permutation` test, a mixed `model` by the measured force. `pairs`,
     `equivalence`, `group_pairs` (by factor), `simple` and `simple_pairs` (by two factors: the first at each value of
@@ -36,7 +35,6 @@ class Outcome:
     between: str | None = None
     primary: Primary | None = None
     reason: str = ""
-    sentences: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     anova: pd.DataFrame | None = None
     left_out: tuple[str, ...] = ()
@@ -85,42 +83,10 @@ class Outcome:
             Primary.MIXED_MODEL: f"{TITLES[name]}: {self.model_title}",
         }[name]
 
-    def sentences_of(self, name: Primary) -> list[str]:
-        """Of one of its analyses."""
-        if name is Primary.MIXED_MODEL and self.model is not None:
-            return apa.model_sentences(self.model)
-        tell = apa.permutation_sentences if name is Primary.PERMUTATION else apa.anova_sentences
-        return tell(self.analyses()[name])
-
-    def all_sentences(self, of_levels: str) -> dict[str, list[str]]:
-        """Every sentence, by the heading that it stands under; `of_levels` is the unit of the levels."""
-        found = {} if self.primary is None else {self.heading(): list(self.sentences)}
-        found |= self._comparisons(self.unit(of_levels).partition(" re ")[0])  # a difference has no reference
-        found["Assumptions"] = [] if self.checks is None else list(self.checks["text"])
-        for name in self.analyses():
-            if name is not self.primary:
-                found[f"Check: {self.title(name)}"] = self.sentences_of(name)
-        return {heading: sentences for heading, sentences in found.items() if sentences}
-
     def heading(self) -> str:
         """Of the primary analysis."""
         assert self.primary is not None
         return f"Primary analysis: {self.title(self.primary)} ({self.reason})"
-
-    def _comparisons(self, unit: str) -> dict[str, list[str]]:
-        found = {}
-        for (name, by), table in self.simple.items():
-            found[f"Simple effects of {name} at each {by}"] = apa.simple_sentences(table, by)
-        for name, table in self.pairs.items():
-            found[f"Pairs of {name}"] = apa.pair_sentences(table, unit, factor=name)
-        for (name, by), table in self.simple_pairs.items():
-            tell = apa.group_sentences if name == self.between else apa.pair_sentences
-            found[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
-        for name, table in self.group_pairs.items():
-            found[f"Groups of {name}"] = apa.group_sentences(table, unit, factor=name)
-        for name, table in self.equivalence.items():
-            found[f"Equivalence over {name}"] = apa.equivalence_sentences(table, unit, factor=name)
-        return found
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""

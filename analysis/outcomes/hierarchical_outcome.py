@@ -5,16 +5,14 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
-from ..report import apa
 from ..tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
 from ..threshold.status import Status
-from ..wording.numbers import interval_text, number_text, p_text
+from ..wording.numbers import interval_text, number_text
 
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
@@ -42,34 +40,6 @@ class HierarchicalOutcome:
         """Every table, by the name of its file."""
         found = {f"hierarchical_{name}": self.conditions, f"hierarchical_{name}_participants": self.participants}
         return {key: table for key, table in found.items() if len(table)}
-
-    def sentences(self, unit: str) -> list[str]:
-        """Effects, variances and rates, and what a reader must know."""
-        if self.fit is None:
-            return [self.note]
-        tested = [f"{name}: Wald's {_statistic(one)}, {p_text(one.p)}" for name, one in self.effects.items()]
-        return [*tested, *_variance_sentences(self.fit, unit), *([self.note] if self.note else [])]
-
-
-def _statistic(one: FactorEffect) -> str:
-    if np.isinf(one.df_error):
-        return f"chi-square({one.df}) = {one.df * one.f:.2f} (participants' deviations by condition have no variance)"
-    return apa.f_text(one.f, one.df, one.df_error, one.epsilon)
-
-
-def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
-    unit = f" {unit.partition(' re ')[0]}" if unit else ""
-    names = {
-        "threshold": f"thresholds {{}}{unit}",
-        "threshold_cell": f"their deviations by condition {{}}{unit}",
-        "log_width": "logarithms of the width {}",
-        "log_width_cell": "their deviations by condition {}",
-    }
-    sds = [text.format(number_text(fit.components[name])) for name, text in names.items() if name in fit.components]
-    rates = {"lapse": fit.lapse_rate, "guess": fit.guess_rate}
-    told = [f"{name} rate of all {rate:.3f}" for name, rate in rates.items() if rate]
-    found = [f"standard deviations between {fit.n_participants} participants: {', '.join(sds)}"] if sds else []
-    return [*found, *([", ".join(told)] if told else [])]
 
 
 def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:

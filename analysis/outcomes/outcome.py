@@ -242,7 +242,7 @@ def _with_primary(found: Outcome, named: str | None, *, is_whole: bool) -> Outco
     lost = []
     if primary in (Primary.ANOVA, Primary.PERMUTATION) and found.left_out:
         lost = [f"the primary analysis leaves out {', '.join(found.left_out)}, which is at random only if bounds are"]
-    return replace(found, sentences=tuple(found.sentences_of(primary)), notes=(*found.notes, *lost))
+    return replace(found, notes=(*found.notes, *lost))
 
 
 def _comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:

@@ -7,14 +7,14 @@ from enum import StrEnum
 import pandas as pd
 
 from ..attrakdiff.patterns import THESIS
-from ..attrakdiff.ratings import REFERENCE, Ratings
 from ..figures import attrakdiff, group, growth, loss, participants
 from ..figures.axes import RATE_LABEL
 from ..figures.style import Drawing
 from ..outcomes.findings import FORCE, Outcome
 from ..outcomes.group_means import HIGH, LOW, bounds_of
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
-from ..pipeline import Analysis
+from ..outcomes.ratings import REFERENCE, Ratings
+from ..result import Analysis
 from ..tasks.cells import Estimate
 from ..tasks.magnitude import DEPENDENT as EXPONENT, GROWTH, TASK as MAGNITUDE
 from ..tasks.rates import MAX_LEVELS

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from ..attrakdiff.ratings import Ratings
 from ..mixed_models.linear import MixedModel
 from ..outcomes.findings import Outcome
 from ..outcomes.primary import RULE, Primary
+from ..outcomes.ratings import Ratings
 
 CORRECTED = (
     "Degrees of freedom of F are corrected by Chi and Muller's epsilon (Chi, Gribbin, Lamers, Gregory & Muller 2012), "

@@ -1,164 +1,20 @@
-"""Sentences of a report, made from the numbers."""
+"""The methods paragraph, and the works that it names."""
 
 from collections.abc import Collection, Sequence
 from importlib.metadata import version
 
-import numpy as np
 import pandas as pd
 
-from tactometry.trials.tasks import FORM_TASK
-
-from ..attrakdiff.ratings import Ratings, unanswered
 from ..outcomes.findings import Outcome
+from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
-from ..reading.study_file import forms_of
-from ..reading.trials import Trials
-from ..tasks.cells import FITTED_TASKS
-from ..tasks.measurement import TASK as MEASURED_TASK
-from ..threshold.status import Status
-from ..wording.labels import named_cells
-from ..wording.numbers import percent_text
 from .group_methods import group_methods
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
-MANY_FALSE_ALARMS = 0.25
-MANY_INVALID = 0.2
-MANY_DROPPED = 0.01
-"""Shares above these are warned of; unverified defaults."""
-FEW_TRIALS = 15
-STATUS_WORDS = {
-    Status.BELOW: "with a threshold below the levels: its upper bound is given",
-    Status.ABOVE: "with a threshold above the levels: its lower bound is given",
-    Status.SEPARATED: "with one step between two levels: the width has an upper bound only",
-    Status.FLAT: "without a rise with the level: no threshold is given",
-    Status.NON_MONOTONE: "with a fall somewhere at rising level, more than chance explains",
-    Status.TOO_FEW_LEVELS: "with fewer than three levels",
-    Status.NO_DATA: "without a trial at a level",
-}
-
-
-def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
-    """Rows as plain values: None for what is missing."""
-    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choices: int) -> tuple[str, ...]:
-    """What a reader must know before the numbers."""
-    of_fits = []
-    if len(table):
-        of_fits = [*missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
-        of_fits += _few_trials(table, trials.factors)
-        of_fits += _answer_warnings(trials, table, n_choices)
-    return (*of_fits, *_other_tasks(trials), *unanswered(trials), *_quality_warnings(quality))
-
-
-def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
-    """One for each rule that left something out."""
-    return [
-        f"left out by the rule {rule} = {part['bound'].iloc[0]:g}, numbers of trials: "
-        + ", ".join(f"{code} {n}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
-        for rule, part in excluded.groupby("rule", sort=False)
-    ]
-
-
-def missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    """Conditions that others have and a participant has not; a factor that varies between participants alone is none of
-    theirs."""
-    found = []
-    for task, part in table.groupby("task", sort=False):
-        inside = [name for name in factors if part.groupby("participant")[name].nunique().max() > 1]
-        conditions = part[inside].drop_duplicates()
-        whole = part[["participant"]].drop_duplicates().merge(conditions, how="cross")
-        held = whole.merge(part[["participant", *inside]].drop_duplicates(), how="left", indicator=True)
-        lost = held[held["_merge"] == "left_only"].sort_values(["participant", *inside])
-        if len(lost):
-            found.append(
-                f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
-            )
-    return found
-
-
-def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    found = []
-    for status, text in STATUS_WORDS.items():
-        part = table[table["status"] == status.value]
-        if len(part):
-            found.append(f"{len(part)} of {len(table)} cells {text} ({named_cells(part, factors)})")
-    return found
-
-
-def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    part = table[table["n_trials"] < FEW_TRIALS]
-    if not len(part):
-        return []
-    return [
-        f"{len(part)} of {len(table)} cells with fewer than {FEW_TRIALS} trials: such intervals rest on the priors "
-        f"({named_cells(part, factors)})"
-    ]
-
-
-def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> list[str]:
-    found = []
-    yes_no = table[table["task"] == "yes_no"]
-    if len(yes_no) and not yes_no["n_catch"].sum():
-        found.append("no catch trials in a yes/no task: the guess rate rests on its prior alone")
-    choice = trials.rows["task"] == "forced_choice"
-    if choice.any() and "target" not in trials.rows.columns:
-        found.append(
-            f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
-        )
-    return found
-
-
-def _other_tasks(trials: Trials) -> list[str]:
-    rows = trials.rows
-    known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK, *CHOICES))
-    if "procedure" in rows.columns:
-        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms_of(trials.path))
-    other = rows[~known]
-    if not len(other):
-        return []
-    return [f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"]
-
-
-def _frame_warnings(quality: pd.DataFrame) -> list[str]:
-    due = quality["n_frames"] + quality["n_dropped_frames"]
-    lost = quality.assign(n_due=due)[quality["n_dropped_frames"] > MANY_DROPPED * due]
-    if not len(lost):
-        return []
-    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
-    return [f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(names)}"]
-
-
-def _quality_warnings(quality: pd.DataFrame) -> list[str]:
-    found = []
-    many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
-    if len(many):
-        names = ", ".join(
-            f"{code} {percent_text(rate)}"
-            for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
-        )
-        found.append(f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {names}")
-    if "n_dropped_frames" in quality.columns:
-        found += _frame_warnings(quality)
-    invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
-    if len(invalid):
-        found.append(f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}")
-    return found
-
-
 CURVES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
 }
-
-
 CHOICES = {
     "same_different": "Sensitivity in same-different trials is given under the differencing and the "
     "independent-observation rule (Macmillan & Creelman 2005), with the log-linear correction.",

@@ -11,10 +11,10 @@ import pandas as pd
 from tactometry.errors import DeviceFailed, InvalidParameter, counted
 from tactometry.files.safe_text import file_text
 
-from ..attrakdiff.ratings import Ratings
 from ..outcomes.findings import Outcome
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
-from ..pipeline import Analysis
+from ..outcomes.ratings import Ratings
+from ..result import Analysis
 from ..wording.cross_table import cross_table
 from ..wording.decibels import as_amplitudes, is_decibel
 from ..wording.labels import in_words, split_unit
@@ -25,6 +25,7 @@ from .choice_text import choice_table
 from .figure_list import NAMES, Figure, Place, figures_of
 from .grid import TextGrid, grid
 from .pdf import print_pdf
+from .sentences import form_sentences, hierarchical_sentences, outcome_sentences
 from .table_files import write_tables
 
 
@@ -103,14 +104,16 @@ def render(found: Analysis) -> str:
         data=data_line(found),
         warnings=[text for text in found.warnings if f"{text}." != found.origin.line] + _notes(found),
         outcomes=[_section(outcome, found) for outcome in found.outcomes],
-        forms=[(form, means_sentence(form.summary), _summary_grid(form), form.sentences()) for form in found.forms],
+        forms=[(form, means_sentence(form.summary), _summary_grid(form), form_sentences(form)) for form in found.forms],
         grids=_grids(found),
         choices={
             name: grid(choice_table(found.tables[name], name, found.trials, found.unit), factors)
             for name in methods.CHOICES
             if name in found.tables
         },
-        together=[(each, _cross_grid(each, found), each.sentences(found.unit)) for each in found.together],
+        together=[
+            (each, _cross_grid(each, found), hierarchical_sentences(each, found.unit)) for each in found.together
+        ],
         shrunken={each.task: grid(each.participants, factors) for each in found.together},
         references=methods.references(found.methods),
     )
@@ -118,7 +121,7 @@ def render(found: Analysis) -> str:
 
 def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
     """What the page says of one dependent value."""
-    sentences = outcome.all_sentences(found.unit)
+    sentences = outcome_sentences(outcome, found.unit)
     primary = sentences.pop(outcome.heading(), []) if outcome.primary is not None else []
     return {
         "outcome": outcome,

@@ -8,12 +8,13 @@ from ..wording.labels import in_words
 from .captions import means_text
 from .choice_text import choice_table
 from .grid import grid
+from .sentences import form_sentences, hierarchical_sentences, primary_sentences
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.table import Table
 
-    from ..pipeline import Analysis
+    from ..result import Analysis
 
 NAMES = {
     "threshold": "threshold",
@@ -39,8 +40,8 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
     """Each table with its title and what is said below it."""
     for outcome in found.outcomes:
         unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
-        primary = [outcome.heading()] if outcome.primary else []
-        said = (*outcome.notes, *primary, *outcome.sentences)
+        primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
+        said = (*outcome.notes, *primary)
         yield outcome.cross, f"{NAMES[outcome.dependent]}{unit} ({means_text(outcome.group)}, n)", said
     for each in found.together:
         if each.fit is not None:
@@ -48,9 +49,9 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
             title = "point of subjective equality" if each.task == "comparison" else "threshold"
             unit = f", {found.unit}" if found.unit else ""
             title = f"check, all participants at once: {title}{unit} (mean, 95 % interval)"
-            yield cross, title, each.sentences(found.unit)
+            yield cross, title, hierarchical_sentences(each, found.unit)
     for form in found.forms:
-        heading, lines = next(iter(form.sentences().items()))
+        heading, lines = next(iter(form_sentences(form).items()))
         compared = [heading, *lines] if form.tests_effects else []
         yield form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared]
     for name, title in CHOICE_NAMES.items():

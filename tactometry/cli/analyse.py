@@ -8,7 +8,7 @@ import click
 from .output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.analysis.pipeline import Analysis
+    from tactometry.analysis.result import Analysis
 
 
 @click.command(
@@ -50,6 +50,7 @@ def command(
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.plan import read_plan
     from tactometry.analysis.reading.column_map import read_column_map
+    from tactometry.analysis.report.summary import summary
     from tactometry.experiments.data_sets.edited import edited
     from tactometry.experiments.data_sets.rule_estimates import replay_of
 
@@ -66,7 +67,7 @@ def command(
         warnings=edited(path),
         replay=replay_of(path),
     )
-    say(summary_text(found), found.summary(), as_json=as_json)
+    say(summary_text(found), summary(found), as_json=as_json)
 
 
 def summary_text(found: "Analysis") -> str:

@@ -17,6 +17,7 @@ N_PARTICIPANTS = 10
 def command(out: Path, seed: int, *, as_json: bool) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
+    from tactometry.analysis.report.summary import summary
     from tactometry.experiments.data_sets.rule_estimates import replay_of
     from tactometry.experiments.sessions.simulation import Simulation, simulate
     from tactometry.experiments.study.study_file import load
@@ -31,6 +32,6 @@ def command(out: Path, seed: int, *, as_json: bool) -> None:
     where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
     say(
         f"{summary_text(found)}\n{where}",
-        {"data_set": str(out), "trials": n_trials, **found.summary()},
+        {"data_set": str(out), "trials": n_trials, **summary(found)},
         as_json=as_json,
     )

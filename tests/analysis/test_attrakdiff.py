@@ -12,7 +12,6 @@ from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
 
 from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
-from tactometry.analysis.attrakdiff.ratings import ratings
 from tactometry.analysis.attrakdiff.scoring import (
     consistency,
     cronbach_alpha,
@@ -23,6 +22,7 @@ from tactometry.analysis.attrakdiff.scoring import (
     summary,
     word_pairs,
 )
+from tactometry.analysis.outcomes.ratings import ratings
 from tactometry.analysis.reading.study_file import forms_of
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter

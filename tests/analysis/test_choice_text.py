@@ -8,10 +8,11 @@ import pandas as pd
 from command_line import call
 from places import RECORDED
 
-from tactometry.analysis.pipeline import Analysis, analysed
+from tactometry.analysis.pipeline import analysed
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import render
+from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.same_different import same_different_table
 from tactometry.cli.analyse import summary_text
 

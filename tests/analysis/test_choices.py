@@ -10,6 +10,7 @@ from scipy.stats import norm, t as student
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.trials import Trials
+from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table
 from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
 from tactometry.cli.analyse import summary_text
@@ -177,7 +178,7 @@ def test_both_are_analysed_and_reported(tmp_path) -> None:
     page = found.report.read_text()
     for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
         assert text in page
-    assert found.summary()["preference"][0]["item"] == "P0"
+    assert summary(found)["preference"][0]["item"] == "P0"
 
 
 def test_the_factor_that_is_compared_is_no_condition_of_the_force(tmp_path) -> None:

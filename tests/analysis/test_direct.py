@@ -7,9 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import render
+from tactometry.analysis.report.sentences import outcome_sentences
+from tactometry.analysis.report.summary import summary
+from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidFile
 
@@ -60,7 +63,9 @@ def test_settings_are_compared_in_the_unit_of_a_difference(adjusted) -> None:
     assert outcome.anova is not None
     difference = outcome.pairs["force_n"].iloc[1]["difference"]
     assert abs(difference + 3) < 4.5 * SD * np.sqrt(2 / 60)
-    assert f"{difference:.2f} dB, 95 % simultaneous CI" in outcome.all_sentences("dB re 1 V")["Pairs of force_n"][1]
+    assert (
+        f"{difference:.2f} dB, 95 % simultaneous CI" in outcome_sentences(outcome, "dB re 1 V")["Pairs of force_n"][1]
+    )
 
 
 def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
@@ -70,7 +75,7 @@ def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
     for text in ("Setting by adjustment (dB re 1 V)", "Participants: adjustment (18 rows)", "Gescheider 1997"):
         assert text in page
     assert "setting by adjustment, dB re 1 V" in summary_text(found)
-    assert found.summary()["adjustment"][0]["n_settings"] == 10
+    assert summary(found)["adjustment"][0]["n_settings"] == 10
     assert not any("not analysed" in warning for warning in found.warnings)
 
 
@@ -138,7 +143,7 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     ):
         assert text in page
     assert "<li>Moscatelli" not in page
-    assert found.outcomes[0].all_sentences("V")["Pairs of force_n"][0].startswith("1 N less 0.5 N: 0.0")
+    assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N less 0.5 N: 0.0")
 
 
 def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -> None:

@@ -10,6 +10,7 @@ from scipy.special import ndtr
 from scipy.stats import binom, norm
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table, goodness_warnings
 from tactometry.analysis.threshold.counts import normalised
 from tactometry.analysis.threshold.fitting import fit
@@ -192,8 +193,8 @@ def test_a_participant_who_answered_the_other_way_round_for_a_while_is_told(tmp_
 def test_json_has_the_tests_and_the_same_data_the_same_p(tmp_path):
     path = table_of(tmp_path / "t.csv", burst=())
     one, other = (analyse(path) for _ in range(2))
-    assert [row["test"] for row in one.summary()["goodness"]] == list(TESTS)
-    assert {row["n_tested"] for row in one.summary()["goodness"]} == {6}
+    assert [row["test"] for row in summary(one)["goodness"]] == list(TESTS)
+    assert {row["n_tested"] for row in summary(one)["goodness"]} == {6}
     pd.testing.assert_frame_equal(one.tables["thresholds"], other.tables["thresholds"])
 
 

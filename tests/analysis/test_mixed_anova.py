@@ -13,6 +13,7 @@ from tactometry.analysis.anova.group_pairs import group_pairs
 from tactometry.analysis.anova.split_plot import mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.outcome import outcome
+from tactometry.analysis.report.sentences import outcome_sentences
 from tactometry.errors import InvalidParameter
 
 
@@ -137,7 +138,7 @@ def test_a_factor_between_participants_gets_a_mixed_analysis_in_the_report() -> 
     assert found.anova["Source"].tolist() == ["hand", "freq", "hand * freq"]
     assert list(found.group_pairs) == ["hand"]
     assert set(found.tables("threshold")) >= {"groups_threshold_hand", "pairs_threshold_freq"}
-    assert "Welch's t(" in found.all_sentences("dB")["Groups of hand"][0]
+    assert "Welch's t(" in outcome_sentences(found, "dB")["Groups of hand"][0]
     hole = table.drop(index=0).assign(status="ok")
     holed = outcome(hole, ["hand", "freq"], "yes_no", "threshold")
     assert (holed.left_out, holed.primary) == (("participant 0",), "censored_anova")

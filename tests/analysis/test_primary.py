@@ -17,6 +17,8 @@ from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.group_methods import group_methods
+from tactometry.analysis.report.sentences import outcome_sentences, primary_sentences
+from tactometry.analysis.report.summary import summary
 from tactometry.cli.analyse import command, summary_text
 
 FACTORS = ["force_n", "frequency_hz"]
@@ -62,7 +64,7 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     roles = found.roles().set_index("analysis")
     assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
     assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")
-    headings = list(found.all_sentences("dB"))
+    headings = list(outcome_sentences(found, "dB"))
     assert headings[0].startswith("Primary analysis: repeated-measures analysis of variance of values and bounds")
     assert [heading for heading in headings if heading.startswith("Check: ")] == [
         f"Check: {roles.loc['anova', 'title']}"
@@ -106,18 +108,18 @@ def test_the_plan_names_the_analysis_that_answers(named) -> None:
     found = told(table, primary=named, forces=forces)
     assert (found.primary, found.reason) == (named, "named by the plan of analysis")
     assert found.roles()["role"].tolist().count("primary") == 1
-    assert found.sentences
+    assert primary_sentences(found)
     left_out = any("the primary analysis leaves out participant P0" in note for note in found.notes)
     assert left_out == (named in ("anova", "permutation"))
 
 
 def test_a_named_analysis_that_has_no_answer_leaves_the_question_open() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
-    assert (found.primary, found.sentences) == (None, ())
+    assert (found.primary, primary_sentences(found)) == (None, [])
     assert found.notes == (
         "no primary analysis: linear mixed model (named by the plan of analysis) has no answer here",
     )
-    assert "Check: repeated-measures analysis of variance" in found.all_sentences("dB")
+    assert "Check: repeated-measures analysis of variance" in outcome_sentences(found, "dB")
 
 
 # --- after an interaction
@@ -134,7 +136,7 @@ def test_an_interaction_is_taken_apart() -> None:
     )
     assert simple["F"][2] == pytest.approx(alone["F"][0], rel=1e-9)
     assert simple["p_corr"].min() == pytest.approx(3 * simple["p_CM_corr"].min(), rel=1e-9)
-    lines = found.all_sentences("dB")["Simple effects of force_n at each frequency_hz"]
+    lines = outcome_sentences(found, "dB")["Simple effects of force_n at each frequency_hz"]
     assert lines[2].startswith("240 Hz: force_n, F(1, 7) = ")
     apart = found.simple_pairs["frequency_hz", "force_n"]
     assert len(apart) == 2 * 3
@@ -164,7 +166,7 @@ def test_groups_that_interact_are_compared_at_each_condition(n_below) -> None:
     inside = found.simple_pairs["frequency_hz", "hand"]
     assert inside["hand"].tolist() == ["left"] * 3 + ["right"] * 3
     assert inside["df"].max() == pytest.approx(4)
-    assert any("Welch's t(" in line for line in found.all_sentences("dB")["Pairs of hand at each frequency_hz"])
+    assert any("Welch's t(" in line for line in outcome_sentences(found, "dB")["Pairs of hand at each frequency_hz"])
 
 
 def test_without_an_interaction_there_are_no_simple_effects() -> None:
@@ -239,7 +241,7 @@ def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
     for shown in (page, text):
         assert "Primary analysis: repeated-measures analysis of variance" in shown
     assert "PQ: pattern: F(" in text
-    statistics = rated.summary()["questionnaire_statistics"]["attrakdiff"]
+    statistics = summary(rated)["questionnaire_statistics"]["attrakdiff"]
     assert len(statistics["Pairs of pattern"]) == 15
 
 

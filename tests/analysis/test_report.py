@@ -15,12 +15,15 @@ from click.testing import CliRunner
 from places import SHARED
 
 from tactometry.analysis.outcomes.group_means import group_table
-from tactometry.analysis.pipeline import Analysis, analyse
+from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.exclusion import Exclusion
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import write_report
 from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
+from tactometry.analysis.report.sentences import primary_sentences
+from tactometry.analysis.report.summary import summary
+from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.wording.cross_table import cross_table
@@ -65,7 +68,7 @@ def test_the_group_table_has_the_form_of_frequency_by_force(found) -> None:
 def test_the_analysis_of_variance_finds_the_frequency(found) -> None:
     anova = found.tables["anova_threshold"].set_index("Source")
     assert anova.loc["frequency_hz", "p_unc"] < 1e-4
-    assert found.outcomes[0].sentences[1].startswith("frequency_hz: F(")
+    assert primary_sentences(found.outcomes[0])[1].startswith("frequency_hz: F(")
 
 
 def test_rates_count_every_answer_once(found) -> None:
@@ -376,7 +379,7 @@ def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
     assert form.crossed.set_index(["dimension", "Source"]).loc[("HQ", "frequency"), "p_unc"] < 0.05
     assert list(form.cross().columns) == ["condition", "PQ", "HQI", "HQS", "ATT", "HQ"]
     assert {"attrakdiff_scores", "attrakdiff_portfolio", "attrakdiff_against_P0"} <= set(found.tables)
-    assert found.summary()["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
+    assert summary(found)["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
 
 
 def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated) -> None:

@@ -13,12 +13,13 @@ from tactometry.analysis.figures.axes import shift
 from tactometry.analysis.figures.group import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look
 from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.pipeline import Analysis, analysed
+from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.reading.study_text import procedure_text, study_text
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import render, unbroken
-from tactometry.analysis.report.study_text import procedure_text, study_text
+from tactometry.analysis.result import Analysis
 from tactometry.analysis.wording.decibels import as_amplitudes
 from tactometry.cli.analyse import summary_text
 from tactometry.config.toml import read_table

@@ -15,6 +15,8 @@ from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report.sentences import hierarchical_sentences
+from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.cells import Cell, cells
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
@@ -48,12 +50,12 @@ def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, foun
 
 
 def test_the_result_says_group_effects_variances_and_rates(found) -> None:
-    summary = found.summary()["hierarchical"][0]
-    assert re.match(WALD, summary["sentences"][0])
-    assert summary["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
-    assert "lapse rate of all 0.0" in summary["sentences"][2]
-    assert [row["force_n"] for row in summary["conditions"]] == [0.5, 3.0]
-    assert len(summary["participants"]) == 10
+    told = summary(found)["hierarchical"][0]
+    assert re.match(WALD, told["sentences"][0])
+    assert told["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
+    assert "lapse rate of all 0.0" in told["sentences"][2]
+    assert [row["force_n"] for row in told["conditions"]] == [0.5, 3.0]
+    assert len(told["participants"]) == 10
 
 
 def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
@@ -128,7 +130,7 @@ def test_a_factor_between_participants_is_not_tested() -> None:
         "",
     )
     assert found.effects == {}
-    assert "no test of effects: hand does not vary within participants" in found.sentences("")[-1]
+    assert "no test of effects: hand does not vary within participants" in hierarchical_sentences(found, "")[-1]
 
 
 def test_forced_choices_guess_at_their_chance() -> None:
@@ -146,7 +148,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
 def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
     told = together(found, [], 2, "")
     assert told.fit is None
-    assert told.sentences("")[0].startswith(note)
+    assert hierarchical_sentences(told, "")[0].startswith(note)
     assert told.tables("yes_no") == {}
 
 
@@ -158,7 +160,8 @@ def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
 
 def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
     answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
-    told = together([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "").sentences("")
+    outcome = together([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "")
+    told = hierarchical_sentences(outcome, "")
     assert any("standard deviations between" in sentence for sentence in told)
     assert not any("rate" in sentence for sentence in told)
 

@@ -6,6 +6,7 @@ import pytest
 from scipy.stats import t as student
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile
 from tactometry.experiments.data_sets.force_loss import measured_losses
 from tactometry.experiments.study.study_file import builtin
@@ -89,7 +90,7 @@ def test_report_and_figures_hold_the_loss(data_set, tmp_path):
     assert "31.0 % [" in page
     assert (tmp_path / "report_tables" / "loss.csv").exists()
     assert (tmp_path / "figures" / "loss.png").stat().st_size > 5000
-    assert len(found.summary()["loss"]) == 3
+    assert len(summary(found)["loss"]) == 3
 
 
 def test_the_figure_of_the_thesis_is_fed_from_the_data_set(data_set):

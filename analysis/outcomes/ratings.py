@@ -1,25 +1,23 @@
 """The questionnaires of a data set, each with its scores, tables and comparisons."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
-from tactometry.errors import counted
 from tactometry.questionnaire import Questionnaire
 from tactometry.trials.tasks import FORM_TASK
 
-from ..outcomes.findings import Outcome
-from ..outcomes.outcome import outcome
-from ..outcomes.primary import Primary
+from ..attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
+from ..attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials, asked_rows
-from ..report import apa
 from ..wording.labels import value_of
 from ..wording.numbers import interval_text
-from .patterns import THESIS, against_reference, frequency_by_envelope, grouped_profile
-from .scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
+from .findings import Outcome
+from .outcome import outcome
+from .primary import Primary
 
 PATTERN, REFERENCE = "pattern", "P0"
 
@@ -88,18 +86,6 @@ class Ratings:
         whose = {note: "" if len(own) == len(self.outcomes) else f", {', '.join(own)}" for note, own in found.items()}
         return [f"{self.form.title}{own}: {note}" for note, own in whose.items()]
 
-    def sentences(self) -> dict[str, list[str]]:
-        """Every sentence, by the heading that it stands under."""
-        found: dict[str, list[str]] = {}
-        if self.crossed is not None:
-            found["Frequency by envelope, without the single focus"] = _by_dimension(self.crossed, apa.anova_sentences)
-        if self.against is not None:
-            found[f"Patterns against {REFERENCE}"] = _by_dimension(self.against, apa.pair_sentences)
-        for dimension, each in self.outcomes.items():
-            for heading, lines in each.all_sentences("").items():
-                found.setdefault(heading, []).extend(f"{dimension}: {line}" for line in lines)
-        return found | {"Consistency": apa.alpha_sentences(self.consistency, self.factors)}
-
     def cross(self) -> pd.DataFrame:
         """Conditions down, dimensions across, each as mean with interval, in text."""
         found = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
@@ -114,36 +100,16 @@ def _mean_text(row: "pd.Series[Any]") -> str:
     return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{lost})"
 
 
-def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[str]]) -> list[str]:
-    found = []
-    for dimension, part in table.groupby("dimension", sort=False):
-        left_out = part["left_out"].iloc[0]
-        tail = f" (left out, without a score: {left_out})" if left_out else ""
-        tested = part[part["F" if "F" in part.columns else "t"].notna()] if {"F", "t"} & set(part.columns) else part[:0]
-        found += [f"{dimension}: {text}{tail}" for text in (sentences(tested) if len(tested) else [])]
-        found += [f"{dimension}: not tested, {note}" for note in part["note"][~part.index.isin(tested.index)]]
-    return found
-
-
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
     """What is said of each questionnaire that anyone answered; `primary` as for `outcome`."""
     return tuple(
         _ratings(_rated(rows, trials.factors), trials.factors, form, primary)
-        for form, rows in _asked(trials)
+        for form, rows in asked_forms(trials)
         if (rows["response"] != "").any()
     )
 
 
-def unanswered(trials: Trials) -> list[str]:
-    """A warning for each questionnaire that was put and that nobody answered."""
-    return [
-        f"{form.title}: of {counted(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
-        for form, rows in _asked(trials)
-        if (rows["response"] == "").all()
-    ]
-
-
-def _asked(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
+def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
     """The questionnaires that were put, each with its rows."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
