@@ -51,7 +51,7 @@ def free() -> list[Rung]:
 
 
 def _elements_hz(plate: Plate, n: int, n_modes: int) -> Real:
-    return bogner_fox_schmit_hz(plate, n, n, n_modes)[plate_modes.N_RIGID :]
+    return bogner_fox_schmit_hz(plate, n, n, n_modes)[plate.rectangle.n_rigid :]
 
 
 def other_bases() -> list[Rung]:
@@ -67,7 +67,7 @@ def _bare_hz(make, degree: int) -> Real:  # type: ignore[no-untyped-def]
 
     plate = boundary_basis.PLATE
     on_x, on_y = make(plate.length_m, degree, held=True), make(plate.width_m, degree, held=False)
-    stiffness, mass = pencil(plate, on_x, on_y, *ellipse(on_x, on_y, degree, degree))
+    stiffness, mass = pencil(plate.rectangle, on_x, on_y, *ellipse(on_x, on_y, degree, degree))
     try:
         found = eigh(stiffness, mass, eigvals_only=True)
     except LinAlgError:

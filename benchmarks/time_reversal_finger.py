@@ -13,11 +13,11 @@ from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
 from tactometry.stimuli.time_reversal.responses.load import Receptances, loaded_receptance
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
-MODES = PLATE.modes(31.25e3)
+MODES = modes_of(PLATE, 31.25e3)
 OSCILLATORS = Oscillators(MODES.angular_frequency_rad_per_s, np.full(len(MODES.frequency_hz), 100.0))
 S = 2j * np.pi * np.linspace(100.0, 25e3, 2000)
 N_DENSE = 20

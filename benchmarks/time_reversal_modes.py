@@ -17,7 +17,8 @@ from scikit_fem_plate import bogner_fox_schmit_hz
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.plate.plate import degrees, ritz_frequencies_hz
+from tactometry.stimuli.time_reversal.rectangle.ritz import solve
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
 ELEMENTS = ((40, 28), (60, 42), (90, 63))
@@ -25,8 +26,8 @@ WANTED = 1e-3
 
 
 def frequencies_hz(f_max_hz: float, degree: tuple[int, int] | None = None) -> NDArray[np.float64]:
-    blocks = solve(PLATE, f_max_hz, degree)
-    return np.sort(np.concatenate([block.angular_frequency_rad_per_s for block in blocks])) / (2 * np.pi)
+    solve.cache_clear()
+    return ritz_frequencies_hz(PLATE, f_max_hz, degree)
 
 
 def reference_hz(f_max_hz: float) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from time_reversal_rounds import interleaved, machine, row
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
 from tactometry.stimuli.time_reversal.plate.glass import GLASSES
-from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -33,7 +33,7 @@ def peak_flops() -> float:
 
 
 def field_frame(peak: float) -> None:
-    modes = PLATE.modes(F_MAX_HZ)
+    modes = modes_of(PLATE, F_MAX_HZ)
     x, y = np.linspace(0, 0.297, N_X), np.linspace(0, 0.210, N_Y)
     draw = modes.frame(x, y)
     amplitude = np.random.default_rng(0).normal(size=len(modes.frequency_hz))

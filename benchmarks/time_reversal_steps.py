@@ -17,6 +17,7 @@ from tactometry.stimuli.time_reversal.focusing.quantiser import normalised
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
+from tactometry.stimuli.time_reversal.plate.modes import modes_of
 
 Array = NDArray[np.float64]
 RATE_HZ, N = 100e3, 1500
@@ -24,7 +25,7 @@ RATE_HZ, N = 100e3, 1500
 
 def stepping() -> None:
     plate = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
-    omega = plate.modes(31.25e3).angular_frequency_rad_per_s
+    omega = modes_of(plate, 31.25e3).angular_frequency_rad_per_s
     oscillators = Oscillators(omega, np.full(len(omega), 100.0))
     noise = np.random.default_rng(0).normal(size=(len(omega), N + 40))
     smooth = np.stack([np.convolve(one, np.hanning(41), "valid") for one in noise])

@@ -7,8 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
 from ..cost.problem import Problem, Rung
 from .plate_modes import largest
@@ -38,8 +37,7 @@ def problem() -> Problem:
 
 
 def _ritz_hz(p_x: int, p_y: int) -> Real:
-    blocks = solve(PLATE, F_MAX_HZ, (p_x, p_y))
-    return np.sort(np.concatenate([block.angular_frequency_rad_per_s for block in blocks])) / (2 * np.pi)
+    return ritz_frequencies_hz(PLATE, F_MAX_HZ, (p_x, p_y))
 
 
 def levy_hz() -> Real:

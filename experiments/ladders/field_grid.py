@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.plate.modes import Modes, values
+from tactometry.stimuli.time_reversal.plate.modes import Modes, modes_of, values
 
 from ..cost.problem import Problem, Rung
 
@@ -19,7 +19,7 @@ Real = NDArray[np.float64]
 
 def problem() -> Problem:
     """Cubic splines between the points of the grid, in the maximum norm over the peak."""
-    modes = A4_SCREEN.modes(F_MAX_HZ)
+    modes = modes_of(A4_SCREEN, F_MAX_HZ)
     amplitude = np.cos(np.arange(len(modes.frequency_hz)) * 2.4)
     points = _points()
     return Problem(

@@ -5,8 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, solve
+from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
 from ..cost.problem import Problem, Rung
 
@@ -14,7 +13,6 @@ F_MAX_HZ = 5e3
 SIDE_M = 0.2
 DEGREES = (13, 16, 19, 22)
 FINEST = 38
-N_RIGID = 3
 ROUNDING = 1e-10
 PUBLISHED = (13.46820, 19.59614, 24.27020, 34.80089, 34.80089, 61.09323)
 """``omega a^2 (rho h/D)^(1/2)`` of a free square plate, Poisson's ratio 0.3, to seven digits."""
@@ -68,9 +66,8 @@ def _rungs(plate: Plate) -> tuple[Rung, ...]:
 
 
 def _frequencies_hz(plate: Plate, degree: int) -> NDArray[np.float64]:
-    blocks = solve(plate, F_MAX_HZ, (degree, degree))
-    found = np.sort(np.concatenate([block.angular_frequency_rad_per_s for block in blocks])) / (2 * np.pi)
-    return np.asarray(found[N_RIGID:] if plate.boundary == "FFFF" else found)
+    found_hz = ritz_frequencies_hz(plate, F_MAX_HZ, (degree, degree))
+    return found_hz[plate.rectangle.n_rigid :]
 
 
 def _navier_hz(plate: Plate) -> NDArray[np.float64]:

@@ -312,9 +312,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "plate.plate": {
             "Plate.contains": {"self": PLATE, "x_m": 0.1, "y_m": 0.1},
             "Plate.check_holds": {"self": PLATE, "name": "at_m", "at_m": (0.1, 0.1)},
-            "Plate.modes": {"self": PLATE, "shear_factor": 0.8, **LOW},
             "Plate.frequencies_hz": {"self": PLATE, **LOW},
             "Plate.mode_count": {"self": PLATE, "frequency_hz": 1e3},
+            "navier": {"plate": PLATE, **LOW},
+            "ritz": {"plate": PLATE, **LOW},
+            "ritz_frequencies_hz": {"plate": PLATE, **LOW},
+            "degrees": {"plate": PLATE, **LOW},
         },
         "plate.plate_file": {"read_plate": {"path": toml}},
         "focusing.quantiser": {

@@ -21,6 +21,7 @@ from tactometry.stimuli.time_reversal import (
 from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.design.thickness import sheets
+from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.load import Receptances
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
@@ -49,7 +50,7 @@ CLOSED = ClosedReversal.of(PLATE, Attenuation(3e-3), 1e3, 5e-3)
 SAMPLING = {"rate_hz": 2e3, "duration_s": 4e-3, "f_max_hz": 1e3}
 LOW = {"f_max_hz": 1e3}
 SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])
-FREE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF").modes(500.0)
+FREE = modes_of(Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "CFFF"), 500.0)
 AT_SETUP = Signal(np.sign(RNG.standard_normal((2, 8))), 4e3, "V")
 CLICK = np.eye(1, 400)[0]
 PLATE_FILE = 'glass = "Borofloat 33"\nlength_m = 0.2\nwidth_m = 0.1\nthickness_m = 1e-3\nboundary = "SSSS"\n'

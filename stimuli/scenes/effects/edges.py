@@ -79,7 +79,7 @@ class Edges:
 
     def error(self, scene: Surroundings) -> float:
         """What the polynomials add: the error of the frequencies, and the part of the phase that is seen."""
-        from ...time_reversal.rectangle.ritz import degrees
+        from ...time_reversal.plate.plate import degrees
 
         surface: Any = scene.surface
         degree = min(degrees(surface.plate, surface.band_max_hz))

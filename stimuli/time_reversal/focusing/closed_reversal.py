@@ -19,7 +19,7 @@ from tactometry.arguments.require import positive, shaped
 from tactometry.errors import InvalidParameter
 
 from ..oscillators.oscillators import Oscillators
-from ..plate.modes import Modes
+from ..plate.modes import Modes, modes_of
 from ..plate.plate import Plate
 from ..screen.attenuation import Attenuation
 
@@ -44,7 +44,7 @@ class ClosedReversal:
     def of(cls, plate: Plate, attenuation: Attenuation, f_max_hz: float, reversal_s: float) -> "ClosedReversal":
         """From the modes below `f_max_hz`, which must all oscillate (no rigid body, tau above their 1 / omega)."""
         positive("ClosedReversal.of", reversal_s=reversal_s)
-        modes = plate.modes(f_max_hz)
+        modes = modes_of(plate, f_max_hz)
         decay = attenuation.rate_per_s(modes.frequency_hz)
         oscillators = Oscillators(modes.angular_frequency_rad_per_s, decay)
         if not oscillators.oscillates.all():

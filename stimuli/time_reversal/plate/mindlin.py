@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 BATCH: Final = 64
+"""Modes whose tables of coefficients are held at a time."""
 
 
 def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: float) -> FloatArray:
     """(n_modes,): the frequencies of a block's modes with shear and rotary inertia; rigid modes stay at 0."""
-    thin = block.angular_frequency_rad_per_s
-    out = np.zeros_like(thin)
-    for start in range(0, len(thin), BATCH):
-        part = slice(start, start + BATCH)
-        out[part] = _thick(plate, thin[part], _Shapes(plate, block, block.vectors[part]), shear_factor)
-    return out
+    starts = range(0, len(block.vectors), BATCH)
+    batches = (slice(start, start + BATCH) for start in starts)
+    thick = [_thick(plate, block.wavenumber2_per_m2[at], _Shapes(plate, block, at), shear_factor) for at in batches]
+    return np.concatenate([np.empty(0), *thick])
 
 
 class _Shapes:
     """Mean squares over the plate of derivatives of some modes of a block, whose own mean square is 1."""
 
-    def __init__(self, plate: Plate, block: "ParityBlock", vectors: FloatArray) -> None:
+    def __init__(self, plate: Plate, block: "ParityBlock", chosen: slice) -> None:
+        vectors = block.vectors[chosen]
         self.plate, self.x, self.y = plate, block.on_x.axis, block.on_y.axis
         self.table = np.zeros((len(vectors), block.on_x.n, block.on_y.n))
         self.table[:, block.i, block.j] = vectors
@@ -68,10 +68,10 @@ class _Shapes:
         return np.asarray(_derivative(self.x, n_x).T @ self.table @ _derivative(self.y, n_y))
 
 
-def _thick(plate: Plate, thin_rad_per_s: FloatArray, shapes: _Shapes, shear_factor: float) -> FloatArray:
+def _thick(plate: Plate, wavenumber2_per_m2: FloatArray, shapes: _Shapes, shear_factor: float) -> FloatArray:
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), m * plate.thickness_m**2 / 12
-    k4 = (thin_rad_per_s / plate.wave_constant_m2_per_s) ** 2
+    k4 = wavenumber2_per_m2**2
     bent = k4 > 0
     safe = np.where(bent, k4, 1.0)
     layer_m = plate.thickness_m / math.sqrt(12 * shear_factor)

@@ -6,6 +6,7 @@ Every shape has mean square 1 over the plate, so that every modal mass is the ma
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, finite_array, positive, shaped
+from tactometry.arguments.require import finite_array, positive, shaped
 from tactometry.errors import InvalidParameter
 
 from ..rectangle.axis import Axis, SineAxis
@@ -21,13 +22,12 @@ from .dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
-from .plate import Plate
+from .plate import Plate, navier, ritz
 
 if TYPE_CHECKING:
     from ..rectangle.ritz import ParityBlock
 
 FloatArray = NDArray[np.float64]
-MAX_MODES: Final = 1_000_000
 ROUNDING: Final = 1e-12
 """Of shapes with a mean square of 1: polynomials that vanish at a held edge leave up to 3e-14 there."""
 
@@ -160,7 +160,7 @@ class RitzModes:
 
 @checked
 def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
-    """The modes of a plate from 0 Hz to `f_max_hz`.
+    """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
 
     Parameters
     ----------
@@ -180,14 +180,15 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
         If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
     positive("modes_of", f_max_hz=f_max_hz)
-    if plate.boundary != "SSSS":
-        return _ritz(plate, f_max_hz, shear_factor)
-    if shear_factor is None:
-        return _separable(plate, f_max_hz)
-    thin = _separable(plate, _thin_hz(plate, f_max_hz, shear_factor))
-    wavenumber = np.sqrt(thin.angular_frequency_rad_per_s / plate.wave_constant_m2_per_s)
-    omega = mindlin_angular_frequency_rad_per_s(plate, wavenumber, shear_factor)
-    return SeparableModes(plate, omega, thin.m, thin.n)
+    return _modes_of(plate, f_max_hz, shear_factor)
+
+
+@lru_cache(maxsize=16)
+def _modes_of(plate: Plate, f_max_hz: float, shear_factor: float | None) -> SeparableModes | RitzModes:
+    solve = _separable if plate.boundary == "SSSS" else _ritz
+    modes = solve(plate, f_max_hz, shear_factor)
+    modes.angular_frequency_rad_per_s.setflags(write=False)
+    return modes
 
 
 def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
@@ -203,30 +204,25 @@ def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
     return plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi)
 
 
-def _separable(plate: Plate, f_max_hz: float) -> SeparableModes:
-    k2_max = 2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s
-    at_most("number of modes below f_max_hz", plate.area_m2 * k2_max / (4 * math.pi), MAX_MODES)
-    at_most("modes along an edge below f_max_hz", plate.perimeter_m * math.sqrt(k2_max) / math.pi, MAX_MODES)
-    sides = (plate.length_m, plate.width_m)
-    along_x, along_y = (np.arange(1, int(side * math.sqrt(k2_max) / math.pi) + 2) for side in sides)
-    k2 = (math.pi * along_x[:, None] / sides[0]) ** 2 + (math.pi * along_y[None, :] / sides[1]) ** 2
-    m, n = np.nonzero(k2 <= k2_max * (1 + 1e-12))
-    order = np.argsort(k2[m, n], kind="stable")
-    omega = plate.wave_constant_m2_per_s * k2[m, n][order]
-    return SeparableModes(plate, omega, along_x[m[order]], along_y[n[order]])
+def _separable(plate: Plate, f_max_hz: float, shear_factor: float | None) -> SeparableModes:
+    if shear_factor is None:
+        m, n, k2 = navier(plate, f_max_hz)
+        return SeparableModes(plate, plate.wave_constant_m2_per_s * k2, m, n)
+    m, n, k2 = navier(plate, _thin_hz(plate, f_max_hz, shear_factor))
+    return SeparableModes(plate, mindlin_angular_frequency_rad_per_s(plate, np.sqrt(k2), shear_factor), m, n)
 
 
 def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzModes:
-    from ..rectangle.ritz import solve
+    if shear_factor is None:
+        blocks = ritz(plate, f_max_hz)
+        omega = plate.wave_constant_m2_per_s * np.concatenate([block.wavenumber2_per_m2 for block in blocks])
+        return RitzModes(plate, np.sort(omega), blocks, np.argsort(omega, kind="stable"))
     from .mindlin import frequencies_rad_per_s
 
-    if shear_factor is None:
-        blocks = solve(plate, f_max_hz)
-        omega = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
-        return RitzModes(plate, np.sort(omega), blocks, np.argsort(omega, kind="stable"))
     thin_hz = _thin_hz(plate, f_max_hz, shear_factor)
+    # some modes are slower than the plane wave of their thin mode: what lies above is solved too, then cut
     slower = 1.05 + 0.2 * thin_hz * plate.thickness_m**2 * 2 * math.pi / plate.wave_constant_m2_per_s
-    blocks = solve(plate, slower * thin_hz)
+    blocks = ritz(plate, slower * thin_hz)
     omega = np.concatenate([frequencies_rad_per_s(plate, block, shear_factor) for block in blocks])
     order = np.argsort(omega, kind="stable")
     order = order[omega[order] <= 2 * math.pi * f_max_hz]

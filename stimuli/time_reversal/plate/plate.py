@@ -1,21 +1,30 @@
 """A thin rectangular plate: material, size, edges and what follows from them in closed form."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import not_negative, positive, within
+from tactometry.arguments.require import at_most, not_negative, positive, within
 from tactometry.errors import InvalidParameter
 
+from ..rectangle.rectangle import Rectangle
+from ..rectangle.separable import Sines, sines
+
 if TYPE_CHECKING:
-    from .modes import Modes
+    from ..rectangle.ritz import ParityBlock
 
 FloatArray = NDArray[np.float64]
+
+MAX_MODES: Final = 1_000_000
+MARGIN_DEGREES: Final = 20
+"""Beyond the shortest wave: 1e-8 of every frequency (`tests/stimuli/time_reversal/test_ritz.py`)."""
+MAX_FUNCTIONS: Final = 16_000
+"""Whose dense matrices take up to 2 GB each."""
 
 
 @checked
@@ -118,11 +127,10 @@ class Plate:
                 f"{name}: found ({x_m}, {y_m}) m, expected a point of the plate of {self.length_m} x {self.width_m} m"
             )
 
-    def modes(self, f_max_hz: float, *, shear_factor: float | None = None) -> "Modes":
-        """The modes from 0 Hz to `f_max_hz`, sorted; see
-        `tactometry.stimuli.time_reversal.plate.modes.modes_of`.
-        """
-        return _modes(self, f_max_hz, shear_factor)
+    @property
+    def rectangle(self) -> Rectangle:
+        """What the shapes of the modes depend on."""
+        return Rectangle(self.length_m, self.width_m, self.boundary, self.poisson_ratio)
 
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:
         """Sorted natural frequencies (Kirchhoff) up to `f_max_hz`; rigid-body modes are 0 Hz.
@@ -132,7 +140,9 @@ class Plate:
         InvalidParameter
             If `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
         """
-        return self.modes(f_max_hz).frequency_hz
+        if self.boundary == "SSSS":
+            return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)
+        return ritz_frequencies_hz(self, f_max_hz)
 
     def mode_count(self, frequency_hz: float) -> float:
         """Number of simply supported modes below a frequency by Weyl's law with perimeter and corner terms.
@@ -148,10 +158,57 @@ class Plate:
         return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
 
 
-@lru_cache(maxsize=16)
-def _modes(plate: Plate, f_max_hz: float, shear_factor: float | None) -> "Modes":
-    from .modes import modes_of
+@checked
+def navier(plate: Plate, f_max_hz: float) -> Sines:
+    """The modes of the thin plate between simple supports, up to a frequency.
 
-    modes = modes_of(plate, f_max_hz, shear_factor=shear_factor)
-    modes.angular_frequency_rad_per_s.setflags(write=False)
-    return modes
+    Raises
+    ------
+    InvalidParameter
+        If there are too many.
+    """
+    k2_max = _wavenumber2_per_m2(plate, f_max_hz)
+    at_most("number of modes below f_max_hz", plate.area_m2 * k2_max / (4 * math.pi), MAX_MODES)
+    at_most("modes along an edge below f_max_hz", plate.perimeter_m * math.sqrt(k2_max) / math.pi, MAX_MODES)
+    return sines(plate.rectangle, k2_max)
+
+
+@checked
+def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
+    """The modes of the thin plate with any edges, up to a frequency, by polynomials of `degrees`, or given ones."""
+    # polynomials are not loaded where edges are simply supported
+    from ..rectangle.ritz import solve
+
+    return solve(plate.rectangle, _wavenumber2_per_m2(plate, f_max_hz), degree or degrees(plate, f_max_hz))
+
+
+@checked
+def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> FloatArray:
+    """Frequencies of `ritz`, sorted."""
+    wavenumber2_per_m2 = np.concatenate([block.wavenumber2_per_m2 for block in ritz(plate, f_max_hz, degree)])
+    return plate.wave_constant_m2_per_s * np.sort(wavenumber2_per_m2) / (2 * math.pi)
+
+
+@checked
+def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
+    """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber, and some more.
+
+    Raises
+    ------
+    InvalidParameter
+        If that is too much to be held.
+    """
+    half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
+    p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
+    # products inside of an ellipse: `ritz.ellipse`
+    if math.pi / 4 * p_x * p_y > MAX_FUNCTIONS:
+        raise InvalidParameter(
+            f"f_max_hz: found {f_max_hz}, which needs {p_x} x {p_y} functions, more than can be held; "
+            "lower f_max_hz or use the simply supported plate"
+        )
+    return p_x, p_y
+
+
+def _wavenumber2_per_m2(plate: Plate, f_max_hz: float) -> float:
+    positive("Plate", f_max_hz=f_max_hz)
+    return 2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s

@@ -10,7 +10,6 @@ from tactometry.arguments.require import positive, whole, within
 from tactometry.errors import InvalidParameter
 
 from ..rectangle.axis import SineAxis
-from ..rectangle.legendre import families, n_rigid
 from .plate import Plate
 
 FloatArray = NDArray[np.float64]
@@ -51,7 +50,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     178
     """
     plate.check_holds("at_m", at_m)
-    if n_rigid(plate.boundary[::2], plate.boundary[1::2]):
+    if plate.rectangle.n_rigid:
         raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
     whole("deflection_m", lowest=1, n_x=np.size(x_m), n_y=np.size(y_m))
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
@@ -117,15 +116,15 @@ def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
 def _ritz(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:
     from scipy.linalg import solve
 
-    from ..rectangle.ritz import ellipse, pencil
+    from ..rectangle.ritz import ellipse, pairs, pencil
 
     scale = plate.length_m**3 / (4 * plate.bending_rigidity_n_m * plate.width_m)
+    rectangle, degrees = plate.rectangle, (RITZ_DEGREE, RITZ_DEGREE)
     total = np.zeros(len(x))
-    for on_x in families(plate.length_m, plate.boundary[::2], RITZ_DEGREE):
-        for on_y in families(plate.width_m, plate.boundary[1::2], RITZ_DEGREE):
-            i, j = ellipse(on_x, on_y, RITZ_DEGREE, RITZ_DEGREE)
-            stiffness, _ = pencil(plate, on_x, on_y, i, j)
-            load = on_x.axis.value(at_m[0])[i, 0] * on_y.axis.value(at_m[1])[j, 0]
-            coefficients = solve(stiffness, load, assume_a="pos")
-            total += coefficients @ (on_x.axis.value(x)[i] * on_y.axis.value(y)[j])
+    for on_x, on_y in pairs(rectangle, degrees):
+        i, j = ellipse(on_x, on_y, *degrees)
+        stiffness, _ = pencil(rectangle, on_x, on_y, i, j)
+        load = on_x.axis.value(at_m[0])[i, 0] * on_y.axis.value(at_m[1])[j, 0]
+        coefficients = solve(stiffness, load, assume_a="pos")
+        total += coefficients @ (on_x.axis.value(x)[i] * on_y.axis.value(y)[j])
     return scale * total

@@ -50,17 +50,6 @@ def families(length_m: float, edges: str, degree: int) -> list[Family]:
     return [_family(length_m, edges, degree, parity) for parity in parities]
 
 
-def n_rigid(edges_x: str, edges_y: str) -> int:
-    """Number of rigid-body motions, {1, x, y} under the essential conditions of four edges.
-
-    >>> n_rigid("FF", "FF"), n_rigid("SF", "FF"), n_rigid("SS", "FF"), n_rigid("CF", "FF")
-    (3, 1, 0, 0)
-    """
-    constant = [edges == "FF" for edges in (edges_x, edges_y)]
-    linear = ["C" not in edges and edges.count("S") <= 1 for edges in (edges_x, edges_y)]
-    return constant[0] * constant[1] + linear[0] * constant[1] + constant[0] * linear[1]
-
-
 def _family(length_m: float, edges: str, degree: int, parity: int) -> Family:
     function, slope, curvature = _integrated(degree)
     cubics = [i for i in range(N_CUBICS) if parity < 0 or i % 2 == parity]

@@ -1,4 +1,4 @@
-"""Modes of a plate with any edges by Rayleigh and Ritz, solved for 1/lambda in parity blocks.
+"""Modes of a rectangle with any edges by Rayleigh and Ritz, solved for 1/lambda in parity blocks.
 
 K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
 modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
@@ -6,25 +6,23 @@ lambda_max / lambda_1. Basis: `legendre`. Products i, j are kept where (i / p_x)
 Checked against converged values of the literature in `tests/stimuli/time_reversal/test_ritz.py`.
 """
 
-import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import product
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.errors import InvalidParameter
-
-from ..plate.plate import Plate
-from .legendre import Family, families, n_rigid
+from .legendre import Family, families
+from .rectangle import Rectangle
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-MARGIN_DEGREES: Final = 20
-MAX_FUNCTIONS: Final = 16_000
 SHIFT: Final = 1.0
+"""Of the eigenvalues, whose unit is (2 / length)^4: rigid motions have a finite theta then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,46 +37,41 @@ class ParityBlock:
     on_y: Family
     i: IntArray
     j: IntArray
-    angular_frequency_rad_per_s: FloatArray
+    wavenumber2_per_m2: FloatArray
     vectors: FloatArray
 
 
-def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber,
-    and 20 more.
+@lru_cache(maxsize=16)
+def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[int, int]) -> Sequence[ParityBlock]:
+    """The modes up to a squared wavenumber, with polynomials of `degrees` in x and y: a block per pair of parities.
+
+    The last solutions are kept: frequencies and shapes are often asked for one after the other.
     """
-    half_k = math.sqrt(2 * math.pi * f_max_hz / plate.wave_constant_m2_per_s) / 2
-    p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
-    if math.pi / 4 * p_x * p_y > MAX_FUNCTIONS:
-        raise InvalidParameter(
-            f"f_max_hz: found {f_max_hz}, which needs {p_x} x {p_y} functions, more than can be held; "
-            "lower f_max_hz or use the simply supported plate"
-        )
-    return p_x, p_y
+    blocks = [
+        _block(rectangle, wavenumber2_max_per_m2, on_x, on_y, degrees) for on_x, on_y in pairs(rectangle, degrees)
+    ]
+    return _without_rigid_noise(blocks, rectangle.n_rigid)
 
 
-def solve(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> list[ParityBlock]:
-    """The modes up to `f_max_hz` as one block per pair of parities.
-
-    Parameters
-    ----------
-    degree : (int, int), optional
-        Polynomial degrees in x and y; by default `degrees`.
-    """
-    edges_x, edges_y = plate.boundary[::2], plate.boundary[1::2]
-    p_x, p_y = degree or degrees(plate, f_max_hz)
-    pairs = product(families(plate.length_m, edges_x, p_x), families(plate.width_m, edges_y, p_y))
-    blocks = [_block(plate, f_max_hz, on_x, on_y, (p_x, p_y)) for on_x, on_y in pairs]
-    return _without_rigid_noise(blocks, n_rigid(edges_x, edges_y))
+def pairs(rectangle: Rectangle, degrees: tuple[int, int]) -> list[tuple[Family, Family]]:
+    """The functions of x and of y, of each pair of parities."""
+    p_x, p_y = degrees
+    on_x = families(rectangle.length_m, rectangle.edges_x, p_x)
+    on_y = families(rectangle.width_m, rectangle.edges_y, p_y)
+    return list(product(on_x, on_y))
 
 
-def _block(plate: Plate, f_max_hz: float, on_x: Family, on_y: Family, degree: tuple[int, int]) -> ParityBlock:
-    i, j = ellipse(on_x, on_y, *degree)
-    stiffness, mass = pencil(plate, on_x, on_y, i, j)
-    unit = 4 * plate.wave_constant_m2_per_s / plate.length_m**2
-    theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / ((2 * math.pi * f_max_hz / unit) ** 2 + SHIFT))
+def _block(
+    rectangle: Rectangle, wavenumber2_max_per_m2: float, on_x: Family, on_y: Family, degrees: tuple[int, int]
+) -> ParityBlock:
+    i, j = ellipse(on_x, on_y, *degrees)
+    stiffness, mass = pencil(rectangle, on_x, on_y, i, j)
+    unit_per_m2 = 4 / rectangle.length_m**2
+    highest = (wavenumber2_max_per_m2 / unit_per_m2) ** 2
+    theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / (highest + SHIFT))
     eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)
-    return ParityBlock(on_x, on_y, i, j, unit * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
+    # a mean square of 1 over the plate is one of 1 / 4 over both s, each of which runs from -1 to 1
+    return ParityBlock(on_x, on_y, i, j, unit_per_m2 * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
@@ -88,12 +81,12 @@ def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, I
     return i, j
 
 
-def pencil(plate: Plate, on_x: Family, on_y: Family, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
+def pencil(rectangle: Rectangle, on_x: Family, on_y: Family, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
     """Stiffness and mass in units of (length / 2)^4 k^4: the quadratic form of Kirchhoff's plate."""
     from scipy.sparse import csr_array, kron
 
-    r2 = (plate.length_m / plate.width_m) ** 2
-    nu = plate.poisson_ratio
+    r2 = (rectangle.length_m / rectangle.width_m) ** 2
+    nu = rectangle.poisson_ratio
     x = {name: csr_array(matrix) for name, matrix in _integrals(on_x).items()}
     y = {name: csr_array(matrix) for name, matrix in _integrals(on_y).items()}
     twist = kron(x["cross"], y["cross"].T) + kron(x["cross"].T, y["cross"])
@@ -143,9 +136,9 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
-    """Rigid-body modes are 0 Hz exactly: their number is known from the edges."""
-    together = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
-    for block in blocks if n_zero else []:
-        ranks = np.searchsorted(np.sort(together), block.angular_frequency_rad_per_s, side="right")
-        block.angular_frequency_rad_per_s[ranks <= n_zero] = 0.0
-    return blocks
+    """Rigid-body modes have a wavenumber of 0 exactly: their number is known from the edges."""
+    if n_zero == 0:
+        return blocks
+    smallest = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))[:n_zero].max(initial=0.0)
+    still = [np.where(block.wavenumber2_per_m2 <= smallest, 0.0, block.wavenumber2_per_m2) for block in blocks]
+    return [replace(block, wavenumber2_per_m2=k2) for block, k2 in zip(blocks, still, strict=True)]

@@ -13,7 +13,7 @@ from tactometry.arguments.require import some
 
 from ..oscillators.oscillators import Oscillators
 from ..plate.glass import A4_SCREEN
-from ..plate.modes import Modes
+from ..plate.modes import Modes, modes_of
 from ..plate.plate import Plate
 from .attenuation import Attenuation
 from .transducer import ForceSource, border, modal_forces
@@ -53,7 +53,7 @@ class Screen:
 
     def modes(self, f_max_hz: float) -> Modes:
         """The modes below a frequency."""
-        return self.plate.modes(f_max_hz, shear_factor=self.shear_factor)
+        return modes_of(self.plate, f_max_hz, shear_factor=self.shear_factor)
 
     def oscillators(self, f_max_hz: float) -> Oscillators:
         """The modes below a frequency as oscillators of unit mass."""

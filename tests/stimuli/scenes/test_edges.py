@@ -11,8 +11,7 @@ from scene_cases import effect, screen, small_screen
 from scene_errors import LOSSY, error_of, run
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.plate import plate
-from tactometry.stimuli.time_reversal.rectangle import ritz
+from tactometry.stimuli.time_reversal.plate import modes, plate
 from tactometry.stimuli.time_reversal.screen import screen as screens
 
 BOUNDARIES = ("CCCC", "CFFF")
@@ -26,12 +25,12 @@ def with_degrees(monkeypatch):
     """A run whose polynomials go so many degrees beyond the shortest wave."""
 
     def clear():
-        plate._modes.cache_clear()
+        modes._modes_of.cache_clear()
         screens._modal_forces.cache_clear()
 
     def at(margin, scene):
         with monkeypatch.context() as patch:
-            patch.setattr(ritz, "MARGIN_DEGREES", margin)
+            patch.setattr(plate, "MARGIN_DEGREES", margin)
             clear()
             got = run(scene)
         clear()
@@ -88,7 +87,7 @@ def on_exact_modes(monkeypatch):
 
     def run_on(scene):
         with monkeypatch.context() as patch:
-            patch.setattr(plate, "_modes", exact)
+            patch.setattr(modes, "_modes_of", exact)
             screens._modal_forces.cache_clear()
             got = run(scene)
         screens._modal_forces.cache_clear()

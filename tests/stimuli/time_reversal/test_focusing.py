@@ -20,6 +20,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import (
 )
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.filtering import (
     Band,
     Butterworth,
@@ -164,7 +165,7 @@ def test_field_at_the_focus_is_the_amplitude_and_its_peak(learnt):
 def test_matrix_product_field_is_the_sum_over_modes(boundary):
     from tactometry.stimuli.time_reversal.plate.modes import values
 
-    modes = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary).modes(8e3)
+    modes = modes_of(BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary), 8e3)
     amplitude = np.random.default_rng().normal(size=(2, len(modes.frequency_hz)))
     x, y = np.linspace(0, 0.297, 13), np.linspace(0, 0.21, 9)
     summed = amplitude @ values(modes, np.repeat(x, 9), np.tile(y, 13))

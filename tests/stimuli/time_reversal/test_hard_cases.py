@@ -24,10 +24,9 @@ from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.plate.modes import RitzModes, values
-from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.legendre import families
-from tactometry.stimuli.time_reversal.rectangle.ritz import degrees, ellipse, pencil, solve
+from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, values
+from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
+from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.measured import inspect
@@ -60,12 +59,12 @@ def test_square_plate_with_degenerate_modes_is_the_50_digit_sum():
     assert len(set(omega)) < 0.7 * len(omega)
     off = difference(learnt(square, [POINT]).samples[0, 0, samples], exact)
     hard_case("square plate with degenerate modes", off, 0, 1e-13, against="50 digits", floor=1)
-    blocks = solve(square, F_MAX_HZ)
-    found = np.concatenate([block.angular_frequency_rad_per_s for block in blocks])
+    blocks = ritz(square, F_MAX_HZ)
+    found = square.wave_constant_m2_per_s * np.concatenate([block.wavenumber2_per_m2 for block in blocks])
     modes = RitzModes(square, np.sort(found), blocks, np.argsort(found))
     there, here = (values(modes, *place)[:, 0] for place in (SOURCE, POINT))
-    ritz = modal_response(np.sort(found), there, here, square.mass_kg, TAU_S, RATE_HZ, 200)
-    hard_case("degenerate modes by Ritz", difference(ritz[samples], exact), 0, 1e-8, against="50 digits", floor=1)
+    response = modal_response(np.sort(found), there, here, square.mass_kg, TAU_S, RATE_HZ, 200)
+    hard_case("degenerate modes by Ritz", difference(response[samples], exact), 0, 1e-8, against="50 digits", floor=1)
 
 
 def test_square_free_plate_answers_the_same_with_x_and_y_exchanged():
@@ -115,7 +114,7 @@ def test_reversal_of_no_sample_and_of_one():
 def test_ten_seconds_of_reversal_keep_phase_and_identity():
     """1e6 samples of 78 modes without loss: 1e-12 at the end against 50 digits; the focus is V times the sum of |h|."""
     h = learnt(A4_SCREEN, [POINT], tau_s=math.inf, rate_hz=1e5, n_samples=1_000_000, f_max_hz=5e3)
-    modes = A4_SCREEN.modes(5e3)
+    modes = modes_of(A4_SCREEN, 5e3)
     weights = values(modes, *SOURCE)[:, 0] * values(modes, *POINT)[:, 0] / A4_SCREEN.mass_kg / 1e5
     mp.dps = 50
     for sample in (499_999, 999_998, 999_999):
@@ -140,11 +139,11 @@ def test_a_million_steps_of_the_recurrence_drift_by_less_than_1e_10():
 def pencils(plate, f_max_hz, more):
     """Sparse stiffness and mass of each parity block with some degrees more, and the unit of sqrt(eigenvalue) in Hz."""
     p_x, p_y = (degree + more for degree in degrees(plate, f_max_hz))
+    rectangle = plate.rectangle
     unit_hz = 4 * plate.wave_constant_m2_per_s / plate.length_m**2 / (2 * math.pi)
-    for on_x in families(plate.length_m, plate.boundary[::2], p_x):
-        for on_y in families(plate.width_m, plate.boundary[1::2], p_y):
-            stiffness, mass = pencil(plate, on_x, on_y, *ellipse(on_x, on_y, p_x, p_y))
-            yield csc_array(stiffness), csc_array(mass), unit_hz
+    for on_x, on_y in pairs(rectangle, (p_x, p_y)):
+        stiffness, mass = pencil(rectangle, on_x, on_y, *ellipse(on_x, on_y, p_x, p_y))
+        yield csc_array(stiffness), csc_array(mass), unit_hz
 
 
 def below_and_near(stiffness, mass, shift):
@@ -219,7 +218,7 @@ def test_focus_on_a_node_line_is_the_50_digit_sum_over_the_modes_that_are_left(p
     h = learnt(A4_SCREEN, [place], n_samples=120)
     hard_case("focus on a node line", difference(h.samples[0, 0], exact), 0, 1e-13, against="50 digits", floor=1)
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(one_bit_focus(exact), rel=1e-12)
-    modes = A4_SCREEN.modes(F_MAX_HZ)
+    modes = modes_of(A4_SCREEN, F_MAX_HZ)
     assert not np.abs(values(modes, *place)[:, 0][modes.m % 2 == 0]).max() > 1e-14
 
 

@@ -83,7 +83,9 @@ INNER = frozenset(
         "oscillators.modal_sum",
         "oscillators.oscillators",
         "oscillators.propagator",
+        "rectangle.rectangle",
         "rectangle.ritz",
+        "rectangle.separable",
         "focusing.sigma_delta",
     }
 )

@@ -26,6 +26,7 @@ from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.load import (
     PlateLoad,
@@ -162,7 +163,7 @@ def test_one_load_is_the_textbook_formula():
 
 def test_mean_driving_point_mobility_is_that_of_the_infinite_plate():
     """Mean of Re Y over 1-25 kHz and points is 1 / Z_p within 10 %."""
-    modes = A4_SCREEN.modes(40e3)
+    modes = modes_of(A4_SCREEN, 40e3)
     oscillators = Oscillators(modes.angular_frequency_rad_per_s, np.full(len(modes.m), 1 / 3e-3))
     s = 2j * np.pi * np.linspace(2e3, 25e3, 600)
     from tactometry.stimuli.time_reversal.plate.modes import values

@@ -8,8 +8,8 @@ from scipy.linalg import block_diag, eigh
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_angular_frequency_rad_per_s
 from tactometry.stimuli.time_reversal.plate.mindlin import frequencies_rad_per_s
-from tactometry.stimuli.time_reversal.plate.modes import values
-from tactometry.stimuli.time_reversal.rectangle.ritz import solve
+from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
+from tactometry.stimuli.time_reversal.plate.plate import ritz
 
 KAPPA = 5 / 6
 N = 28
@@ -62,8 +62,8 @@ def mindlin(p, degree):
 
 
 def corrected(p):
-    blocks = solve(p, 440 * p.wave_constant_m2_per_s / (2 * np.pi))
-    thin = np.sort(np.concatenate([block.angular_frequency_rad_per_s for block in blocks]))
+    blocks = ritz(p, 440 * p.wave_constant_m2_per_s / (2 * np.pi))
+    thin = p.wave_constant_m2_per_s * np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))
     thick = np.sort(np.concatenate([frequencies_rad_per_s(p, block, KAPPA) for block in blocks]))
     return thin, thick
 
@@ -103,11 +103,11 @@ def test_a_strip_loses_torsional_stiffness_as_an_elastic_bar_does():
     """Torsion constant of a bar b x h: b h^3 / 3 (1 - 0.630 h / b) (Saint-Venant); h / (12 kappa)^(1/2) per edge."""
     wide, narrow = 1.0, 0.1
     p = Plate(wide, narrow, 4e-3, 70e9, 0.3, 2500.0, "FFFF")
-    blocks = solve(p, 1500.0)
+    blocks = ritz(p, 1500.0)
     thin, thick = (
         np.concatenate(parts)
         for parts in (
-            [block.angular_frequency_rad_per_s for block in blocks],
+            [p.wave_constant_m2_per_s * block.wavenumber2_per_m2 for block in blocks],
             [frequencies_rad_per_s(p, block, KAPPA) for block in blocks],
         )
     )
@@ -120,7 +120,7 @@ def test_a_strip_loses_torsional_stiffness_as_an_elastic_bar_does():
 
 def test_thick_modes_keep_rigid_motions_shapes_and_order():
     p = plate("FFFF", 0.02)
-    thin, thick = p.modes(2e3), p.modes(2e3, shear_factor=KAPPA)
+    thin, thick = modes_of(p, 2e3), modes_of(p, 2e3, shear_factor=KAPPA)
     assert np.array_equal(thick.frequency_hz[:3], np.zeros(3))
     assert (np.diff(thick.frequency_hz) >= 0).all()
     assert thick.frequency_hz[-1] <= 2e3
@@ -134,6 +134,6 @@ def test_thick_modes_keep_rigid_motions_shapes_and_order():
 def test_every_thick_mode_below_a_frequency_is_there():
     """Some of them are slower than their thin mode by more than the plane wave of that frequency is."""
     plate = Plate(0.2, 0.15, 8e-3, 64e9, 0.2, 2230.0, "CFFC")
-    found, more = (plate.modes(f_hz, shear_factor=5 / 6).frequency_hz for f_hz in (40e3, 55e3))
+    found, more = (modes_of(plate, f_hz, shear_factor=5 / 6).frequency_hz for f_hz in (40e3, 55e3))
     assert found == pytest.approx(more[more <= 40e3], rel=1e-3)
     assert len(found) > 30

@@ -17,6 +17,7 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
 
 CENTRE = (0.1485, 0.105)
@@ -78,7 +79,7 @@ def test_mindlin_square_plate_of_liew_and_of_hosseini_hashemi(ratio, shear_facto
 
 
 def test_mindlin_modes_of_the_screen_are_those_of_its_dispersion():
-    modes = A4_SCREEN.modes(60e3, shear_factor=5 / 6)
+    modes = modes_of(A4_SCREEN, 60e3, shear_factor=5 / 6)
     k2 = (np.pi * modes.m / 0.297) ** 2 + (np.pi * modes.n / 0.210) ** 2
     expected = mindlin_angular_frequency_rad_per_s(A4_SCREEN, np.sqrt(k2))
     assert modes.angular_frequency_rad_per_s == pytest.approx(expected, rel=1e-13)

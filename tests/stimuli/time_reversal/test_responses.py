@@ -12,7 +12,7 @@ from scipy.special import j1
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.plate.modes import laplacians, values
+from tactometry.stimuli.time_reversal.plate.modes import laplacians, modes_of, values
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.load import Receptances
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses, samples_in
@@ -158,13 +158,13 @@ def test_edge_and_corner_of_a_supported_plate_do_not_move(place):
 
 
 def test_node_line_silences_the_modes_that_share_it():
-    modes = A4_SCREEN.modes(10e3)
+    modes = modes_of(A4_SCREEN, 10e3)
     on_the_line = values(modes, 0.297 / 2, 0.06)[:, 0]
     assert np.abs(on_the_line[modes.m % 2 == 0]).max() < 1e-12
 
 
 def test_patch_force_is_the_integral_of_the_laplacian():
-    modes = a4("FFFF").modes(5e3)
+    modes = modes_of(a4("FFFF"), 5e3)
     patch = Patch(0.05, 0.03, 0.012, 0.008, 1.0)
     nodes, weights = np.polynomial.legendre.leggauss(20)
     x, y = 0.05 + 0.006 * nodes, 0.03 + 0.004 * nodes
@@ -175,7 +175,7 @@ def test_patch_force_is_the_integral_of_the_laplacian():
 
 def test_disc_on_a_supported_plate_is_the_bessel_closed_form():
     """The mean of a solution of Helmholtz's equation over a disc is its centre times 2 J1(ka) / ka."""
-    modes = A4_SCREEN.modes(25e3)
+    modes = modes_of(A4_SCREEN, 25e3)
     k = np.sqrt(modes.angular_frequency_rad_per_s / A4_SCREEN.wave_constant_m2_per_s)
     radius = 17.5e-3
     centre = values(modes, 0.1, 0.08)[:, 0]
@@ -185,14 +185,14 @@ def test_disc_on_a_supported_plate_is_the_bessel_closed_form():
 
 
 def test_small_patch_is_a_disc_of_the_same_area():
-    modes = A4_SCREEN.modes(10e3)
+    modes = modes_of(A4_SCREEN, 10e3)
     square = Patch(0.1, 0.08, 1e-4, 1e-4, 1.0).modal_force(modes)
     disc = DiscPatch(0.1, 0.08, 2e-4 / math.sqrt(math.pi), 1.0).modal_force(modes)
     assert square == pytest.approx(disc, rel=1e-5, abs=1e-6 * np.abs(disc).max())
 
 
 def test_patch_drive_has_a_flat_displacement_spectrum_and_point_force_falls_with_frequency():
-    modes = A4_SCREEN.modes(50e3)
+    modes = modes_of(A4_SCREEN, 50e3)
     omega = modes.angular_frequency_rad_per_s
     patch = Patch(0.1, 0.08, 2e-3, 2e-3, 1.0).modal_force(modes) / omega
     point = PointForce(0.1, 0.08).modal_force(modes) / omega
@@ -203,7 +203,7 @@ def test_patch_drive_has_a_flat_displacement_spectrum_and_point_force_falls_with
 
 def test_transducer_as_large_as_the_plate_is_the_exact_integral():
     whole = Patch(0.1485, 0.105, 0.297, 0.210, 1.0)
-    modes = A4_SCREEN.modes(5e3)
+    modes = modes_of(A4_SCREEN, 5e3)
     odd = (modes.m % 2 == 1) & (modes.n % 2 == 1)
     k2 = (math.pi * modes.m / 0.297) ** 2 + (math.pi * modes.n / 0.210) ** 2
     expected = np.where(odd, k2 * 2 * (2 * 0.297 / (math.pi * modes.m)) * (2 * 0.210 / (math.pi * modes.n)), 0.0)
