@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping, Sequence
 
 from tactometry.errors import InvalidParameter, nearest
 
+from .effect import Stage
 from .result import unit_of
-from .stage import Stage
 
 
 def needed(

@@ -7,9 +7,9 @@ from math import isinf
 
 from tactometry.errors import InvalidParameter
 
+from .effect import Stage
 from .plan import Plan, predicted_s
 from .scene import Scene
-from .stage import Stage
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
 WIDTH = 100

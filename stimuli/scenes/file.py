@@ -11,10 +11,9 @@ from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.target import resolve
 
-from .effect import Effect, FingerContact, Surface
+from .effect import Effect, FingerContact, Setting, Surface
 from .effects import EFFECTS
 from .scene import Scene
-from .stage import Setting
 from .surfaces import SURFACES
 
 

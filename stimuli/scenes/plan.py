@@ -9,7 +9,7 @@ from typing import Any
 
 from tactometry.errors import InvalidParameter
 
-from .stage import Stage
+from .effect import Stage
 
 Step = tuple[Callable[..., Any], tuple[int, ...], int]
 """A callable, the registers it reads, and the one it writes."""

@@ -8,11 +8,9 @@ from tactometry.errors import InvalidParameter, nearest
 
 from .chain import needed
 from .compatibility import check_effects
-from .demand import Demand
-from .effect import Effect, FingerContact, Surface
+from .effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from .plan import Plan
 from .result import unit_of
-from .stage import Setting, Stage
 
 ROUNDING = 1e-9
 

@@ -1,31 +1,28 @@
 """Air between the insulator and the skin."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.skin.skin import Skin
 
 
 @dataclass(frozen=True)
-class AirGap:
+class AirGap(Effect):
     """A gap of `gap_m`, above 0.
 
     >>> AirGap(gap_m=1e-6).slot
     'gap'
     """
 
-    kind: ClassVar[str] = "air_gap"
-    slot: ClassVar[str] = "gap"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("the gap is even under the whole contact",)
+    kind = "air_gap"
+    slot = "gap"
+    assumes = ("the gap is even under the whole contact",)
 
     gap_m: float
 
@@ -34,7 +31,7 @@ class AirGap:
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        return (Stage("air_gap", ("skin",), "skin", f"{__name__}:parted", {"gap_m": self.gap_m}, effect=self.kind),)
+        return (Stage("air_gap", ("skin",), "skin", f"{__name__}:parted", {"gap_m": self.gap_m}),)
 
 
 def parted(gap_m: float) -> "Callable[[Skin], Skin]":

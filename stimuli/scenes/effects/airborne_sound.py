@@ -1,15 +1,13 @@
 """What is heard of an emission."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments import require
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -21,18 +19,17 @@ FEWEST_MORE = 1.1
 
 
 @dataclass(frozen=True)
-class AirborneSound:
+class AirborneSound(Effect):
     """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level.
 
     >>> AirborneSound().slot
     'sound'
     """
 
-    kind: ClassVar[str] = "airborne_sound"
-    slot: ClassVar[str] = "sound"
-    requires: ClassVar[tuple[str, ...]] = ("attenuation",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
+    kind = "airborne_sound"
+    slot = "sound"
+    requires = ("attenuation",)
+    assumes = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
 
     distance_m: float = 0.3
 
@@ -43,8 +40,8 @@ class AirborneSound:
         del scene
         made, raised = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")
         return (
-            Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:heard", effect=self.kind, size=self._size),
-            Stage("sound_level", raised, "sound_level_dba", f"{__name__}:raised", effect=self.kind),
+            Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:heard", size=self._size),
+            Stage("sound_level", raised, "sound_level_dba", f"{__name__}:raised"),
         )
 
     def _size(self, demand: Demand) -> Size:

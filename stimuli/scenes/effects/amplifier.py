@@ -1,13 +1,12 @@
 """An amplifier that rolls off, in learning and in emission."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
@@ -15,18 +14,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Amplifier:
+class Amplifier(Effect):
     """A Butterworth low-pass: -3 dB at `cutoff_hz`; both defaults are unverified.
 
     >>> Amplifier().order
     1
     """
 
-    kind: ClassVar[str] = "amplifier"
-    slot: ClassVar[str] = "amplifier"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "amplifier"
+    slot = "amplifier"
 
     cutoff_hz: float = 60e3
     order: int = 1
@@ -38,8 +34,8 @@ class Amplifier:
         del scene
         settings = {"cutoff_hz": self.cutoff_hz, "order": self.order}
         return (
-            Stage("amplifier_in", ("learnt",), "learnt", f"{__name__}:heard_through", settings, effect=self.kind),
-            Stage("amplifier_out", ("in_band",), "in_band", f"{__name__}:sent_through", settings, effect=self.kind),
+            Stage("amplifier_in", ("learnt",), "learnt", f"{__name__}:heard_through", settings),
+            Stage("amplifier_out", ("in_band",), "in_band", f"{__name__}:sent_through", settings),
         )
 
 

@@ -1,31 +1,27 @@
 """Losses: every mode decays."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.screen.screen import Screen
 
 
 @dataclass(frozen=True)
-class Attenuation:
+class Attenuation(Effect):
     """``tau(f) = tau (f/reference)^-exponent``: constant with exponent 0; 3.5 ms is an unverified default.
 
     >>> Attenuation(exponent=0.5).tau_at_s(40e3)
     0.00175
     """
 
-    kind: ClassVar[str] = "attenuation"
-    slot: ClassVar[str] = "attenuation"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "attenuation"
+    slot = "attenuation"
 
     tau_s: float = 3.5e-3
     exponent: float = 0.0
@@ -38,7 +34,7 @@ class Attenuation:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"tau_s": self.tau_s, "exponent": self.exponent, "reference_hz": self.reference_hz}
-        return (Stage("attenuation", ("screen",), "screen", f"{__name__}:damped", settings, effect=self.kind),)
+        return (Stage("attenuation", ("screen",), "screen", f"{__name__}:damped", settings),)
 
     def tau_at_s(self, frequency_hz: float) -> float:
         """The time constant at a frequency."""

@@ -1,32 +1,28 @@
 """The audible-band filter: what is learnt keeps what lies above it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
 
 
 @dataclass(frozen=True)
-class AudibleFilter:
+class AudibleFilter(Effect):
     """Responses above `cutoff_hz` only, before they are reversed and quantised; both defaults are unverified.
 
     >>> AudibleFilter().cutoff_hz
     20000.0
     """
 
-    kind: ClassVar[str] = "audible_filter"
-    slot: ClassVar[str] = "filter"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "audible_filter"
+    slot = "filter"
 
     cutoff_hz: float = 20e3
     flank_hz: float = 2e3
@@ -37,7 +33,7 @@ class AudibleFilter:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"cutoff_hz": self.cutoff_hz, "flank_hz": self.flank_hz}
-        return (Stage("audible_filter", ("learnt",), "learnt", f"{__name__}:silenced", settings, effect=self.kind),)
+        return (Stage("audible_filter", ("learnt",), "learnt", f"{__name__}:silenced", settings),)
 
     def weakening(self, scene: Surroundings) -> float:
         """Less of the band adds up."""

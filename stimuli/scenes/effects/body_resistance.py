@@ -1,13 +1,12 @@
 """Resistance of body and source in series with the skin."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
 
 if TYPE_CHECKING:
@@ -15,18 +14,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class BodyResistance:
+class BodyResistance(Effect):
     """A resistance above 0. With it the waveform of the force depends on the contact area.
 
     >>> BodyResistance(resistance_ohm=1e4).slot
     'body'
     """
 
-    kind: ClassVar[str] = "body_resistance"
-    slot: ClassVar[str] = "body"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "body_resistance"
+    slot = "body"
 
     resistance_ohm: float
 
@@ -36,12 +32,7 @@ class BodyResistance:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         body = Stage(
-            "body_resistance",
-            ("skin",),
-            "skin",
-            f"{__name__}:in_series",
-            {"resistance_ohm": self.resistance_ohm},
-            effect=self.kind,
+            "body_resistance", ("skin",), "skin", f"{__name__}:in_series", {"resistance_ohm": self.resistance_ohm}
         )
         return body, circuit_stage(self.kind)
 

@@ -1,14 +1,13 @@
 """An amplitude-modulated carrier: the force vibrates at the programmed frequency whatever the skin leaks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.offset import Waveform
@@ -17,18 +16,15 @@ Modulation = Literal["square_root", "full", "suppressed_carrier"]
 
 
 @dataclass(frozen=True)
-class Carrier:
+class Carrier(Effect):
     """A carrier of at least twice the programmed frequency; 2 kHz is an unverified default.
 
     >>> Carrier().modulation
     'square_root'
     """
 
-    kind: ClassVar[str] = "carrier"
-    slot: ClassVar[str] = "carrier"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "carrier"
+    slot = "carrier"
 
     carrier_hz: float = 2_000.0
     modulation: Modulation = "square_root"
@@ -40,7 +36,7 @@ class Carrier:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"carrier_hz": self.carrier_hz, "modulation": self.modulation}
-        return (Stage("carrier", ("waveform",), "waveform", f"{__name__}:carried", settings, effect=self.kind),)
+        return (Stage("carrier", ("waveform",), "waveform", f"{__name__}:carried", settings),)
 
 
 def carried(carrier_hz: float, modulation: Modulation) -> "Callable[[Waveform], Waveform]":

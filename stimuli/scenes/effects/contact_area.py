@@ -1,28 +1,25 @@
 """The contact area grows with the force that presses the finger."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 
 @dataclass(frozen=True)
-class ContactArea:
+class ContactArea(Effect):
     """``A = A_1 (F/1 N)^exponent``; both defaults are unverified.
 
     >>> ContactArea().area_at_1n_m2
     0.0001
     """
 
-    kind: ClassVar[str] = "contact_area"
-    slot: ClassVar[str] = "area"
-    requires: ClassVar[tuple[str, ...]] = ("contact",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("the area is a power of the force, and no other after a time",)
+    kind = "contact_area"
+    slot = "area"
+    requires = ("contact",)
+    assumes = ("the area is a power of the force, and no other after a time",)
 
     area_at_1n_m2: float = 1e-4
     exponent: float = 1 / 3
@@ -37,7 +34,7 @@ class ContactArea:
             "exponent": self.exponent,
             "force_n": scene.contacts[0].force_n,
         }
-        return (Stage("contact_area", (), "area_m2", f"{__name__}:pressed", settings, effect=self.kind),)
+        return (Stage("contact_area", (), "area_m2", f"{__name__}:pressed", settings),)
 
 
 def pressed(area_at_1n_m2: float, exponent: float, force_n: float) -> Callable[[], float]:

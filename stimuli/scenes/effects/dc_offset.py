@@ -1,33 +1,28 @@
 """A constant added to the voltage, the peak kept."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.offset import Waveform, WithOffset
 
 
 @dataclass(frozen=True)
-class DcOffset:
+class DcOffset(Effect):
     """A constant of `ratio` times the peak of the waveform, of either sign but not 0.
 
     >>> DcOffset(0.5).slot
     'offset'
     """
 
-    kind: ClassVar[str] = "dc_offset"
-    slot: ClassVar[str] = "offset"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "dc_offset"
+    slot = "offset"
 
     ratio: float
 
@@ -41,7 +36,7 @@ class DcOffset:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         target = f"{__name__}:shifted"
-        return (Stage("dc_offset", ("waveform",), "waveform", target, effect=self.kind, size=self._size),)
+        return (Stage("dc_offset", ("waveform",), "waveform", target, size=self._size),)
 
     def _size(self, demand: Demand) -> Size:
         if not demand.surface.ramp_s:  # type: ignore[attr-defined]

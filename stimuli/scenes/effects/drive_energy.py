@@ -1,15 +1,13 @@
 """Energy: what the plate holds at the focus instant, and what the transducers draw."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -18,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class DriveEnergy:
+class DriveEnergy(Effect):
     """Strain energy in the band, and the power that switching `capacitance_f` per channel takes.
 
     5.31 nF, a plate of PZ27 of 1 cm^2 and 0.3 mm, is an unverified default.
@@ -27,11 +25,8 @@ class DriveEnergy:
     'energy'
     """
 
-    kind: ClassVar[str] = "drive_energy"
-    slot: ClassVar[str] = "energy"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "drive_energy"
+    slot = "energy"
 
     capacitance_f: float = 5.31e-9
 
@@ -43,9 +38,9 @@ class DriveEnergy:
         switching = {"capacitance_f": self.capacitance_f}
         strained, drawn = f"{__name__}:strained", f"{__name__}:drawn"
         return (
-            Stage("strain_energy", ("motion",), "energy_at_1v_j", strained, effect=self.kind, size=_strain_size),
+            Stage("strain_energy", ("motion",), "energy_at_1v_j", strained, size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            Stage("switching", ("emission",), "power_at_1v_w", drawn, switching, effect=self.kind),
+            Stage("switching", ("emission",), "power_at_1v_w", drawn, switching),
             _squared("power", "power_at_1v_w", "power_w"),
         )
 
@@ -65,7 +60,7 @@ def _strain_size(demand: Demand) -> Size:
 
 
 def _squared(name: str, at_1v: str, gives: str) -> Stage:
-    return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown", effect=DriveEnergy.kind)
+    return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown")
 
 
 def strained(static_to_hz: float) -> "Callable[[PlateMotion], float]":

@@ -7,28 +7,27 @@ from typing import TYPE_CHECKING, ClassVar
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.motion.stick_slip import DryFriction as Law
 
 
 @dataclass(frozen=True)
-class DryFriction:
+class DryFriction(Effect):
     """Coefficients, static at least kinetic; both defaults are unverified. The motion itself is `finger_dynamics`.
 
     >>> DryFriction().static
     0.6
     """
 
-    kind: ClassVar[str] = "dry_friction"
-    slot: ClassVar[str] = "friction"
-    requires: ClassVar[tuple[str, ...]] = ("sliding contact", "dynamics")
+    kind = "dry_friction"
+    slot = "friction"
+    requires = ("sliding contact", "dynamics")
     excludes: ClassVar[Mapping[str, str]] = {
         "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
     }
-    assumes: ClassVar[tuple[str, ...]] = ("the coefficients know neither load nor speed nor time of rest",)
+    assumes = ("the coefficients know neither load nor speed nor time of rest",)
 
     static: float = 0.6
     kinetic: float = 0.5
@@ -43,7 +42,7 @@ class DryFriction:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"static": self.static, "kinetic": self.kinetic}
-        return (Stage("friction_law", (), "friction_law", f"{__name__}:law", settings, effect=self.kind),)
+        return (Stage("friction_law", (), "friction_law", f"{__name__}:law", settings),)
 
 
 def law(static: float, kinetic: float) -> "Callable[[], Law]":

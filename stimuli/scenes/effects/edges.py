@@ -5,16 +5,14 @@ model of learning are the same, so that of the phase that this turns in the reve
 are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and kept by tests.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
@@ -26,18 +24,15 @@ SEEN = 0.05
 
 
 @dataclass(frozen=True)
-class Edges:
+class Edges(Effect):
     """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``.
 
     >>> Edges("FFFF").slot
     'edges'
     """
 
-    kind: ClassVar[str] = "edges"
-    slot: ClassVar[str] = "edges"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "edges"
+    slot = "edges"
 
     boundary: str
 
@@ -54,7 +49,7 @@ class Edges:
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        return (Stage("edges", ("plate",), "plate", f"{__name__}:held", effect=self.kind, size=self._size),)
+        return (Stage("edges", ("plate",), "plate", f"{__name__}:held", size=self._size),)
 
     def _size(self, demand: Demand) -> Size:
         error = self.error(demand)

@@ -1,12 +1,11 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class FingerDynamics:
+class FingerDynamics(Effect):
     """Mass and stiffness as published per sliding speed; the damping is an unverified choice.
 
     With `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it
@@ -28,13 +27,10 @@ class FingerDynamics:
     'dynamics'
     """
 
-    kind: ClassVar[str] = "finger_dynamics"
-    slot: ClassVar[str] = "dynamics"
-    requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = (
-        "the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",
-    )
+    kind = "finger_dynamics"
+    slot = "dynamics"
+    requires = ("friction", "sliding contact")
+    assumes = ("the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",)
 
     @property
     def natural_rad_per_s(self) -> float:
@@ -57,7 +53,6 @@ class FingerDynamics:
             "motion",
             f"{__name__}:{'sticking' if sticks else 'slipping'}",
             settings,
-            effect=self.kind,
             size=per_sample(500.0 if sticks else 250.0),
         )
         return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)))
@@ -66,17 +61,13 @@ class FingerDynamics:
 def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
     """Fields of the motion and the quantities that they are."""
     if sticks:
-        return (
-            ("lateral_n", "friction_force_n"),
-            ("stretch_m", "skin_displacement_m"),
-            ("events_s", "slip_events_s"),
-        )
+        return (("lateral_n", "friction_force_n"), ("stretch_m", "skin_displacement_m"), ("events_s", "slip_events_s"))
     return (("deflection_m", "skin_displacement_m"),)  # in full slip friction knows no motion
 
 
 def _read(name: str, quantity: str) -> Stage:
     settings = {"name": name}
-    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", settings, effect=FingerDynamics.kind)
+    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", settings)
 
 
 def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Motion]":

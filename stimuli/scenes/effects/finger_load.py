@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Setting, Size, Stage
+from ..effect import Demand, Effect, Setting, Size, Stage, Surroundings
+from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ REFERENCE_FORCE_N = 2.0
 
 
 @dataclass(frozen=True)
-class FingerLoad:
+class FingerLoad(Effect):
     """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
 
     Without a place of its own a contact is at the focus. The plate has learnt without. All defaults are unverified.
@@ -29,15 +28,13 @@ class FingerLoad:
     10.0
     """
 
-    kind: ClassVar[str] = "finger_load"
-    slot: ClassVar[str] = "load"
-    requires: ClassVar[tuple[str, ...]] = ("resting contact",)
+    kind = "finger_load"
+    slot = "load"
+    requires = ("resting contact",)
     excludes: ClassVar[Mapping[str, str]] = {
         "shear": "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'"
     }
-    assumes: ClassVar[tuple[str, ...]] = (
-        "a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",
-    )
+    assumes = ("a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",)
 
     resistance_n_s_per_m: float = 10.0
     mass_kg: float = 0.0
@@ -52,32 +49,17 @@ class FingerLoad:
         x_m, y_m = zip(*self.places_m(scene), strict=True)
         place: dict[str, Setting] = {"x_m": x_m, "y_m": y_m}
         return (
-            Stage(
-                "finger_load",
-                ("motion",),
-                "motion",
-                f"{__name__}:borne",
-                effect=self.kind,
-                size=self._size,
-            ),
-            Stage(
-                "contacts",
-                ("motion", "oversampling"),
-                "per_volt_contacts",
-                f"{__name__}:displaced",
-                place,
-                effect=self.kind,
-            ),
+            Stage("finger_load", ("motion",), "motion", f"{__name__}:borne", size=self._size),
+            Stage("contacts", ("motion", "oversampling"), "per_volt_contacts", f"{__name__}:displaced", place),
             Stage(
                 "contact_forces",
                 ("motion", "oversampling"),
                 "per_volt_forces",
                 f"{__name__}:forced",
                 {"n": len(self.at_rest(scene))},
-                effect=self.kind,
             ),
-            _at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
-            _at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
+            at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
+            at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
         )
 
     def at_rest(self, scene: Surroundings) -> list[Any]:
@@ -122,17 +104,7 @@ class FingerLoad:
 
     def _settings(self, scene: Surroundings) -> dict[str, Setting]:
         x_m, y_m = zip(*self.places_m(scene), strict=True)
-        return {
-            "x_m": x_m,
-            "y_m": y_m,
-            "force_n": tuple(touch.force_n for touch in self.at_rest(scene)),
-            **vars(self),
-        }
-
-
-def _at_voltage(name: str, per_volt: str, gives: str) -> Stage:
-    target = "tactometry.stimuli.scenes.surfaces.time_reversal:multiplied"
-    return Stage(name, (per_volt, "voltage_v"), gives, target, effect=FingerLoad.kind)
+        return {"x_m": x_m, "y_m": y_m, "force_n": tuple(touch.force_n for touch in self.at_rest(scene)), **vars(self)}
 
 
 def borne(

@@ -1,14 +1,13 @@
 """Several foci at the same instant."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Real
@@ -16,18 +15,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Foci:
+class Foci(Effect):
     """Further places to focus on at the same instant, beside the one of the surface.
 
     >>> Foci(x_m=(0.2,), y_m=(0.1,)).n
     2
     """
 
-    kind: ClassVar[str] = "foci"
-    slot: ClassVar[str] = "foci"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "foci"
+    slot = "foci"
 
     x_m: tuple[float, ...]
     y_m: tuple[float, ...]
@@ -47,8 +43,8 @@ class Foci:
         surface: Any = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
         return (
-            Stage("foci", (), "foci_m", f"{__name__}:several", settings, effect=self.kind),
-            Stage("peaks", ("per_volt_peaks", "voltage_v"), "peaks_m", f"{__name__}:each", effect=self.kind),
+            Stage("foci", (), "foci_m", f"{__name__}:several", settings),
+            Stage("peaks", ("per_volt_peaks", "voltage_v"), "peaks_m", f"{__name__}:each"),
         )
 
     def weakening(self, scene: Surroundings) -> float:

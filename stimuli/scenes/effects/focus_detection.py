@@ -1,21 +1,20 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ..stages.emission import FloatArray
 
 
 @dataclass(frozen=True)
-class FocusDetection:
+class FocusDetection(Effect):
     """As in `tactometry.stimuli.time_reversal.TimeReversalSensation`: a single focus of `reference_m` is at threshold.
 
     With `finger_load` it is what the first finger at rest feels, else a focus that nothing loads. 10 um is an
@@ -25,11 +24,9 @@ class FocusDetection:
     1e-05
     """
 
-    kind: ClassVar[str] = "focus_detection"
-    slot: ClassVar[str] = "detection"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("every focus is felt as one event of displacement, whatever its course",)
+    kind = "focus_detection"
+    slot = "detection"
+    assumes = ("every focus is felt as one event of displacement, whatever its course",)
 
     reference_m: float = 10e-6
 
@@ -42,15 +39,8 @@ class FocusDetection:
         target = f"{__name__}:{'under_finger' if loaded else 'felt'}"
         settings = {"reference_m": self.reference_m}
         return (
-            Stage("events", needs, "felt_at_1v_m", target, effect=self.kind),
-            Stage(
-                "focus_detection",
-                ("felt_at_1v_m", "voltage_v"),
-                "sensation_db",
-                f"{__name__}:level",
-                settings,
-                effect=self.kind,
-            ),
+            Stage("events", needs, "felt_at_1v_m", target),
+            Stage("focus_detection", ("felt_at_1v_m", "voltage_v"), "sensation_db", f"{__name__}:level", settings),
         )
 
 

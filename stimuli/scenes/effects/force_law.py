@@ -1,14 +1,13 @@
 """Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.force import ForceForm
@@ -20,18 +19,16 @@ BARRED = ("gap", "leakage", "body")
 
 
 @dataclass(frozen=True)
-class ForceLaw:
+class ForceLaw(Effect):
     """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
 
     >>> ForceLaw("sc_layer").law
     'sc_layer'
     """
 
-    kind: ClassVar[str] = "force_law"
-    slot: ClassVar[str] = "law"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("one force law of four, which differ by a factor near 1000",)
+    kind = "force_law"
+    slot = "law"
+    assumes = ("one force law of four, which differ by a factor near 1000",)
 
     law: Law
 
@@ -41,7 +38,7 @@ class ForceLaw:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         self._check_terms(scene)
         needs, target = ("skin", "area_m2"), f"{__name__}:form"
-        return (Stage("force_law", needs, "form", target, {"law": self.law}, effect=self.kind),)
+        return (Stage("force_law", needs, "form", target, {"law": self.law}),)
 
     def _check_terms(self, scene: Surroundings) -> None:
         found = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]

@@ -1,13 +1,12 @@
 """Coulomb friction of a finger that slides all the time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.polarity import Real
@@ -15,18 +14,17 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Friction:
+class Friction(Effect):
     """``F = mu (F_n + F_e)`` with ``mu = coefficient (F_n/1 N)^load_exponent``; 0.5 is an unverified default.
 
     >>> Friction(0.4).slot
     'friction'
     """
 
-    kind: ClassVar[str] = "friction"
-    slot: ClassVar[str] = "friction"
-    requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("the finger slides all the time; its coefficient knows no speed",)
+    kind = "friction"
+    slot = "friction"
+    requires = ("sliding contact",)
+    assumes = ("the finger slides all the time; its coefficient knows no speed",)
 
     coefficient: float = 0.5
     load_exponent: float = 0.0
@@ -38,15 +36,8 @@ class Friction:
         law = {"coefficient": self.coefficient, "load_exponent": self.load_exponent}
         settings = {**law, "force_n": scene.contacts[0].force_n}
         return (
-            Stage("friction_law", (), "friction_law", f"{__name__}:law", law, effect=self.kind),
-            Stage(
-                "friction",
-                ("electrostatic_force_n",),
-                "friction_force_n",
-                f"{__name__}:dragged",
-                settings,
-                effect=self.kind,
-            ),
+            Stage("friction_law", (), "friction_law", f"{__name__}:law", law),
+            Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:dragged", settings),
         )
 
 

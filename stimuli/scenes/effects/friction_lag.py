@@ -1,13 +1,12 @@
 """Friction lags behind the attraction by a first-order low-pass that is faster for a faster finger."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
@@ -17,18 +16,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class FrictionLag:
+class FrictionLag(Effect):
     """``f_c = max(floor, f_0 + slope v)``: the slope is published, intercept and floor are unverified defaults.
 
     >>> FrictionLag().slope_hz_per_m_per_s
     13800.0
     """
 
-    kind: ClassVar[str] = "friction_lag"
-    slot: ClassVar[str] = "dynamics"
-    requires: ClassVar[tuple[str, ...]] = ("friction", "sliding contact")
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "friction_lag"
+    slot = "dynamics"
+    requires = ("friction", "sliding contact")
 
     slope_hz_per_m_per_s: float = 13_800.0
     intercept_hz: float = 0.0
@@ -56,7 +53,6 @@ class FrictionLag:
                 "friction_force_n",
                 f"{__name__}:lagging",
                 settings,
-                effect=self.kind,
                 size=per_sample(280.0),
             ),
         )

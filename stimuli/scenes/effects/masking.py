@@ -1,17 +1,15 @@
 """A masker raises the threshold."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 
 @dataclass(frozen=True)
-class Masking:
+class Masking(Effect):
     """A masker of the same frequency, `level_db_re_threshold` above its own threshold, above 0.
 
     The threshold rises by `slope` times that level. 0.52, from 13 dB at 25 dB, is an unverified default.
@@ -20,11 +18,8 @@ class Masking:
     0.52
     """
 
-    kind: ClassVar[str] = "masking"
-    slot: ClassVar[str] = "masking"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "masking"
+    slot = "masking"
 
     level_db_re_threshold: float
     slope: float = 0.52
@@ -35,7 +30,7 @@ class Masking:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"elevation_db": self.slope * self.level_db_re_threshold}
-        return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:masked", settings, effect=self.kind),)
+        return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:masked", settings),)
 
 
 def masked(elevation_db: float) -> Callable[[float], float]:

@@ -1,15 +1,14 @@
 """The field around the focus instant, frame by frame."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ..stages.scaling import at_voltage
 
 if TYPE_CHECKING:
     from ..stages.map import FloatArray
@@ -19,18 +18,15 @@ MOST_NUMBERS = 5e7
 
 
 @dataclass(frozen=True)
-class Movie:
+class Movie(Effect):
     """`n_frames` at equal steps over `span_s`, the focus in the middle.
 
     >>> Movie().n_frames
     61
     """
 
-    kind: ClassVar[str] = "movie"
-    slot: ClassVar[str] = "movie"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "movie"
+    slot = "movie"
 
     n_frames: int = 61
     span_s: float = 0.5e-3
@@ -43,29 +39,19 @@ class Movie:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         return (
-            Stage(
-                "frames",
-                (),
-                "frames_s",
-                "tactometry.stimuli.scenes.stages.map:frame_times",
-                effect=self.kind,
-                size=self._frames_size,
-            ),
+            Stage("frames", (), "frames_s", "tactometry.stimuli.scenes.stages.map:frame_times", size=self._frames_size),
             Stage(
                 "movie",
                 ("motion", "frames_s", "x_m", "y_m"),
                 "per_volt_movie",
                 f"{__name__}:drawn",
-                effect=self.kind,
                 size=self._movie_size,
             ),
-            Stage(
+            at_voltage(
                 "movie_at_voltage",
-                ("per_volt_movie", "voltage_v"),
+                "per_volt_movie",
                 "movie_m",
-                "tactometry.stimuli.scenes.surfaces.time_reversal:multiplied",
-                effect=self.kind,
-                size=lambda demand: Size(n_operations=float(self._n_numbers(demand))),
+                lambda demand: Size(n_operations=float(self._n_numbers(demand))),
             ),
         )
 

@@ -1,33 +1,29 @@
 """The sign of the reversed responses: the largest focus of a peak voltage."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
-class OneBit:
+class OneBit(Effect):
     """Amplifiers that switch between two voltages.
 
     >>> OneBit().slot
     'quantiser'
     """
 
-    kind: ClassVar[str] = "one_bit"
-    slot: ClassVar[str] = "quantiser"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "one_bit"
+    slot = "quantiser"
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        return (Stage("one_bit", (), "quantiser", f"{__name__}:rule", effect=self.kind),)
+        return (Stage("one_bit", (), "quantiser", f"{__name__}:rule"),)
 
 
 def rule() -> "Callable[[], Quantiser]":

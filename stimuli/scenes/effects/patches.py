@@ -1,15 +1,13 @@
 """Bonded patches in place of pushes at points."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
@@ -17,18 +15,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Patches:
+class Patches(Effect):
     """Square patches of `side_m` that bend the plate along their outline; both defaults are unverified.
 
     >>> Patches().side_m
     0.01
     """
 
-    kind: ClassVar[str] = "patches"
-    slot: ClassVar[str] = "patches"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("patches have neither mass nor stiffness",)
+    kind = "patches"
+    slot = "patches"
+    assumes = ("patches have neither mass nor stiffness",)
 
     side_m: float = 10e-3
     moment_n_per_v: float = 8.2e-4
@@ -38,7 +34,7 @@ class Patches:
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", effect=self.kind, size=self._size),)
+        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", size=self._size),)
 
     def _size(self, demand: Demand) -> Size:
         surface: Any = demand.surface

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.polarity import Real
@@ -16,18 +15,16 @@ NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
 
 
 @dataclass(frozen=True)
-class Polarity:
+class Polarity(Effect):
     """The force counts `positive_share` times while the voltage across the layer is positive; no default is known.
 
     >>> Polarity(0.5).positive_share
     0.5
     """
 
-    kind: ClassVar[str] = "polarity"
-    slot: ClassVar[str] = "polarity"
-    requires: ClassVar[tuple[str, ...]] = ()
+    kind = "polarity"
+    slot = "polarity"
     excludes: ClassVar[Mapping[str, str]] = {"friction_lag": NO_FLOW, "finger_dynamics": NO_FLOW}
-    assumes: ClassVar[tuple[str, ...]] = ()
 
     positive_share: float
 
@@ -38,7 +35,7 @@ class Polarity:
         del scene
         needs = ("electrostatic_force_n", "layer_voltage_v")
         settings = {"positive_share": self.positive_share}
-        return (Stage("polarity", needs, "electrostatic_force_n", f"{__name__}:weighted", settings, effect=self.kind),)
+        return (Stage("polarity", needs, "electrostatic_force_n", f"{__name__}:weighted", settings),)
 
 
 def weighted(positive_share: float) -> "Callable[[Real, Real], Real]":

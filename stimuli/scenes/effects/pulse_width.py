@@ -1,32 +1,28 @@
 """Pulse-width modulation of the reversed responses."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
-class PulseWidth:
+class PulseWidth(Effect):
     """Two voltages, switched where the waveform crosses a triangle of `carrier_hz`, at most a quarter of the rate.
 
     >>> PulseWidth(carrier_hz=60e3).slot
     'quantiser'
     """
 
-    kind: ClassVar[str] = "pulse_width"
-    slot: ClassVar[str] = "quantiser"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "pulse_width"
+    slot = "quantiser"
 
     carrier_hz: float
     scale: float = 1.0
@@ -42,7 +38,7 @@ class PulseWidth:
                 f"{rate_hz / 4} Hz; lower it or raise rate_hz"
             )
         settings = {"carrier_hz": self.carrier_hz, "scale": self.scale}
-        return (Stage("pulse_width", (), "quantiser", f"{__name__}:rule", settings, effect=self.kind),)
+        return (Stage("pulse_width", (), "quantiser", f"{__name__}:rule", settings),)
 
 
 def rule(carrier_hz: float, scale: float) -> "Callable[[], Quantiser]":

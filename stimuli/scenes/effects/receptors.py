@@ -1,14 +1,12 @@
 """Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Real
@@ -19,7 +17,7 @@ STEEPEST_DB_PER_HZ = 2.5
 
 
 @dataclass(frozen=True)
-class Receptors:
+class Receptors(Effect):
     """The channels NP III, NP I and P, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
 
     6.7 uN and the thresholds of the channels are unverified defaults.
@@ -28,13 +26,10 @@ class Receptors:
     'receptors'
     """
 
-    kind: ClassVar[str] = "receptors"
-    slot: ClassVar[str] = "receptors"
-    requires: ClassVar[tuple[str, ...]] = ("friction",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = (
-        "thresholds are those of force, without the mobility of the skin; nothing sums over time",
-    )
+    kind = "receptors"
+    slot = "receptors"
+    requires = ("friction",)
+    assumes = ("thresholds are those of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6
 
@@ -46,9 +41,9 @@ class Receptors:
         settings = {"reference_force_n": self.reference_force_n}
         needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
         return (
-            Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum),
-            Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings, effect=self.kind),
-            Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest", effect=self.kind),
+            Stage("spectrum", needs, "components", target, size=fine_spectrum),
+            Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings),
+            Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest"),
         )
 
 

@@ -1,13 +1,12 @@
 """Foci that repeat under an envelope: the thesis's patterns."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
@@ -18,18 +17,15 @@ Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
 
 @dataclass(frozen=True)
-class Repetition:
+class Repetition(Effect):
     """Foci at `repetition_hz` over `duration_s` under an envelope; every default is unverified.
 
     >>> Repetition().n
     10
     """
 
-    kind: ClassVar[str] = "repetition"
-    slot: ClassVar[str] = "repetition"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "repetition"
+    slot = "repetition"
 
     repetition_hz: float = 200.0
     duration_s: float = 50e-3
@@ -46,11 +42,7 @@ class Repetition:
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface: Any = scene.surface
-        settings = {
-            "repetition_hz": self.repetition_hz,
-            "duration_s": self.duration_s,
-            "envelope": self.envelope,
-        }
+        settings = {"repetition_hz": self.repetition_hz, "duration_s": self.duration_s, "envelope": self.envelope}
         n_operations = 20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s
         return (
             Stage(
@@ -60,7 +52,6 @@ class Repetition:
                 f"{__name__}:repeated",
                 settings,
                 n_operations=n_operations,
-                effect=self.kind,
             ),
         )
 

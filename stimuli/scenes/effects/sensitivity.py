@@ -6,16 +6,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class Sensitivity(Effect):
     """Threshold by frequency, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
 
     6.7 uN is an unverified default, as in `ElectrovibrationSensation`.
@@ -24,15 +22,13 @@ class Sensitivity:
     'sensitivity'
     """
 
-    kind: ClassVar[str] = "sensitivity"
-    slot: ClassVar[str] = "sensitivity"
-    requires: ClassVar[tuple[str, ...]] = ("friction",)
+    kind = "sensitivity"
+    slot = "sensitivity"
+    requires = ("friction",)
     excludes: ClassVar[Mapping[str, str]] = {
         "receptors": "both are thresholds by frequency; remove 'sensitivity' or 'receptors'"
     }
-    assumes: ClassVar[tuple[str, ...]] = (
-        "the threshold is one of force, without the mobility of the skin; nothing sums over time",
-    )
+    assumes = ("the threshold is one of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6
 
@@ -42,9 +38,9 @@ class Sensitivity:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
-        spectrum = Stage("spectrum", needs, "components", target, effect=self.kind, size=fine_spectrum)
+        spectrum = Stage("spectrum", needs, "components", target, size=fine_spectrum)
         settings = {"reference_force_n": self.reference_force_n}
-        level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings, effect=self.kind)
+        level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings)
         return spectrum, level
 
 

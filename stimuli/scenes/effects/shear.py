@@ -1,13 +1,12 @@
 """Shear and rotary inertia: Mindlin's plate in place of the thin one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
@@ -15,18 +14,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Shear:
+class Shear(Effect):
     """Mindlin's plate with a shear factor; exact for simply supported edges.
 
     >>> Shear().factor
     0.8333333333333334
     """
 
-    kind: ClassVar[str] = "shear"
-    slot: ClassVar[str] = "shear"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "shear"
+    slot = "shear"
 
     factor: float = 5 / 6
 
@@ -36,7 +32,7 @@ class Shear:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"factor": self.factor}
-        return (Stage("shear", ("screen",), "screen", f"{__name__}:sheared", settings, effect=self.kind),)
+        return (Stage("shear", ("screen",), "screen", f"{__name__}:sheared", settings),)
 
     def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
         """Of the waves at a frequency."""

@@ -1,32 +1,28 @@
 """Sigma-delta modulation of the reversed responses."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
 
 
 @dataclass(frozen=True)
-class SigmaDelta:
+class SigmaDelta(Effect):
     """One bit per sample, of `order` 1 or 2; `scale` is the peak of the modulator's input.
 
     >>> SigmaDelta().order
     2
     """
 
-    kind: ClassVar[str] = "sigma_delta"
-    slot: ClassVar[str] = "quantiser"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "sigma_delta"
+    slot = "quantiser"
 
     order: int = 2
     scale: float = 0.7
@@ -39,7 +35,7 @@ class SigmaDelta:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         settings = {"order": self.order, "scale": self.scale}
-        return (Stage("sigma_delta", (), "quantiser", f"{__name__}:rule", settings, effect=self.kind),)
+        return (Stage("sigma_delta", (), "quantiser", f"{__name__}:rule", settings),)
 
 
 def rule(order: int, scale: float) -> "Callable[[], Quantiser]":

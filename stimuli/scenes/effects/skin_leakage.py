@@ -1,13 +1,12 @@
 """The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
 
 if TYPE_CHECKING:
@@ -15,18 +14,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class SkinLeakage:
+class SkinLeakage(Effect):
     """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
 
     >>> SkinLeakage().corneum_resistivity_ohm_m
     20000.0
     """
 
-    kind: ClassVar[str] = "skin_leakage"
-    slot: ClassVar[str] = "leakage"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("the corneum is the same at all frequencies",)
+    kind = "skin_leakage"
+    slot = "leakage"
+    assumes = ("the corneum is the same at all frequencies",)
 
     corneum_resistivity_ohm_m: float = 2.0e4
 
@@ -41,7 +38,6 @@ class SkinLeakage:
             "skin",
             f"{__name__}:leaking",
             {"corneum_resistivity_ohm_m": self.corneum_resistivity_ohm_m},
-            effect=self.kind,
         )
         return leaking, circuit_stage(self.kind)
 

@@ -1,31 +1,28 @@
 """Spatial summation: the Pacinian channel adds up what a larger contact feels."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Real
 
 
 @dataclass(frozen=True)
-class Summation:
+class Summation(Effect):
     """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds.
 
     >>> Summation().reference_m2
     0.00029
     """
 
-    kind: ClassVar[str] = "summation"
-    slot: ClassVar[str] = "summation"
-    requires: ClassVar[tuple[str, ...]] = ("receptors",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ()
+    kind = "summation"
+    slot = "summation"
+    requires = ("receptors",)
 
     reference_m2: float = 2.9e-4
 
@@ -35,7 +32,7 @@ class Summation:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
         needs, settings = ("channels_db", "area_m2"), {"reference_m2": self.reference_m2}
-        return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings, effect=self.kind),)
+        return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings),)
 
 
 def summed(reference_m2: float) -> "Callable[[Real, float], Real]":

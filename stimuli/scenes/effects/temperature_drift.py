@@ -1,15 +1,14 @@
 """A plate that is warmer than when it learnt."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
@@ -21,18 +20,16 @@ MOST_SHIFT: Final = 0.1
 
 
 @dataclass(frozen=True)
-class TemperatureDrift:
+class TemperatureDrift(Effect):
     """What was learnt on a plate `kelvin` colder (below 0: warmer), not 0; the shift of -5e-5/K is unverified.
 
     >>> TemperatureDrift(10.0).shift_per_k
     -5e-05
     """
 
-    kind: ClassVar[str] = "temperature_drift"
-    slot: ClassVar[str] = "drift"
-    requires: ClassVar[tuple[str, ...]] = ()
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("a warmer plate is softer, and nothing else",)
+    kind = "temperature_drift"
+    slot = "drift"
+    assumes = ("a warmer plate is softer, and nothing else",)
 
     kelvin: float
     shift_per_k: float = -5e-5
@@ -52,7 +49,7 @@ class TemperatureDrift:
         surface: Any = scene.surface
         learning = {name: getattr(surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
         settings = {"kelvin": self.kelvin, "shift_per_k": self.shift_per_k, **learning}
-        return (Stage("drift", ("screen", "foci_m"), "learnt", f"{__name__}:learnt_cold", settings, effect=self.kind),)
+        return (Stage("drift", ("screen", "foci_m"), "learnt", f"{__name__}:learnt_cold", settings),)
 
     def weakening(self, scene: Surroundings) -> float:
         """Modes out of tune add up to less."""

@@ -1,33 +1,31 @@
 """A sinusoidal grating on the screen: the voltage follows the position of the finger, exactly."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Surroundings
-from ..stage import Stage
+from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)
-class Texture:
+class Texture(Effect):
     """A grating of `period_m`: the force goes with ``(1 + cos(2 pi x/period))/2``, the voltage with its root.
 
     >>> Texture(period_m=1e-3).slot
     'texture'
     """
 
-    kind: ClassVar[str] = "texture"
-    slot: ClassVar[str] = "texture"
-    requires: ClassVar[tuple[str, ...]] = ("sliding contact",)
-    excludes: ClassVar[Mapping[str, str]] = {}
-    assumes: ClassVar[tuple[str, ...]] = ("the voltage follows the finger without delay",)
+    kind = "texture"
+    slot = "texture"
+    requires = ("sliding contact",)
+    assumes = ("the voltage follows the finger without delay",)
 
     period_m: float
 
@@ -37,7 +35,7 @@ class Texture:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"frequency_hz": self.frequency_hz(scene)}
         needs, target = ("unit_voltage",), f"{__name__}:met"
-        return (Stage("texture", needs, "unit_voltage", target, settings, effect=self.kind),)
+        return (Stage("texture", needs, "unit_voltage", target, settings),)
 
     def frequency_hz(self, scene: Surroundings) -> float:
         """Periods per second under the finger."""

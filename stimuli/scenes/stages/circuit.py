@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..stage import Size, Stage
+from ..effect import Demand, Size, Stage
 from .sampling import per_sample
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ def circuit_stage(effect: str) -> Stage:
         check_ramp(demand, effect)
         return per_sample(1500.0)(demand)
 
-    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", effect=effect, size=size)
+    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", size=size)
 
 
 def check_ramp(demand: Demand, effect: str) -> None:

@@ -21,9 +21,7 @@ from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
-from ..demand import Demand
-from ..effect import Surroundings
-from ..stage import Size
+from ..effect import Demand, Size, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Pieces, Real

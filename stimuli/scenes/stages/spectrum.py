@@ -9,8 +9,7 @@ from collections.abc import Callable
 from math import log, pi, sin
 from typing import TYPE_CHECKING
 
-from ..demand import Demand
-from ..stage import Size
+from ..effect import Demand, Size
 from .sampling import samples
 
 if TYPE_CHECKING:

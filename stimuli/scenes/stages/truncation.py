@@ -18,8 +18,7 @@ from typing import Any
 
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Surroundings
+from ..effect import Demand, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
 """Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.

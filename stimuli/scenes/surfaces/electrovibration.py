@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Effect
-from ..stage import Stage
+from ..effect import Stage, Surface
 from ..stages.circuit import divider_stage
 from ..stages.sampling import per_sample, record
+from ..stages.scaling import MULTIPLIED
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.attraction.offset import Waveform
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces, Real
-    from ..demand import Demand
+    from ..effect import Demand
 
 
 @dataclass(frozen=True)
-class Electrovibration:
+class Electrovibration(Surface):
     """A sine on a coated electrode under a skin without losses.
 
     Parameters
@@ -41,17 +41,17 @@ class Electrovibration:
     ('level_db_re_1v',)
     """
 
-    kind: ClassVar[str] = "electrovibration"
-    order: ClassVar[tuple[str, ...]] = (
+    kind = "electrovibration"
+    order = (
         "carrier", "offset", "texture", "body", "leakage", "gap", "area", "law", "polarity", "friction", "dynamics",
         "sensitivity", "receptors", "summation", "masking",
     )  # fmt: skip
-    effects: ClassVar[tuple[str, ...]] = (
+    effects = (
         "carrier", "dc_offset", "texture", "body_resistance", "skin_leakage", "air_gap", "contact_area", "force_law",
         "polarity", "friction", "dry_friction", "friction_lag", "finger_dynamics", "sensitivity", "receptors",
         "summation", "masking",
     )  # fmt: skip
-    given: ClassVar[tuple[str, ...]] = ("level_db_re_1v",)
+    given = ("level_db_re_1v",)
     cures: ClassVar[Mapping[str, str]] = {
         "form": "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000",
         "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact",
@@ -98,7 +98,7 @@ class Electrovibration:
                 "layer_voltage",
                 ("unit_layer_voltage_v", "peak_voltage_v"),
                 "layer_voltage_v",
-                f"{__name__}:multiplied",
+                MULTIPLIED,
                 size=per_sample(1.0),
             ),
             Stage(
@@ -110,10 +110,6 @@ class Electrovibration:
             ),
             Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", size=per_sample(1.0)),
         )
-
-    def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
-        """The stages of an effect, as it brings them."""
-        return effect.stages(scene)
 
     def _tone(self) -> dict[str, float]:
         return {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
@@ -171,11 +167,6 @@ def lossless(
 def constant(value: float) -> Callable[[], float]:
     """A number that nothing changes."""
     return lambda: value
-
-
-def multiplied() -> "Callable[[Real, float], Real]":
-    """A course times a number."""
-    return lambda course, factor: factor * course
 
 
 def attraction() -> "Callable[[Real, ForceForm], Real]":

@@ -6,9 +6,7 @@ from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Effect, FingerContact
-from ..stage import Size, Stage
+from ..effect import Demand, Effect, FingerContact, Size, Stage, Surface
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
 
@@ -19,7 +17,7 @@ ELECTRODE_V = "electrode_voltage_v"
 
 
 @dataclass(frozen=True)
-class Hybrid:
+class Hybrid(Surface):
     """A plate that focuses, with an electrode on it.
 
     Fingers that rest feel the focus, the first that slides feels friction. To the plate all are loads at their places,
@@ -36,10 +34,10 @@ class Hybrid:
     ('voltage_v', 'level_db_re_1v')
     """
 
-    kind: ClassVar[str] = "hybrid"
-    order: ClassVar[tuple[str, ...]] = (*TimeReversal.order, *Electrovibration.order)
-    effects: ClassVar[tuple[str, ...]] = (*TimeReversal.effects, *Electrovibration.effects)
-    given: ClassVar[tuple[str, ...]] = (*TimeReversal.given, *Electrovibration.given)
+    kind = "hybrid"
+    order = (*TimeReversal.order, *Electrovibration.order)
+    effects = (*TimeReversal.effects, *Electrovibration.effects)
+    given = (*TimeReversal.given, *Electrovibration.given)
     cures: ClassVar[Mapping[str, str]] = {
         **Electrovibration.cures,
         **TimeReversal.cures,
@@ -62,8 +60,8 @@ class Hybrid:
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
         """The stages of an effect, on the side where it acts."""
         if effect.slot in TimeReversal.order:
-            return self._on(effect.stages(self._resting(scene)), self._resting)
-        return tuple(map(_renamed, self._on(effect.stages(self._sliding(scene)), self._sliding)))
+            return self._on(super().stages_of(effect, self._resting(scene)), self._resting)
+        return tuple(map(_renamed, self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)))
 
     def _on(self, stages: tuple[Stage, ...], side: Callable[[Demand], Demand]) -> tuple[Stage, ...]:
         """Stages that are sized by what one side asks for."""

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..demand import Demand
-from ..effect import Effect, Surroundings
-from ..stage import Size, Stage
+from ..effect import Demand, Size, Stage, Surface, Surroundings
+from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ MARGIN_FLANKS = 5.0
 
 
 @dataclass(frozen=True)
-class TimeReversal:
+class TimeReversal(Surface):
     """A simply supported thin plate of glass without losses, pushed at points along its border by linear amplifiers.
 
     Every default is unverified. Displacements are those below `band_max_hz`, whatever a quantiser adds above.
@@ -61,17 +60,17 @@ class TimeReversal:
     0.51
     """
 
-    kind: ClassVar[str] = "time_reversal"
-    order: ClassVar[tuple[str, ...]] = (
+    kind = "time_reversal"
+    order = (
         "edges", "shear", "attenuation", "patches", "foci", "drift", "amplifier", "filter", "quantiser",
         "repetition", "load", "movie", "sound", "energy", "detection",
     )  # fmt: skip
-    effects: ClassVar[tuple[str, ...]] = (
+    effects = (
         "edges", "shear", "attenuation", "patches", "foci", "temperature_drift", "amplifier", "audible_filter",
         "one_bit", "sigma_delta", "pulse_width", "repetition", "finger_load", "movie", "airborne_sound", "drive_energy",
         "focus_detection",
     )  # fmt: skip
-    given: ClassVar[tuple[str, ...]] = ("voltage_v",)
+    given = ("voltage_v",)
     cures: ClassVar[Mapping[str, str]] = {
         "contact_force_n": "add the effect finger_load and a contact at rest",
         "contact_displacement_m": "add the effect finger_load and a contact at rest",
@@ -132,10 +131,6 @@ class TimeReversal:
         _check_rest(scene)
         return (*self._emission(), *self._motion(), *self._courses(), *self._map())
 
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """The stages of an effect, as it brings them."""
-        return effect.stages(scene)
-
     def _emission(self) -> tuple[Stage, ...]:
         learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
         plate = {name: getattr(self, name) for name in ("glass", "length_m", "width_m", "thickness_m")}
@@ -180,7 +175,7 @@ class TimeReversal:
             Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
             Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:course_times"),
             Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", size=_per_sample(100.0)),
-            _times_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
+            at_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
         )
 
     def _sampling_size(self, demand: Demand) -> Size:
@@ -198,7 +193,7 @@ class TimeReversal:
             Stage("grid_x", (), "x_m", f"{MAP}:along", {"side_m": self.length_m}, size=self._along(0)),
             Stage("grid_y", (), "y_m", f"{MAP}:along", {"side_m": self.width_m}, size=self._along(1)),
             Stage("field", needs, "per_volt_field", f"{MAP}:focus_field", size=self._field_size),
-            _times_voltage("field_at_focus", "per_volt_field", "field_m", self._per_point),
+            at_voltage("field_at_focus", "per_volt_field", "field_m", self._per_point),
         )
 
     def _along(self, axis: int) -> Callable[[Demand], Size]:
@@ -273,18 +268,9 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
     return size
 
 
-def _times_voltage(name: str, per_volt: str, gives: str, size: Callable[[Demand], Size]) -> Stage:
-    return Stage(name, (per_volt, "voltage_v"), gives, f"{__name__}:multiplied", size=size)
-
-
 def first_magnitude() -> Callable[[Any, float], float]:
     """The magnitude of the first of some values, at a voltage."""
     return lambda values, voltage_v: float(abs(values[0] * voltage_v))
-
-
-def multiplied() -> Callable[[Any, float], Any]:
-    """Values per volt, at a voltage."""
-    return lambda values, voltage_v: values * voltage_v
 
 
 def _check_rest(scene: Demand) -> None:

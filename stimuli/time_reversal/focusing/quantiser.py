@@ -4,7 +4,7 @@ The order is fixed: filter the responses, reverse them, then quantise.
 """
 
 from dataclasses import dataclass
-from typing import Final, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,6 @@ from tactometry.arguments.require import positive, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 
 FloatArray = NDArray[np.float64]
-
-STATE_LIMIT: Final = 10.0
-"""Largest |y| of a sound second-order modulator: below 6 at |u| = 0.7, above 10 at 0.9 (simulation, no
-theorem).
-"""
 
 
 @runtime_checkable
