@@ -16,11 +16,11 @@ from force_bench import needed
 from hands import LONGEST_WAIT_S, SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
+from soak import SOAK
 from sound_server import alsa, server, sink
 
 __all__ = ["alsa", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)
 settings.register_profile("soak", deadline=None, max_examples=1000)

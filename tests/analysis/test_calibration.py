@@ -1,12 +1,11 @@
 """Posteriors and intervals keep their promise: ranks of truths drawn from the prior, coverage at fixed truths."""
 
-import os
-
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
 from scipy.interpolate import CubicSpline
 from scipy.stats import binom, kstest
+from soak import SOAK
 
 from tactometry.analysis.threshold import shared_grid
 from tactometry.analysis.threshold.counts import normalised
@@ -17,7 +16,6 @@ from tactometry.analysis.threshold.posterior import rate_rule
 from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_threshold, log_width
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 LEVELS = np.linspace(-0.5, 0.5, 7)
 GAP = 1 / 6
 RARE, COVERAGE = 1e-4, 0.935

@@ -4,16 +4,16 @@ Tolerances are the numbers' own standard errors at 1e-4. Chances of settings dif
 at most the binomial's variance at the bound.
 """
 
-import importlib.util
 import math
-import os
 import re
 
 import numpy as np
 import pandas as pd
 import pytest
+from benchmark_modules import benchmark_module
 from places import ROOT
 from scipy.stats import binom
+from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import Status, fit_many
 from tactometry.experiments.census.thresholds import (
@@ -30,7 +30,6 @@ from tactometry.experiments.census.thresholds import (
 )
 from tactometry.psychometric import PsychometricFunction
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 MANY = (40, 80, 160) if SOAK else (40,)
@@ -101,10 +100,7 @@ def test_the_mode_of_adaptive_tracks_is_within_a_quarter_of_its_standard_deviati
 
 @pytest.fixture(scope="module")
 def command():
-    place = importlib.util.spec_from_file_location("census_command", ROOT / "benchmarks" / "census.py")
-    module = importlib.util.module_from_spec(place)
-    place.loader.exec_module(module)
-    return module
+    return benchmark_module("census")
 
 
 def test_the_tables_of_the_docs_are_those_of_the_command(outcomes, command) -> None:

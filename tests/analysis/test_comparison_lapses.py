@@ -4,12 +4,11 @@ often as they say, without lapses and with some. In full in the soak, and in doc
 Tolerances are the numbers' own standard errors at 1e-4.
 """
 
-import os
-
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import binom
+from soak import SOAK
 
 from tactometry.analysis.tasks.cells import fit_options
 from tactometry.analysis.threshold.counts import checked, normalised
@@ -22,7 +21,6 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.census.comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary
 from tactometry.psychometric import shape_named
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 LEAST, MOST = 0.935, 0.97
 """Asked of the coverage of 95 % intervals of the difference."""
 NORMAL = shape_named("normal")

@@ -1,6 +1,5 @@
 """The exact contrasts under the analysis of variance: peers side by side, sphericity, permutations, hard cases."""
 
-import os
 import warnings
 from dataclasses import replace
 from itertools import product
@@ -11,14 +10,13 @@ import pytest
 from designs import NAMES, drawn, long_table
 from hypothesis import given, settings, strategies as st
 from scipy.stats import f as fisher, ncf
+from soak import SOAK
 
 from tactometry.analysis.anova.contrasts import Effect, Sphericity, effects, permutation_p
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
 from tactometry.analysis.anova.effect_size import eta_squared, noncentrality
 from tactometry.analysis.anova.within_subjects import effect_row, permutation_test, repeated_measures, singular_note
 from tactometry.errors import InvalidParameter
-
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 
 
 def design_of(values: np.ndarray) -> WithinDesign:

@@ -3,7 +3,6 @@
 Reduced in `make test`; in full in the soak. A tolerance is the standard error of the share at 1e-4.
 """
 
-import os
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,13 +11,13 @@ import pytest
 from designs import long_table
 from open_ends import GIVEN, cut
 from scipy.stats import norm, t as student
+from soak import SOAK
 
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.contrasts import Effect, contrasts
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N = 10
 SCENARIOS = ("spherical", "AR(1)", "noisy", "no interaction")
 DESIGNS: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {"4": ((4,), (0,)), "3 x 4": ((3, 4), (0, 1))}

@@ -1,7 +1,6 @@
 """Tables as PsychoPy and jsPsych write them, units, ratio scales, and what is said of a table that is not clear."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -13,6 +12,7 @@ import pytest
 from command_line import call
 from hypothesis import given, strategies as st
 from places import FOREIGN
+from soak import SOAK
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
@@ -63,9 +63,7 @@ def test_a_staircase_of_psychopys_is_read_as_it_is():
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(
-    not os.environ.get("TACTOMETRY_SOAK") or find_spec("psychopy") is None, reason="at full size only, with PsychoPy"
-)
+@pytest.mark.skipif(not SOAK or find_spec("psychopy") is None, reason="at full size only, with PsychoPy")
 @pytest.mark.parametrize("delimiter", ["comma", "tab", "semicolon"])
 def test_what_the_installed_psychopy_writes_is_read(tmp_path, delimiter):
     name = "7.tsv" if delimiter == "tab" else "7.csv"

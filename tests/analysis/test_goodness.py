@@ -1,13 +1,12 @@
 """Goodness of fit: p is what it says where the function is true, and small where it is not."""
 
-import os
-
 import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
 from scipy.special import ndtr
 from scipy.stats import binom, norm
+from soak import SOAK
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
@@ -20,7 +19,7 @@ from tactometry.analysis.threshold.prior import Prior
 from tactometry.cli.analyse import command
 from tactometry.psychometric import SHAPES
 
-N_SETS = 2000 if os.environ.get("TACTOMETRY_SOAK") == "1" else 250
+N_SETS = 2000 if SOAK else 250
 LEVELS = np.arange(1.0, 8.0)
 TRUTH, WIDTH, LAPSE, RARE = 3.7, 1.2, 0.02, 1e-4
 FORCED, FREE = 0.5, None

@@ -1,6 +1,5 @@
 """All participants at once: derivatives, truths found again, real data, and the cases where the data say little."""
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +10,7 @@ from places import SHARED
 from scipy.linalg import helmert
 from scipy.special import ndtri
 from scipy.stats import binom, chi2, f as fisher
+from soak import SOAK
 
 from tactometry.analysis.anova.contrasts import epsilons
 from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical
@@ -21,7 +21,6 @@ from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 LEVELS = np.linspace(5, 33, 7)
 SD, LOG_WIDTH_SD, CELL_SD, WIDTH, LAPSE_RATE = 2.5, 0.2, 0.8, 8.0, 0.02
 RARE = 1e-4

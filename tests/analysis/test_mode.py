@@ -1,19 +1,18 @@
 """The mode of a density with several summits."""
 
-import os
 from itertools import product
 
 import numpy as np
 import pytest
 from hard_cases import exact_case
 from scipy.stats import binom
+from soak import SOAK
 
 from tactometry.analysis.threshold.counts import checked, normalised
 from tactometry.analysis.threshold.mode import climb, find_mode, log_density
 from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 LEVELS = np.linspace(-3, 3, 7)
 STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.15, -1.0], np.linspace(0.02, 0.48, 24)))
 

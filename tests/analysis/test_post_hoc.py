@@ -1,6 +1,5 @@
 """Paired comparisons, equivalence and tests on ranks: published values, peers, error rates, refusals."""
 
-import os
 import re
 
 import numpy as np
@@ -11,14 +10,13 @@ from hard_cases import hard_case
 from published_design import PUBLISHED, WITHIN, long_table
 from scipy import stats
 from scipy.stats import f as f_distribution
+from soak import SOAK
 
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.equivalence import equivalence
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
 from tactometry.analysis.anova.post_hoc import dz_interval, evidence, pairs, rank_pairs
 from tactometry.errors import InvalidParameter
-
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 
 
 @pytest.fixture(scope="module")

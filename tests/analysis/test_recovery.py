@@ -1,16 +1,14 @@
 """Known participants: thresholds are found again, intervals hold what they promise. No seed is chosen."""
 
-import os
-
 import numpy as np
 import pytest
 from scipy.stats import binom
+from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = np.linspace(8.0, 36.0, 8)
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N_PARTICIPANTS = 2000 if SOAK else 200
 MEAN_DB, SD_DB, LAPSE_RATE, FALSE_ALARM_RATE = 22.0, 2.5, 0.02, 0.05
 COVERAGE, RARE = 0.935, 1e-4

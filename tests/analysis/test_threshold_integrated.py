@@ -1,16 +1,14 @@
 """Threshold fits against independent computations: a probit regression, psignifit's posterior node by node and
 integrated on fine grids."""
 
-import os
-
 import numpy as np
 import pytest
 from scipy.special import gammaln, ndtr, xlogy
+from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit, fit_many
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SEVEN = [1, 2, 3, 4, 5, 6, 7]
 
 

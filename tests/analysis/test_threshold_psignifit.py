@@ -1,16 +1,15 @@
 """Side by side with psignifit 4.3 on random data sets: 100 in the soak, a few in the reduced form."""
 
-import os
 import warnings
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import Status, fit
 from tactometry.psychometric import PsychometricFunction
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N_SETS = 100 if SOAK else 3
 LEVELS, N_TRIALS = np.arange(1.0, 8.0), 20
 PEER_GRID = 0.025

@@ -2,7 +2,6 @@
 tell one, else a status; never a warning of a library."""
 
 import json
-import os
 from itertools import product
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from hard_cases import exact_case
 from scipy.special import ndtr
+from soak import SOAK
 
 from tactometry.analysis.anova.assumptions import checks
 from tactometry.analysis.anova.equivalence import equivalence
@@ -23,7 +23,6 @@ from tactometry.cli.analyse import command
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SEVEN = np.arange(1.0, 8.0)
 RISING = [1, 2, 5, 10, 16, 18, 20]
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SOAK
 from emulated import LIBRARIES, Emulator, available, wait_for
+from soak import SOAK
 
 from tactometry.devices.sensors.arrival import LATE_S
 from tactometry.devices.sensors.counted_samples import STEP_S

@@ -11,9 +11,9 @@ from datetime import date
 import numpy as np
 import pytest
 from benches import gain_toml
-from conftest import SOAK
 from emulated import Emulator, wait_for
 from force_bench import BENCH, N_TRIALS, study_in
+from soak import SOAK
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioSettings

@@ -1,6 +1,5 @@
 """The models that the script for R names are fitted by R, for each kind of task."""
 
-import os
 import re
 import shutil
 import subprocess
@@ -8,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from soak import SOAK
 
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.r_table import MODELS
@@ -100,7 +100,7 @@ def test_a_questionnaire_has_an_ordinal_model_or_one_of_its_line(tmp_path, form,
 
 @pytest.mark.soak
 @pytest.mark.skipif(
-    not (os.environ.get("TACTOMETRY_SOAK") and has_packages()),
+    not (SOAK and has_packages()),
     reason="at full size only, with r-cran-lme4 r-cran-ordinal r-cran-psyphy r-cran-bradleyterry2",
 )
 @pytest.mark.parametrize("task", [*sorted({*MODELS} - {"rating"}), "attrakdiff", "nasa-tlx"])

@@ -1,7 +1,6 @@
 """Journals with right checksums and wrong content: one sentence with the line, whatever is done with them."""
 
 import json
-import os
 import shutil
 import zlib
 from pathlib import Path
@@ -10,6 +9,7 @@ import pytest
 from command_line import call
 from hypothesis import given, settings, strategies as st
 from places import RECORDED
+from soak import SOAK
 
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set
@@ -22,7 +22,6 @@ from tactometry.session.answer import Adjusted, Filled, Rated
 from tactometry.session.answer_rules import flaw
 from tactometry.session.request import Adjust, Enter, Fill, Question, Rate
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 SETS = ("console", "inquiries", "preference", "adjustment")
 VALUES = [None, True, 0, -1, 2**62, 3.5, 1e308, -1e308, "", "x", "../../x", "=x", "a\nb", [], [1], {}, {"a": 1}]
 

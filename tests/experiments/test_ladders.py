@@ -7,8 +7,8 @@ from dataclasses import asdict, replace
 from functools import partial
 
 import pytest
-from conftest import SOAK
 from places import DOCS
+from soak import SOAK
 
 from tactometry.cli import main
 from tactometry.experiments.cost.figures import error_against_price, frontier

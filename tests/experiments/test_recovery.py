@@ -1,12 +1,12 @@
 """The whole way recovers what is known: simulated participants, journals, trials files, fits."""
 
-import os
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.stats import norm
+from soak import SOAK
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.contact import Contact
@@ -14,7 +14,7 @@ from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, parse
 
-N = 1000 if os.environ.get("TACTOMETRY_SOAK") == "1" else 200
+N = 1000 if SOAK else 200
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from memory import Memory
 from own_form import OWN_FORM
+from study_texts import changed
 
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.experiments.data_sets.replaying import replay_data_set
@@ -30,11 +31,7 @@ LEVELS = "levels = [10, 18, 26, 34]                       # dB re 1 V peak\nrepe
 
 def study(*changes, more=""):
     """The tutorial with some changes of its text."""
-    text = TUTORIAL + more
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return parse(text.encode(), "s.toml")
+    return parse(changed(TUTORIAL + more, dict(changes)).encode(), "s.toml")
 
 
 def experiment(*changes, more=""):

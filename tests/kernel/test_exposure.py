@@ -7,7 +7,9 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from conftest import SOAK
+from benches import file_bench
+from soak import SOAK
+from study_texts import tutorial_in
 from tutorial_session import EXPERIMENT, TOML
 from window_sitting import any_keys, sit, tactometry
 
@@ -16,7 +18,6 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import LimitExceeded
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
 from tactometry.records.data_set import Session
 from tactometry.records.journal import Head
@@ -26,18 +27,7 @@ from tactometry.safety.load import Load
 from tactometry.session.event import Event
 from tactometry.signal import Signal
 
-BENCH = """
-[screen]
-fullscreen = false
-[output]
-kind = "file"
-folder = "{folder}"
-[limits]
-voltage_peak_v = 100.0
-duration_s = 10.0
-duty = 0.0155
-session_s = "1 h"
-"""
+DUTY = 0.0155
 """Three stimuli of 0.3 s in any 60 s."""
 SHORT = {
     'duration_s = "500 ms"': 'duration_s = "300 ms"',
@@ -46,21 +36,11 @@ SHORT = {
 }
 
 
-def study_in(folder):
-    text = load("tutorial")[1].decode()
-    for old, new in SHORT.items():
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "short.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 def test_a_session_that_goes_on_plays_no_more_than_one_that_was_not_interrupted(display, tmp_path):
     """In the window: the fourth stimulus of a minute ends the first sitting, and its like every other."""
     played = tmp_path / "played"
-    (tmp_path / "bench.toml").write_text(BENCH.format(folder=played), encoding="utf-8")
-    words = ("run", study_in(tmp_path), "--participant", "P01", "--bench", tmp_path / "bench.toml")
+    bench = file_bench(tmp_path, DUTY)
+    words = ("run", tutorial_in(tmp_path, SHORT), "--participant", "P01", "--bench", bench)
     for sitting in range(3 if SOAK else 2):
         process = tactometry(*words, "--out", tmp_path / "d", *(["--resume"] if sitting else []), env=os.environ)
         status, _, errors = sit(process, display, any_keys(sitting))

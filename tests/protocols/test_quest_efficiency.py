@@ -6,20 +6,19 @@ against those of the rule itself.
 """
 
 import doctest
-import importlib.util
 import math
-import os
 from functools import cache
 
 import numpy as np
 import pytest
+from benchmark_modules import benchmark_module
 from places import ROOT
 from scipy.special import ndtr
+from soak import SOAK
 
 from tactometry.protocols import QuestPlusSettings
 
-FULL = os.environ.get("TACTOMETRY_SOAK") == "1"
-N, N_TOGETHER = (1000, 10_000) if FULL else (30, 500)
+N, N_TOGETHER = (1000, 10_000) if SOAK else (30, 500)
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 NORMAL_WIDTH = 2 * 1.6448536269514722
@@ -29,10 +28,7 @@ FIRST = "threshold first, variance"
 
 @pytest.fixture(scope="module")
 def benchmark():
-    place = importlib.util.spec_from_file_location("benchmark_of_procedures", ROOT / "benchmarks" / "procedures.py")
-    module = importlib.util.module_from_spec(place)
-    place.loader.exec_module(module)
-    return module
+    return benchmark_module("procedures")
 
 
 @cache
@@ -45,7 +41,7 @@ def errors_after_160(benchmark, guess, name):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_observers_together_are_estimated_as_by_the_rule_itself(benchmark, task):
-    benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if FULL else 60)
+    benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if SOAK else 60)
 
 
 @pytest.mark.parametrize("task", TASKS)

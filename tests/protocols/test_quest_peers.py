@@ -1,16 +1,16 @@
 """QUEST+, psi and QUEST beside the package questplus and PsychoPy, choice by choice."""
 
-import os
 import warnings
 
 import numpy as np
 import pytest
 from scipy.stats import norm
+from soak import SOAK
 
 from tactometry.protocols import ParameterGrid, Quest, QuestPlus, psi
 from tactometry.psychometric import shape_named
 
-N_RUNS = 100 if os.environ.get("TACTOMETRY_SOAK") == "1" else 3
+N_RUNS = 100 if SOAK else 3
 N_TRIALS = 30
 TIED = 1e-11
 """Losses (nat) this near to each other are equal up to the rounding of either program."""

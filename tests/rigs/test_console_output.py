@@ -13,8 +13,10 @@ import time
 from dataclasses import replace
 
 import pytest
+from benches import file_bench
 from command_line import call
 from sampled import Sampled
+from study_texts import tutorial_in
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
 from tactometry.devices.outputs.guarded import Guarded
@@ -22,7 +24,6 @@ from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import DeviceFailed, Stopped
-from tactometry.experiments.study.study_file import load
 from tactometry.rigs.console import Console
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -33,34 +34,14 @@ from tactometry.trials.trial import Trial
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0)
 LIMITS = Limits(100.0)
-BENCH = """
-[output]
-kind = "file"
-folder = "{folder}"
-[limits]
-voltage_peak_v = 100.0
-duration_s = 10.0
-duty = {duty}
-session_s = "1 h"
-"""
+SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "catch_rate = 0.0"}
 
 
-def study_in(folder):
-    text = load("tutorial")[1].decode()
-    for old, new in {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "catch_rate = 0.0"}.items():
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "short.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0):
+def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
     """A session whose stimuli are written into `played`."""
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
-    bench = folder / "bench.toml"
-    bench.write_text(BENCH.format(folder=folder / "played", duty=duty), encoding="utf-8")
-    words = ("run", study_in(folder), "--participant", "P01", "--rig", "console", "--out", folder / "d")
+    file_bench(folder, duty)
+    words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")
     return call(capsys, *words, *more)
 
 
@@ -115,13 +96,9 @@ def test_the_guard_refuses_in_every_sitting_what_is_too_much(tmp_path, capsys, m
 
 
 def test_an_adjustment_with_an_output_is_refused_before_anything_is_written(tmp_path, capsys, monkeypatch):
-    study = study_in(tmp_path)
-    text = study.read_text().replace(
-        'kind = "yes_no"\ncatch_rate = 0.0', 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40'
-    )
-    study.write_text(text)
-    monkeypatch.setattr(sys.modules[__name__], "study_in", lambda folder: study)
-    status, said, _ = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml")
+    set_by_hand = 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40'
+    changes = {**SHORT, 'kind = "yes_no"\ncatch_rate = 0.0': set_by_hand}
+    status, said, _ = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml", changes=changes)
     assert status == 2
     assert "--rig: found console, where no level plays while it is set, expected bench for the adjustments" in said
     assert not (tmp_path / "d").exists()

@@ -20,3 +20,24 @@ def gain_toml(measured_with, *values, **more):
     table = gain_table(measured_with, *values, **more)
     rows = (f'{name} = "{value}"' if isinstance(value, str) else f"{name} = {value}" for name, value in table.items())
     return "\n".join(["[output.gain]", *rows, ""])
+
+
+FILE_BENCH = """
+[screen]
+fullscreen = false
+[output]
+kind = "file"
+folder = "{folder}"
+[limits]
+voltage_peak_v = 100.0
+duration_s = 10.0
+duty = {duty}
+session_s = "1 h"
+"""
+
+
+def file_bench(folder, duty):
+    """A bench file whose output writes into the folder `played` beside it."""
+    path = folder / "bench.toml"
+    path.write_text(FILE_BENCH.format(folder=folder / "played", duty=duty), encoding="utf-8")
+    return path

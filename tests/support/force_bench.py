@@ -3,8 +3,7 @@
 import importlib.util
 
 import pytest
-
-from tactometry.experiments.study.study_file import load
+from study_texts import tutorial_in
 
 N_TRIALS = 3
 
@@ -47,14 +46,7 @@ def needed():
 
 
 def study_in(folder, n_trials=N_TRIALS):
-    _, content = load("tutorial")
-    text = content.decode()
-    for old, new in {**STUDY, "repeats = 4": f"repeats = {n_trials}"}.items():
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "short.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
+    return tutorial_in(folder, {**STUDY, "repeats = 4": f"repeats = {n_trials}"})
 
 
 STUDY = {

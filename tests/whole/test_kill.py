@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from hard_cases import exact_case
 from places import ROOT
+from soak import SOAK
 
 SCRIPT = str(ROOT / "tests" / "support" / "killed_session.py")
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 N_MOMENTS = {"simulate": 350 if SOAK else 12, "console": 150 if SOAK else 4}
 SIGNALS = [signal.SIGKILL, signal.SIGTERM]
 TIMES = re.compile(rb'"(at_s|onset_s|latency_s|timestamp_utc|started_utc|crc32)":("[^"]*"|[-0-9.e]+|null)')

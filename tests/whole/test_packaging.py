@@ -19,10 +19,10 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from places import ROOT
+from soak import SOAK
 
 ROOMS = ("stimuli", "protocols", "analysis", "experiments")
 KEPT = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))}
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} for version in ("3.11", "3.12")]
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
+from study_texts import changed
 
 from tactometry.experiments.study.study_file import builtin
 
@@ -45,10 +46,7 @@ def data_set(request, tmp_path_factory) -> Path:
     """A simulated data set of two participants."""
     root = tmp_path_factory.mktemp("way")
     text = builtin()[request.param].read_text(encoding="utf-8")
-    for old, new in SMALLER[request.param].items():
-        assert old in text
-        text = text.replace(old, new)
-    (root / "study.toml").write_text(text + FINGER, encoding="utf-8")
+    (root / "study.toml").write_text(changed(text, SMALLER[request.param]) + FINGER, encoding="utf-8")
     arguments = ["simulate", root / "study.toml", "--participants", "2", "--seed", "7", "--out", root / "data"]
     assert _status(arguments) == 0
     return root / "data"

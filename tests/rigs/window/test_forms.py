@@ -8,6 +8,7 @@ from command_line import call
 from learnt_file import write_responses
 from places import ROOT
 from screens import entry_page, form_page
+from study_texts import changed
 
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.errors import InvalidParameter
@@ -185,9 +186,7 @@ def in_the_window(display, screen, capsys):
 
 def shortened(name):
     text = (ROOT / "experiments" / f"{name}.toml").read_text("utf-8")
-    for old, new in SHORT[name]:
-        assert old in text, old
-        text = text.replace(old, new)
+    text = changed(text, dict(SHORT[name]))
     for old, new in FAST:
         text = text.replace(old, new)
     return text

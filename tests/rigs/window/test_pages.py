@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 import screens
-from conftest import SOAK
 from hard_cases import exact_case
 from PIL import Image
 from screens import all_pages
+from soak import SOAK
 
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
-from conftest import SOAK
 from scene_cases import RUBBED, refusal
 from scene_errors import error_of
+from soak import SOAK
 
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes.file import load_scene

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import SOAK
 from exact_plate import dense_ritz, levy_modes
 from scene_cases import effect, screen, small_screen
 from scene_errors import LOSSY, error_of, run
+from soak import SOAK
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.plate import modes, plate

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SOAK
 from fresh_processes import counted
 from hard_cases import hard_case
 from hypothesis import HealthCheck, given, settings
@@ -21,6 +20,7 @@ from scene_cases import (
     panels,
     with_needs,
 )
+from soak import SOAK
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter

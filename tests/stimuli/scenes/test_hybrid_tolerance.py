@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SOAK
 from hypothesis import HealthCheck, given, settings
 from scene_cases import (
     FOCUSED,
@@ -18,6 +17,7 @@ from scene_cases import (
     small_screen,
 )
 from scene_errors import error_of
+from soak import SOAK
 
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at

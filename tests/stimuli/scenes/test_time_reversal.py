@@ -1,7 +1,6 @@
 """Time-reversal scenes: only what is called for, in the one right order, as accurately as asked."""
 
 import itertools
-import os
 import tracemalloc
 from dataclasses import replace
 
@@ -21,6 +20,7 @@ from scene_cases import (
     tuned,
 )
 from scene_errors import LOSSY, error_of, finer, run
+from soak import SOAK
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
@@ -43,7 +43,6 @@ from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
 
-SOAK = os.environ.get("TACTOMETRY_SOAK") == "1"
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
 

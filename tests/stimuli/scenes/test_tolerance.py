@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SOAK
 from hypothesis import HealthCheck, given, settings, strategies as st
 from scene_cases import effect, finest_of, refusal, screen, screens, tuned
 from scene_errors import LOSSY, error_of, finer, run
+from soak import SOAK
 
 OUTPUTS = {
     "foci": ("peaks_m",),

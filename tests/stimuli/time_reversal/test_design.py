@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from conftest import SOAK
 from hypothesis import given, settings, strategies as st
+from soak import SOAK
 
 from tactometry.cli.design import command
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter

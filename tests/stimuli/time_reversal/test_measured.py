@@ -1,10 +1,10 @@
 """Measured responses: files, alignment, checks, tau, material constants; inverse filter and interpolation."""
 
 import math
-import os
 
 import numpy as np
 import pytest
+from soak import SOAK
 
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
@@ -211,7 +211,7 @@ def test_interval_of_tau_holds_the_truth_in_short_records_and_above_floors():
     cases = [
         (tau, n, db) for tau in (1e-3, 3.5e-3, 20e-3) for n in (2, 4, 10) for db in (-math.inf, -60.0, -45.0, -30.0)
     ]
-    if os.environ.get("TACTOMETRY_SOAK") != "1":
+    if not SOAK:
         cases = cases[rng.integers(5) :: 5]
     found = [(tau, tau_estimate(record_of(tau, n, db, rng))) for tau, n, db in cases]
     held = sum(estimate.low < tau < estimate.high for tau, estimate in found)

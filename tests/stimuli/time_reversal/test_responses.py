@@ -1,13 +1,13 @@
 """Impulse responses of the model: reciprocity, causality, energy, Parseval, patches, bad input."""
 
 import math
-import os
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.special import j1
+from soak import SOAK
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
@@ -62,7 +62,7 @@ def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x
     assert abs(there[0]) <= 1e-12 * np.abs(there).max()
 
 
-@settings(max_examples=200 if os.environ.get("TACTOMETRY_SOAK") == "1" else 12, deadline=None)
+@settings(max_examples=200 if SOAK else 12, deadline=None)
 @given(
     boundary=st.text("SCF", min_size=4, max_size=4),
     aspect=st.floats(1.0, 20.0),
