@@ -9,6 +9,7 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 EXTRAS := window,audio,serial,lsl,ni,cluster,hdf5,film,dev
@@ -45,8 +46,8 @@ help: ## what can be made
 demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo/
 	@$(BIN)/tactometry demo --out demo
 
-test: system $(VENV)/.test ## all tests on all cores with branch coverage; slow ones in reduced form
-	@$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup $(ARGS) --cov
+test: system $(VENV)/.test ## every behaviour, law and device once, on all cores
+	@$(PYTEST) -m 'not slow' $(ARGS)
 
 soak: system $(VENV)/.test ## all tests at full size: hours
 	@TACTOMETRY_SOAK=1 $(BIN)/python -m pytest --timeout 14400 $(ARGS)
@@ -57,9 +58,9 @@ static: $(VENV)/.test ## format, lint, strict types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 
-check: ## the static checks, then the tests
+check: system $(VENV)/.test ## the static checks, then all tests with branch coverage: what CI runs
 	@$(MAKE) --no-print-directory static
-	$(MAKE) --no-print-directory test
+	$(PYTEST) --cov $(ARGS)
 
 bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done

@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_bench import needed
-from hands import LONGEST_WAIT_S, SCREEN_PX, Hands
+from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
+from patience import LONGEST_WAIT_S
+from scratch import write_in_memory
 from soak import SOAK
 from sound_server import alsa, server, sink
 
@@ -25,6 +27,12 @@ SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEE
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)
 settings.register_profile("soak", deadline=None, max_examples=1000)
 settings.load_profile("soak" if SOAK else "reduced")
+write_in_memory()
+
+# Every core has a process of its own: threads of linear algebra would wait for each other by spinning, at four times
+# the processor time. Read when numpy is first loaded: by the processes that pytest starts, and by their programs.
+for library in ("OPENBLAS", "OMP", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 ARTEFACTS = Path(__file__).resolve().parents[1] / "artefacts"
 KEPT = []
@@ -47,6 +55,8 @@ def pytest_collection_modifyitems(config, items):
     """
     for item in items:
         item.add_marker(pytest.mark.xdist_group(group_of(item)))
+        if item.get_closest_marker("soak") and not SOAK:
+            item.add_marker(pytest.mark.skip(reason="full size: make soak"))
     if config.getoption("--stability"):
         items[:] = only_hard_cases(items)
 

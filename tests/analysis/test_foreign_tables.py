@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from command_line import call
 from hypothesis import given, strategies as st
+from patience import LONGEST_PROGRAM_S
 from places import FOREIGN
-from soak import SOAK
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
@@ -63,7 +63,7 @@ def test_a_staircase_of_psychopys_is_read_as_it_is():
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(not SOAK or find_spec("psychopy") is None, reason="at full size only, with PsychoPy")
+@pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: extra window")
 @pytest.mark.parametrize("delimiter", ["comma", "tab", "semicolon"])
 def test_what_the_installed_psychopy_writes_is_read(tmp_path, delimiter):
     name = "7.tsv" if delimiter == "tab" else "7.csv"
@@ -83,7 +83,9 @@ for n, trial in enumerate(loop):
 exp.saveAsWideText({name!r}, delim={delimiter!r})
 exp.abort()
 """
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, timeout=120)
+    subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, timeout=LONGEST_PROGRAM_S
+    )
     separator = {"comma": "", "tab": "", "semicolon": ";"}[delimiter]
     own = ColumnMap(PSYCHOPY.columns, PSYCHOPY.constants, PSYCHOPY.values, separator=separator)
     assert read_trials(tmp_path / name, within=["cond"], column_map=own).rows["response"].tolist() == ["1", "0"]

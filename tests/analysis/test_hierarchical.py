@@ -345,7 +345,7 @@ def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
         fitted(study[0]).effect("force_n", of="log_width")
 
 
-@pytest.mark.skipif(not SOAK, reason="a hundred seconds and more; in the soak")
+@pytest.mark.soak
 def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
     rng, n_studies = np.random.default_rng(), 400
     found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]

@@ -15,6 +15,7 @@ import player
 import pytest
 from benches import gain_table
 from hard_cases import hard_case
+from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from sound_server import heard_part, played
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
@@ -38,13 +39,17 @@ def asked(n_channels, device, duration_s, **more):
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
 def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels, rate_hz):
     what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
-    subprocess.run([*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=60, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=LONGEST_PROGRAM_S, stdout=subprocess.DEVNULL
+    )
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
 def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
     what = asked(1, "tofile", 60.0, then_s=[0.1])
-    subprocess.run([*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=60, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=LONGEST_PROGRAM_S, stdout=subprocess.DEVNULL
+    )
     heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
     first, second = (player.frames(asked(1, "tofile", duration_s))[:, 0] for duration_s in (60.0, 0.1))
     assert np.array_equal(heard[-len(second) :], second)
@@ -161,7 +166,9 @@ def undisturbed(sink, what, n_runs=4):
     """The first of some runs in which the device, on a machine that does other things too, never ran dry."""
     for _ in range(n_runs):
         sink.begin()
-        done = subprocess.run([*PROGRAM, json.dumps(what)], env=sink.env, check=True, timeout=60, capture_output=True)
+        done = subprocess.run(
+            [*PROGRAM, json.dumps(what)], env=sink.env, check=True, timeout=LONGEST_PROGRAM_S, capture_output=True
+        )
         frames = sink.end()
         if json.loads(done.stdout.splitlines()[-1])["n_underruns"] == 0:
             return done.stdout, heard_part(frames)
@@ -231,7 +238,7 @@ def test_a_process_stops_closes_and_ends_though_its_sound_server_hangs(sink):
         assert process.stdout.readline() == "plays\n"
         sink.server.send_signal(signal.SIGSTOP)
         try:
-            said, _ = process.communicate("go\n", timeout=20)
+            said, _ = process.communicate("go\n", timeout=LONGEST_WAIT_S)
         finally:
             sink.server.send_signal(signal.SIGCONT)
     stopped_s, closed = said.splitlines()

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from emulated import LIBRARIES, Emulator, available, wait_for
+from patience import LONGEST_WAIT_S
 from soak import SOAK
 
 from tactometry.devices.sensors.arrival import LATE_S
@@ -66,7 +67,10 @@ class Listening:
     def heard(self):
         """(block, facts) of each."""
         for blocks in self._heard.values():
-            wait_for(lambda blocks=blocks: blocks and blocks[-1].values[-1, 0] >= N_LISTENED, 120.0 + N_LISTENED / 500)
+            wait_for(
+                lambda blocks=blocks: blocks and blocks[-1].values[-1, 0] >= N_LISTENED,
+                LONGEST_WAIT_S + N_LISTENED / 500,
+            )
         return {
             kind: (joined(list(blocks)), self._emulators[kind].reader.facts()) for kind, blocks in self._heard.items()
         }

@@ -13,7 +13,6 @@ import pytest
 from benches import gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, N_TRIALS, study_in
-from soak import SOAK
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioSettings
@@ -129,7 +128,7 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
     )
 
     def go_on_when(what):
-        wait_for(lambda: what() or process.poll() is not None, 60)
+        wait_for(lambda: what() or process.poll() is not None)
 
     def die_and_come_back():
         go_on_when(lambda: any(played.glob("*.npz")))
@@ -195,15 +194,16 @@ def played_signals(folder):
     return [len(pieces), all(np.array_equal(raw[piece[0] : piece[-1] + 1], wanted) for piece in pieces)]
 
 
-at_full_size = pytest.mark.skipif(not SOAK, reason="full size only: test_device_audio.py kills a smaller program")
-
-
 @pytest.mark.parametrize(
     "number",
-    [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=at_full_size), pytest.param(signal.SIGKILL, marks=at_full_size)],
+    [
+        signal.SIGTERM,
+        pytest.param(signal.SIGHUP, marks=pytest.mark.soak),
+    [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
+    ],
 )
 def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):
-    """In the middle of a stimulus of 20 s that a real sound server hears."""
+    """In the middle of a stimulus of 20 s that a real sound server hears; test_audio.py kills a smaller program."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)
@@ -214,7 +214,7 @@ def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink,
     ended = threading.Event()
 
     def end_when_it_plays():
-        wait_for(lambda: sink.heard() > 9600 or process.poll() is not None, 60)
+        wait_for(lambda: sink.heard() > 9600 or process.poll() is not None)
         process.send_signal(number)
         ended.set()
 

@@ -18,6 +18,7 @@ from command_line import call
 from emulated import Emulator, available, wait_for
 from hands import SCREEN_PX
 from hypothesis import given, strategies as st
+from patience import LONGEST_PROGRAM_S
 
 from tactometry.cli import main
 from tactometry.devices.outputs.gain import Gain
@@ -248,7 +249,7 @@ def calibrate_with(env, cwd, *arguments, answers=""):
     """In a process of its own, whose sound library sees `env`."""
     command = [sys.executable, "-m", "tactometry", "calibrate", *map(str, arguments)]
     return subprocess.run(
-        command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=120, check=False
+        command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False
     )
 
 

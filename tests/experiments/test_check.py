@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from benches import gain_table, gain_toml
 from emulated import Emulator, available
-from hands import LONGEST_WAIT_S
+from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 
 from tactometry.cli.check import _table
 from tactometry.cli.hands_off import hands_are_off
@@ -39,7 +39,9 @@ FORCE = '[force]\nsensor = "hand"\nchannel = 2\nnewtons_per_count = 0.01\n'
 def checked(tmp_path, bench, *more, env=None):
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     command = [sys.executable, "-m", "tactometry", "check", *more, "--bench", "bench.toml", "--json", "--hands-off"]
-    result = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False)
+    result = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False
+    )
     assert result.stdout, result.stderr
     findings = {(each["part"], each["what"]): each for each in json.loads(result.stdout)["findings"]}
     return result.returncode, findings

@@ -100,8 +100,7 @@ def test_a_questionnaire_has_an_ordinal_model_or_one_of_its_line(tmp_path, form,
 
 @pytest.mark.soak
 @pytest.mark.skipif(
-    not (SOAK and has_packages()),
-    reason="at full size only, with r-cran-lme4 r-cran-ordinal r-cran-psyphy r-cran-bradleyterry2",
+    SOAK and not has_packages(), reason="needs r-cran-lme4 r-cran-ordinal r-cran-psyphy r-cran-bradleyterry2"
 )
 @pytest.mark.parametrize("task", [*sorted({*MODELS} - {"rating"}), "attrakdiff", "nasa-tlx"])
 def test_r_fits_the_model(tmp_path, task):

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import call
 from hypothesis import given, strategies as st
+from patience import LONGEST_PROGRAM_S
 
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.r_table import name, quoted
@@ -96,7 +97,12 @@ def test_r_runs_nothing_of_a_column(tmp_path, factor):
     script = tmp_path / "r/trials.R"
     script.write_text(script.read_text() + '\ncat(names(used)[6], nrow(used), nlevels(used[[6]]), sep = "|")\n')
     done = subprocess.run(
-        ["Rscript", "trials.R"], cwd=script.parent, capture_output=True, text=True, check=False, timeout=60
+        ["Rscript", "trials.R"],
+        cwd=script.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_PROGRAM_S,
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"{cell_text(factor)}|216|2"

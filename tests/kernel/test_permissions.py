@@ -208,7 +208,6 @@ def loaded():
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("file", FILES)
-@pytest.mark.timeout(60)
 def test_what_cannot_be_read_in_a_data_set_is_one_sentence(folder, capsys, monkeypatch, loaded, file, damage):
     recorded, root = RECORDED / "console", folder / "d"
     shutil.copy(recorded / "study.toml", folder / "s.toml")

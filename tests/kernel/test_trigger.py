@@ -8,8 +8,8 @@ import time
 
 import numpy as np
 import pytest
-from hands import LONGEST_WAIT_S
 from hypothesis import given, strategies as st
+from patience import LONGEST_WAIT_S
 
 from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from hands import LONGEST_WAIT_S
+from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
 from tactometry.devices.sensors.force_calibration import ForceCalibration

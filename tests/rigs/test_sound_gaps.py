@@ -44,7 +44,7 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
     process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})
 
     def tear():
-        wait_for(lambda: sink.heard() > 4800 or process.poll() is not None, 60)
+        wait_for(lambda: sink.heard() > 4800 or process.poll() is not None)
         held_up(sink.server, 0.4)
 
     tearing = threading.Thread(target=tear)

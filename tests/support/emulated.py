@@ -9,6 +9,7 @@ import time
 import uuid
 
 import emulator
+from patience import LONGEST_WAIT_S
 
 from tactometry.devices.sensors.lsl import LslSettings
 from tactometry.devices.sensors.reader import Reader
@@ -78,7 +79,7 @@ def free_port():
         return line.getsockname()[1]
 
 
-def wait_for(what, longest_s=120.0):
+def wait_for(what, longest_s=LONGEST_WAIT_S):
     end_s = time.monotonic() + longest_s
     while not what():
         assert time.monotonic() < end_s, "it did not happen"

@@ -4,8 +4,6 @@ import time
 
 SCREEN_PX = (1280, 800)
 
-LONGEST_WAIT_S = 30.0
-
 
 class Hands:
     """Presses keys and touches the screen by real X events, from a connection of its own."""

@@ -5,6 +5,7 @@ import sys
 import threading
 
 import numpy as np
+from patience import LONGEST_PROGRAM_S
 
 
 def tactometry(*arguments, **how):
@@ -26,7 +27,7 @@ def sit(process, hands, keys):
     fingers = threading.Thread(target=tap_all, daemon=True)
     fingers.start()
     try:
-        output, errors = process.communicate(timeout=LONGEST_S)
+        output, errors = process.communicate(timeout=LONGEST_PROGRAM_S)
     finally:
         process.kill()
         ended.set()
@@ -38,7 +39,5 @@ def any_keys(seed, n=2000):
     for answer in np.random.default_rng(seed).choice(["y", "n"], n):
         yield from ("space", str(answer))
 
-
-LONGEST_S = 240
 
 PAUSE_S = 0.03

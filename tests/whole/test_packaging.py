@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from patience import LONGEST_PROGRAM_S
 from places import ROOT
 from soak import SOAK
 
@@ -40,7 +41,9 @@ def tree() -> set[str]:
 
 
 def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=280)
+    return subprocess.run(
+        command, cwd=cwd, env=KEPT, capture_output=True, text=True, check=False, timeout=LONGEST_PROGRAM_S
+    )
 
 
 def done(result: "subprocess.CompletedProcess[str]") -> str:

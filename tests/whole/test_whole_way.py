@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
+from patience import LONGEST_PROGRAM_S
 from study_texts import changed
 
 from tactometry.experiments.study.study_file import builtin
@@ -137,7 +138,9 @@ def test_the_schema_of_psych_ds_holds(data_set, exported):
 def issues(command: list[str]) -> dict:
     """What a validator of BIDS says in JSON, among notes of its own."""
     where = {**os.environ, "NO_COLOR": "1", "DENO_NO_UPDATE_CHECK": "1"}
-    said = subprocess.run(command, capture_output=True, text=True, check=False, env=where, timeout=120).stdout
+    said = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=where, timeout=LONGEST_PROGRAM_S
+    ).stdout
     return json.JSONDecoder().raw_decode(said[said.index("{") :])[0]["issues"]
 
 
@@ -159,6 +162,11 @@ def test_the_former_validator_of_bids_finds_no_error(exported):
 @pytest.mark.skipif(shutil.which("Rscript") is None, reason="no Rscript: apt-get install r-base-core")
 def test_r_reads_its_table(exported):
     done = subprocess.run(
-        ["Rscript", "trials.R"], cwd=exported / "r", capture_output=True, text=True, check=False, timeout=60
+        ["Rscript", "trials.R"],
+        cwd=exported / "r",
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_PROGRAM_S,
     )
     assert done.returncode == 0, done.stderr

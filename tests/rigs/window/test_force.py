@@ -7,8 +7,8 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hands import LONGEST_WAIT_S
 from hard_cases import exact_case
+from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
 from tactometry.devices.sensors.force_calibration import ForceCalibration

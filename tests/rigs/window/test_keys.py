@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+from patience import LONGEST_PROGRAM_S
 from places import ROOT
 
 SCRIPT = """
@@ -46,7 +47,12 @@ def test_presses_wait_until_they_are_read_and_none_is_heard_without_a_window(dis
         "PYTHONPATH": os.pathsep.join([str(ROOT / "tests" / "support"), *sys.path]),
     }
     ran = subprocess.run(
-        [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False, timeout=100
+        [sys.executable, "-c", SCRIPT],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_PROGRAM_S,
     )
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.split("\n")[:3] == ["5200", "1", "1 ()"]

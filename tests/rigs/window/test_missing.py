@@ -6,6 +6,7 @@ import sys
 from importlib.util import find_spec
 
 import pytest
+from patience import LONGEST_PROGRAM_S
 
 OPEN = """
 from tactometry.errors import DeviceFailed
@@ -20,7 +21,12 @@ except DeviceFailed as error:
 def said(script, **environment):
     kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     process = subprocess.run(
-        [sys.executable, "-c", script], env=kept | environment, capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", script],
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=LONGEST_PROGRAM_S,
     )
     [line] = [line for line in process.stdout.splitlines() if line]
     return line

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import screens
 from hard_cases import exact_case
+from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from PIL import Image
 from screens import all_pages
-from soak import SOAK
 
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench
@@ -82,7 +82,7 @@ def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_bac
     press, onset = {}, []
 
     def work():
-        watched.shown.get(timeout=20)
+        watched.shown.get(timeout=LONGEST_WAIT_S)
         time.sleep(0.1)
         press["down_s"], press["up_s"] = hands.tap("y", hold_s=0.3)
 
@@ -198,7 +198,7 @@ def test_escape_stops_everything_with_the_output_first(bench, participant, log, 
 
 def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, in_background, log):
     def work():
-        watched.shown.get(timeout=20)
+        watched.shown.get(timeout=LONGEST_WAIT_S)
         screen._window.winHandle.dispatch_event("on_close")
 
     in_background(work)
@@ -322,13 +322,13 @@ def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, arte
         assert pixels.max() - pixels[0, 0] > 100, f"{name} is hardly seen"
 
 
-@pytest.mark.skipif(not SOAK, reason="full size only: the other pages and sizes are slow to draw in software")
+@pytest.mark.soak  # the other pages and sizes are slow to draw in software
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
 def test_every_page_is_drawn_on_screens_of_other_sizes(display, artefacts, width, height):
     """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
     folder = artefacts / f"{width}x{height}"
-    subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=600)
+    subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=LONGEST_PROGRAM_S)
     assert {path.stem for path in folder.glob("*.png")} == set(screens.every_page(width / height))
     for path in folder.glob("*.png"):
         pixels = np.asarray(Image.open(path).convert("L"), dtype=int)

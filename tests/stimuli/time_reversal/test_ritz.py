@@ -7,7 +7,6 @@ import pytest
 from hard_cases import hard_case
 from hypothesis import given, settings, strategies as st
 from places import SHARED
-from soak import SOAK
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
@@ -173,7 +172,6 @@ def test_one_rigid_body_mode_of_a_plate_hinged_at_one_edge():
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(not SOAK, reason="full size: set TACTOMETRY_SOAK=1")
 def test_2000_free_edge_modes_against_8_more_degrees():
     a4 = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
     found = a4.frequencies_hz(106e3)
