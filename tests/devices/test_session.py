@@ -199,7 +199,7 @@ def played_signals(folder):
     [
         signal.SIGTERM,
         pytest.param(signal.SIGHUP, marks=pytest.mark.soak),
-    [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
+        [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
     ],
 )
 def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):

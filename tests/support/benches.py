@@ -32,12 +32,13 @@ folder = "{folder}"
 voltage_peak_v = 100.0
 duration_s = 10.0
 duty = {duty}
+duty_window_s = {window_s}
 session_s = "1 h"
 """
 
 
-def file_bench(folder, duty):
+def file_bench(folder, duty, window_s=60):
     """A bench file whose output writes into the folder `played` beside it."""
     path = folder / "bench.toml"
-    path.write_text(FILE_BENCH.format(folder=folder / "played", duty=duty), encoding="utf-8")
+    path.write_text(FILE_BENCH.format(folder=folder / "played", duty=duty, window_s=window_s), encoding="utf-8")
     return path
