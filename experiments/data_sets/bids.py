@@ -12,8 +12,8 @@ from tactometry import __version__
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.errors import InvalidParameter
 from tactometry.questionnaire import Questionnaire
-from tactometry.records.data_set import cell
 from tactometry.records.description import KEYWORD
+from tactometry.trials.cells import cell
 from tactometry.trials.columns import Column
 from tactometry.trials.tasks import FORM_TASK
 

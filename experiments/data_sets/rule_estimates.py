@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.files.durable import read_file
 from tactometry.protocols.procedures.procedure import Procedure
 from tactometry.protocols.procedures.shared_learning import answered
-from tactometry.records.data_set import cell
+from tactometry.trials.cells import cell
 
 from ..study.cells import tables
 from ..study.procedure_table import ReadyProcedure, rule_of

@@ -8,10 +8,10 @@ from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.block import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
-from tactometry.records.data_set import cell as cell_text
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.target import resolve
+from tactometry.trials.cells import cell as cell_text
 
 from .procedure_table import ReadyProcedure, kind_of, rule_of, without
 from .study_file import VARIED, Study

@@ -11,7 +11,7 @@ from tactometry.protocols.block import Block, Track
 from tactometry.protocols.order import Crossing, crossed
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
-from tactometry.records.data_set import cell as cell_text
+from tactometry.trials.cells import cell as cell_text
 
 from .cells import WiredCell
 from .procedure_table import practice_of

@@ -15,8 +15,9 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import read_file
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.records.data_set import STUDY, cell
 from tactometry.safety.limits import Limits
+from tactometry.trials.cell_rules import STUDY
+from tactometry.trials.cells import cell
 from tactometry.trials.columns import RESERVED
 
 FOLDER = Path(__file__).parents[1]

@@ -10,12 +10,14 @@ from functools import lru_cache
 from math import inf, isfinite
 from numbers import Real
 from types import NoneType
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, nearest
+
+V = TypeVar("V")
 
 DOMAINS: Mapping[str, tuple[float, float]] = {
     "_m": (1e-20, 1e9),
@@ -132,6 +134,18 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
             raise _refused(owner, name, value, f"a number from {low:g} to {high:g}")
 
 
+def not_zero(owner: str, /, **values: object) -> None:
+    """Each is a finite number other than 0: a factor of either sign.
+
+    >>> not_zero("ForceCalibration", newtons_per_count=0.0)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: ForceCalibration.newtons_per_count: found 0.0, expected a finite number but 0
+    """
+    for name, value in values.items():
+        if not (is_number(value) and value != 0):
+            raise _refused(owner, name, value, "a finite number but 0")
+
+
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
     """Each is a number above `low` and below `high`."""
     for name, value in values.items():
@@ -212,6 +226,22 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
         raise InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
 
 
+def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
+    """What `name` stands for among `choices`.
+
+    Raises
+    ------
+    InvalidParameter
+        As `one_of`, with the nearest name.
+
+    >>> lookup("sensor", "hand", {"hand": 1}), lookup("sensor", "hnad", {"hand": 1})
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: sensor: found 'hnad', expected one of hand; did you mean 'hand'?
+    """
+    one_of(where, name, choices)
+    return choices[str(name)]
+
+
 def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
     """`found` holds something."""
     if len(found) == 0:
@@ -230,6 +260,19 @@ def repeated(values: Iterable[Hashable]) -> int | None:
             return place
         seen.add(value)
     return None
+
+
+def distinct(where: str, values: Iterable[Hashable]) -> None:
+    """Each of `values` stands once.
+
+    >>> distinct("Staircase.steps", (4.0, 2.0, 4.0))
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Staircase.steps[2]: found 4.0 again, expected each once
+    """
+    listed = tuple(values)
+    place = repeated(listed)
+    if place is not None:
+        raise InvalidParameter(f"{where}[{place}]: found {shown(listed[place])} again, expected each once")
 
 
 def numbers(where: str, found: object) -> None:

@@ -105,7 +105,7 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     from tactometry.experiments.study.dry_run import duration_s, plan
 
     from ..errors import counted
-    from ..records.data_set import cell
+    from ..trials.cells import cell
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60

@@ -4,21 +4,17 @@ The journal is the truth; the trials file, its description and the data set's de
 study, and can be rebuilt.
 """
 
-import csv
-import io
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..errors import InvalidFile, InvalidParameter
 from ..files.durable import listed, make_folder, read_file, write_first
+from ..trials.cell_rules import PARTICIPANT
+from ..trials.cells import cell, csv_bytes
 from ..trials.columns import Column
 from ..trials.trial import Trial, Value
 from .description import NAME, StudyDescription
-
-PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
-STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 LARGEST_NUMBER = 999_999_999
 """Of a session, and of a participant for counterbalancing."""
@@ -69,21 +65,6 @@ class Session:
         return root / "data" / f"{self.stem}_data.json"
 
 
-def cell(value: Value) -> str:
-    """A value as a cell: empty for None, 1/0 for a truth value, the shortest form that reads back for a number.
-
-    >>> cell(True), cell(12.0), cell(0.1), cell(None)
-    ('1', '12', '0.1', '')
-    """
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(int(value))
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
-        return str(int(value))
-    return repr(value) if isinstance(value, float) else str(value)
-
-
 _MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("factors", "extra"))
 
 
@@ -97,12 +78,6 @@ def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> 
         **trial.extra,
     }
     return [cell(known.get(column.name)) for column in columns]
-
-
-def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue().encode()
 
 
 def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:

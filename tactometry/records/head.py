@@ -3,14 +3,14 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from datetime import datetime
 from math import isfinite
 
 import msgspec
 
 from ..session.event import Fact
+from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
 from ..trials.columns import RIGS
-from .data_set import LARGEST_NUMBER, PARTICIPANT, STUDY
+from .data_set import LARGEST_NUMBER
 from .formats import FORMAT
 
 LARGEST_SEED = 2**63 - 1
@@ -75,16 +75,3 @@ def _flaws(head: Head) -> Iterator[str]:
         "begun_s": isfinite(head.begun_s) and head.begun_s >= 0,
     }
     yield from (f"the {name} {getattr(head, name)!r}" for name, fine in holds.items() if not fine)
-
-
-def is_time(text: str) -> bool:
-    """Whether a text is a time in ISO 8601.
-
-    >>> is_time("2026-11-22T14:04:13.059+00:00"), is_time("yesterday")
-    (True, False)
-    """
-    try:
-        datetime.fromisoformat(text)
-    except ValueError:
-        return False
-    return True

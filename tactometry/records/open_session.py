@@ -16,9 +16,10 @@ from ..session.answer import Done
 from ..session.event import COLUMNS, Event, events_tsv
 from ..session.replay import Replay
 from ..session.request import Record, Request
+from ..trials.cells import csv_bytes
 from ..trials.trial import tally
 from .agreement import is_beginning
-from .data_set import Session, csv_bytes, keys_of, participants, prepare, row, sessions, trials_csv
+from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
 from .description import (
     NAME,
     SIMULATED,

@@ -3,9 +3,8 @@
 from collections.abc import Generator
 from typing import Any, Protocol, TypeVar
 
-from ..session.request import Rig
 from .replay import Replay
-from .request import Request
+from .request import Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]

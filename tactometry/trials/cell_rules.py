@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Final
 
 LARGEST_ANSWER: Final = 1e15
@@ -46,3 +47,21 @@ def whole_number(highest: float = math.inf) -> Callable[[str], bool]:
     [True, False, False, False]
     """
     return lambda text: re.fullmatch(r"[1-9]\d{0,300}", text) is not None and int(text) <= highest
+
+
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+
+STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+def is_time(text: str) -> bool:
+    """Whether a text is a time in ISO 8601.
+
+    >>> is_time("2026-11-22T14:04:13.059+00:00"), is_time("yesterday")
+    (True, False)
+    """
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        return False
+    return True

@@ -18,7 +18,6 @@ from tactometry.files.durable import write_atomically
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.block import catch_schedule, run_block
-from tactometry.records.data_set import cell
 from tactometry.records.journal import checksum, encode, read
 from tactometry.records.open_journal import Journal
 from tactometry.rigs.simulated import SimulatedRig
@@ -28,6 +27,7 @@ from tactometry.session.replay import Replay
 from tactometry.session.request import Choose, Record, Slide, Wait
 from tactometry.session.run import replay, run
 from tactometry.signal import Signal
+from tactometry.trials.cells import cell
 
 
 def contents(root):
