@@ -6,7 +6,8 @@ from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.require import given, is_number, of_kind, one_of, positive, whole
+from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.require import given, of_kind, one_of, positive, whole
 from tactometry.errors import InvalidParameter, counted
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course

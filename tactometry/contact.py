@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .errors import InvalidParameter
+from .arguments.require import not_negative
 
 
 @dataclass(frozen=True)
@@ -13,7 +13,4 @@ class Contact:
     speed_m_per_s: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("force_n", "speed_m_per_s"):
-            value = getattr(self, name)
-            if not 0 <= value < float("inf"):
-                raise InvalidParameter(f"Contact.{name}: found {value}, expected a finite number, at least 0")
+        not_negative("Contact", force_n=self.force_n, speed_m_per_s=self.speed_m_per_s)

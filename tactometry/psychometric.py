@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from .errors import InvalidParameter, nearest
+from .arguments.require import lookup
+from .errors import InvalidParameter
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -148,11 +149,7 @@ def shape_named(name: str) -> Shape:
     InvalidParameter
         If there is none.
     """
-    if not isinstance(name, str) or name not in SHAPES:
-        raise InvalidParameter(
-            f"shape: found {name!r}, expected one of {', '.join(SHAPES)}{nearest(str(name), SHAPES)}"
-        )
-    return SHAPES[name]
+    return lookup("shape", name, SHAPES)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Self
 
-from .arguments.require import repeated, whole
+from .arguments.require import lookup, one_of, repeated, some, whole
 from .config.strict import build
 from .config.toml import located, table_of
-from .errors import InvalidParameter, nearest
+from .errors import InvalidParameter
 
 SUFFIX = ".toml"
 
@@ -127,12 +127,7 @@ class Questionnaire:
         InvalidParameter
             If there is none.
         """
-        known = {item.id: item for item in self.items}
-        if name not in known:
-            raise InvalidParameter(
-                f"{self.name}: found the item {name!r}, expected one of {', '.join(known)}{nearest(name, known)}"
-            )
-        return known[name]
+        return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
         """The statement (empty if there is none), the left word and the right word of an item, as presented.
@@ -143,11 +138,7 @@ class Questionnaire:
             If the item or the language is not there.
         """
         item = self.item(name)
-        if language not in self.languages:
-            raise InvalidParameter(
-                f"{self.name}: found the language {language!r}, expected one of {', '.join(self.languages)}"
-                f"{nearest(language, self.languages)}"
-            )
+        one_of(f"language of {self.name}", language, self.languages)
         left, right = self.ends[language] if not item.poles else item.poles[language][:: -1 if item.reversed else 1]
         return item.statement.get(language, ""), left, right
 
@@ -214,18 +205,13 @@ def _check_scale(form: Questionnaire) -> None:
         )
     if form.steps is not None and form.steps < 2:
         raise InvalidParameter(f"steps: found {form.steps}, expected at least 2; leave it out for a continuous line")
-    if not form.items:
-        raise InvalidParameter("items: found none, expected at least one")
+    some("items", form.items)
     for language, ends in form.ends.items():
         _check_pair(ends, f"ends.{language}", "the left and the right end")
 
 
 def _check_item(form: Questionnaire, item: Item, path: str) -> None:
-    if item.dimension not in form.dimensions:
-        raise InvalidParameter(
-            f"{path}.dimension: found {item.dimension!r}, expected one of {', '.join(form.dimensions)}"
-            f"{nearest(item.dimension, form.dimensions)}"
-        )
+    one_of(f"{path}.dimension", item.dimension, form.dimensions)
     for language, poles in item.poles.items():
         _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
     if not (item.poles or form.ends):
@@ -320,8 +306,5 @@ def load(name: str) -> Questionnaire:
     InvalidParameter
         If there is none of that name.
     """
-    if name not in shipped():
-        raise InvalidParameter(
-            f"questionnaire: found {name!r}, expected one of {', '.join(shipped())}{nearest(name, shipped())}"
-        )
+    one_of("questionnaire", name, shipped())
     return parse((files("tactometry.questionnaires") / f"{name}{SUFFIX}").read_bytes(), f"questionnaire {name}")

@@ -6,7 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import below_1, finite, is_number, numbers, one_of, whole
+from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.require import below_1, finite, numbers, one_of, whole
 from tactometry.errors import InvalidParameter
 
 from .parameter_grid import ParameterGrid

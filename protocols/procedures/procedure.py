@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar
 
 import numpy as np
 
-from tactometry.arguments.require import is_number
+from tactometry.arguments.magnitudes import is_number
 from tactometry.errors import InvalidParameter
 
 MOST_TRIALS = 1_000_000

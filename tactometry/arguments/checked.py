@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidParameter, nearest
 from .annotations import AnnotationRule, as_array, parts_of, rule_of
-from .require import domain, shown
+from .magnitudes import domain
+from .require import shown
 
 T = TypeVar("T", bound=Callable[..., Any])
 
@@ -21,7 +22,7 @@ T = TypeVar("T", bound=Callable[..., Any])
 def checked(thing: T) -> T:
     """A function, or a class with its constructor and public methods, that looks at its arguments first.
 
-    A number is finite and within the domain of its name (`require.DOMAINS`), never a truth value; where the annotation
+    A number is finite and within the domain of its name (`magnitudes`), never a truth value; where the annotation
     is `Unbounded`, infinity is a number too. A list where an array belongs is made one. An array may have any
     dimensions, a `Vector` one and at least one number, a `Matrix` two.
 

@@ -1,69 +1,22 @@
 """What arguments must be, in one vocabulary; each refusal is one sentence: where, what was found, what was expected.
 
-Numbers are given by their names, after their owner. Each has a domain of magnitude that the unit in its name states
-(`DOMAINS`): a number that is not 0 and lies outside of it is a slip of units, and squares and quotients of what lies
-inside stay within the range of a double. One thing, or an array, is given after the words that open its sentence.
+Numbers are given by their names, after their owner; each has the domain of magnitude that the unit in its name states
+(`magnitudes`). One thing, or an array, is given after the words that open its sentence.
 """
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from functools import lru_cache
 from math import inf, isfinite
 from numbers import Real
 from types import NoneType
-from typing import Any, TypeGuard, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, nearest
+from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
 
 V = TypeVar("V")
-
-DOMAINS: Mapping[str, tuple[float, float]] = {
-    "_m": (1e-20, 1e9),
-    "_m2": (1e-300, 1e9),
-    "_m_per_s": (1e-20, 1e9),
-    "_per_m": (1e-9, 1e20),
-    "_s": (1e-18, 1e12),
-    "_per_s": (0.0, 1e40),
-    "_n_s_per_m": (0.0, 1e15),
-    "_hz": (1e-12, 1e18),
-    "_v": (1e-30, 1e12),
-    "_n": (1e-30, 1e50),
-    "_kg": (1e-20, 1e9),
-    "_n_per_m": (1e-15, 1e20),
-    "_ohm": (1e-20, 1e20),
-    "_ohm_m": (1e-30, 1e30),
-    "_rad": (0.0, 1e9),
-    "_share": (0.0, 1e30),
-    "_per_v2": (0.0, 1e100),
-}
-"""Smallest (0 aside) and largest magnitude by the unit of a name, in that unit; the longest that fits holds."""
-ANY = (1e-30, 1e30)
-"""The domain of a number without unit, or with another one."""
-LARGEST_COUNT, TINY = 2**31, 5e-324
-
-
-@lru_cache(maxsize=4096)
-def domain(name: str) -> tuple[float, float]:
-    """Smallest (0 aside) and largest magnitude that a name allows.
-
-    >>> domain("Sine.frequency_hz"), domain("level")
-    ((1e-12, 1e+18), (1e-30, 1e+30))
-    """
-    units = [unit for unit in DOMAINS if name.endswith(unit)]
-    return DOMAINS[max(units, key=len)] if units else ANY
-
-
-def is_number(value: Any) -> TypeGuard[float]:
-    """Whether it is a real number that a double holds; True is none.
-
-    >>> is_number(2), is_number(True), is_number(inf), is_number("2"), is_number(10**400)
-    (True, False, False, False, False)
-    """
-    if type(value) is float:
-        return isfinite(value)
-    return not isinstance(value, bool) and isinstance(value, Real) and _fits_double(value)
 
 
 def finite(owner: str, /, **values: object) -> None:
@@ -262,19 +215,6 @@ def repeated(values: Iterable[Hashable]) -> int | None:
     return None
 
 
-def distinct(where: str, values: Iterable[Hashable]) -> None:
-    """Each of `values` stands once.
-
-    >>> distinct("Staircase.steps", (4.0, 2.0, 4.0))
-    Traceback (most recent call last):
-    tactometry.errors.InvalidParameter: Staircase.steps[2]: found 4.0 again, expected each once
-    """
-    listed = tuple(values)
-    place = repeated(listed)
-    if place is not None:
-        raise InvalidParameter(f"{where}[{place}]: found {shown(listed[place])} again, expected each once")
-
-
 def numbers(where: str, found: object) -> None:
     """`found` is a sequence of finite numbers, empty or not.
 
@@ -403,10 +343,3 @@ def _refused(owner: str, name: str, value: object, expected: str) -> InvalidPara
 
 def _sized(low: float, high: float) -> str:
     return f"a number from {low:g} to {high:g}" if low else f"a number of at most {high:g}"
-
-
-def _fits_double(value: Real) -> bool:
-    try:
-        return isfinite(float(value))
-    except OverflowError:
-        return False

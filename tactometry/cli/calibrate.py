@@ -171,13 +171,10 @@ def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
 
 
 def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
-    from ..errors import InvalidParameter, nearest
+    from ..arguments.require import lookup
+    from ..errors import InvalidParameter
 
-    if name not in bench.sensors:
-        raise InvalidParameter(
-            f"--sensor: found {name!r}, expected one of {', '.join(bench.sensors)}{nearest(name, bench.sensors)}"
-        )
-    reader = bench.sensors[name].reader()
+    reader = lookup("--sensor", name, bench.sensors).reader()
     if not 0 <= channel < reader.source.n_channels:
         raise InvalidParameter(
             f"--channel: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of {name!r}"

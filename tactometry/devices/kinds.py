@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final, Protocol
 
+from ..arguments.require import lookup
 from ..config.strict import build
-from ..errors import InvalidParameter, nearest
 from ..target import resolve
 from .outputs.gain import Gain, SignalChain
 from .outputs.guarded import Driver
@@ -60,9 +60,5 @@ def settings(kinds: Mapping[str, str], table: Mapping[str, Any], path: str) -> A
     >>> settings(OUTPUTS, {"kind": "file", "folder": "played"}, "output")
     FileSettings(folder='played', format='npz', n_channels=None, rate_hz=None)
     """
-    kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in kinds:
-        raise InvalidParameter(
-            f"{path}.kind: found {kind!r}, expected one of {', '.join(kinds)}{nearest(str(kind), kinds)}"
-        )
-    return build(resolve(kinds[kind]), {key: value for key, value in table.items() if key != "kind"}, path)
+    target = lookup(f"{path}.kind", table.get("kind"), kinds)
+    return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 
+from ..arguments.require import one_of
 from ..errors import InvalidParameter, nearest
 from ..session.request import Question, Show
 
@@ -130,10 +131,7 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     >>> texts_in("fr", {}).label("yes")
     'oui'
     """
-    if language not in languages():
-        raise InvalidParameter(
-            f"language: found {language!r}, expected one of {', '.join(languages())}{nearest(language, languages())}"
-        )
+    one_of("language", language, languages())
     shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
     return Texts({**shipped["messages"], **study}, labels, language, shipped["messages"])

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import DOMAINS
+from tactometry.arguments.magnitudes import DOMAINS
 from tactometry.errors import InvalidParameter
 
 from .relaxation import Relaxations

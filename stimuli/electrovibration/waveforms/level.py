@@ -4,7 +4,7 @@ from math import log10
 from typing import Literal
 
 from tactometry.arguments import require
-from tactometry.arguments.require import DOMAINS
+from tactometry.arguments.magnitudes import DOMAINS
 from tactometry.errors import InvalidParameter
 
 LevelUnit = Literal["dB re 1 V", "V"]

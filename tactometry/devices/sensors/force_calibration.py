@@ -7,6 +7,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arguments.require import not_zero
 from ...errors import InvalidParameter
 from ..measured import Measured, check_age
 
@@ -57,10 +58,8 @@ class ForceCalibration:
                 "ForceCalibration: found none or more than one of newtons_per_count, polynomial and table_counts, "
                 "expected exactly one"
             )
-        if self.newtons_per_count is not None and not 0 < abs(self.newtons_per_count) < math.inf:
-            raise InvalidParameter(
-                f"ForceCalibration.newtons_per_count: found {self.newtons_per_count}, expected a finite number but 0"
-            )
+        if self.newtons_per_count is not None:
+            not_zero("ForceCalibration", newtons_per_count=self.newtons_per_count)
         if self.polynomial is not None and (len(self.polynomial) < 2 or not np.isfinite(self.polynomial).all()):
             raise InvalidParameter(
                 f"ForceCalibration.polynomial: found {self.polynomial}, expected at least two finite numbers"
