@@ -6,8 +6,7 @@ from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import given, of_kind, one_of, positive, whole
+from tactometry.arguments.require import given, of_kind, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, counted
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
@@ -98,8 +97,7 @@ def check_presenting(each: Presented) -> None:
         If a number is out of its domain or the interleaving unknown; the sentence opens with the class of `each`.
     """
     owner = type(each).__name__
-    if not is_number(each.catch_rate) or not 0 <= each.catch_rate <= 0.5:
-        raise InvalidParameter(f"{owner}.catch_rate: found {each.catch_rate!r:.60}, expected from 0 to 0.5")
+    within(owner, 0, 0.5, catch_rate=each.catch_rate)
     if 0 < each.catch_rate < LEAST_RATE:
         raise InvalidParameter(f"{owner}.catch_rate: found {each.catch_rate:g}, expected 0, or at least {LEAST_RATE:g}")
     one_of(f"{owner}.interleaving", each.interleaving, get_args(Interleaving))

@@ -144,7 +144,7 @@ def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
     ("how", "sentence"),
     [
         ({"tracks": ()}, "Block.tracks: found no track, expected at least one"),
-        ({"catch_rate": 0.6}, "Block.catch_rate: found 0.6, expected from 0 to 0.5"),
+        ({"catch_rate": 0.6}, "Block.catch_rate: found 0.6, expected a number from 0 to 0.5"),
         ({"interleaving": "rounds"}, "Block.interleaving: found 'rounds', expected one of random, balanced"),
         ({"n_attempts": 0}, "Block.n_attempts: found 0, expected a whole number, at least 1"),
         ({"rest_s": 0.0}, "Block.rest_s: found 0.0, expected a finite number above 0"),

@@ -129,7 +129,7 @@ STUDIES = {
     ),
     "catch rate": (
         TUTORIAL.replace("catch_rate = 0.2", "catch_rate = 0.9"),
-        "s.toml, task.catch_rate: found 0.9, expected from 0 to 0.5",
+        "s.toml, task.catch_rate: found 0.9, expected a number from 0 to 0.5",
     ),
     "catch trials in forced choice": (
         TUTORIAL.replace('"yes_no"', '"forced_choice"'),
