@@ -16,6 +16,8 @@ from tactometry.analysis.threshold.posterior import rate_rule
 from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_threshold, log_width
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
+pytestmark = pytest.mark.slow
+
 LEVELS = np.linspace(-0.5, 0.5, 7)
 GAP = 1 / 6
 RARE, COVERAGE = 1e-4, 0.935

@@ -30,6 +30,8 @@ from tactometry.experiments.census.thresholds import (
 )
 from tactometry.psychometric import PsychometricFunction
 
+pytestmark = pytest.mark.slow
+
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 MANY = (40, 80, 160) if SOAK else (40,)

@@ -33,6 +33,7 @@ def found() -> pd.DataFrame:
     return summary(pd.concat(census(PEOPLE, n_sets, np.random.default_rng())))
 
 
+@pytest.mark.slow
 def test_intervals_of_differences_hold_the_truth_neither_too_seldom_nor_too_often(found) -> None:
     """Each person, and all together: the band, with the tolerance of the number of data sets."""
     covered, n = found["jnd_covered"] * found["n"], found["n"]
@@ -48,12 +49,14 @@ def test_without_a_rate_of_lapses_three_percent_are_seen() -> None:
     assert held["jnd_covered"] * held["n"] < binom.ppf(1e-4, held["n"], LEAST)
 
 
+@pytest.mark.slow
 def test_intervals_of_points_of_equality_hold_the_truth(found) -> None:
     covered, n = found["pse_covered"] * found["n"], found["n"]
     assert (covered >= binom.ppf(1e-4, n, 0.93)).all()
     assert binom.ppf(1e-4, n.sum(), LEAST) <= covered.sum() <= binom.ppf(1 - 1e-4, n.sum(), MOST)
 
 
+@pytest.mark.slow
 def test_five_percent_of_lapses_widen_a_difference_by_less_than_a_fifth(found) -> None:
     assert found["jnd_over_truth"].between(0.9, 1.2).all()
 

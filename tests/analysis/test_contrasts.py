@@ -178,6 +178,7 @@ def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(publishe
         assert found[f"ng2_{end}"].to_numpy() == pytest.approx((odds * share / (1 + odds * share)).to_numpy(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_effect() -> None:
     """The noncentrality is n times the squared length of the mean scores over the error variance."""
     rng = np.random.default_rng()
@@ -254,6 +255,7 @@ def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray
     return hits / n_studies
 
 
+@pytest.mark.slow
 def test_null_studies_with_sphericity_violated_are_seldom_significant() -> None:
     n_studies = 10_000 if SOAK else 1_500
     rates = false_positive_rates(n_studies, np.random.default_rng())

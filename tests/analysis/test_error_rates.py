@@ -18,6 +18,8 @@ from tactometry.analysis.anova.contrasts import Effect, contrasts
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
 
+pytestmark = pytest.mark.slow
+
 N = 10
 SCENARIOS = ("spherical", "AR(1)", "noisy", "no interaction")
 DESIGNS: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {"4": ((4,), (0,)), "3 x 4": ((3, 4), (0, 1))}

@@ -83,6 +83,7 @@ def most(share):
     return binom.ppf(1 - RARE, N_SETS, share) / N_SETS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n_each", "guess", "n_catch"), [(10, FORCED, 0), (10, FREE, 20), (3, FORCED, 0)])
 def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, guess, n_catch):
     rng = np.random.default_rng()
@@ -94,6 +95,7 @@ def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, gues
     assert max(found.values()) <= most(0.05), found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n_trials", "guess", "n_down"), [(40, FORCED, 3), (80, FREE, 1)])
 def test_p_is_not_too_small_where_levels_follow_the_answers(n_trials, guess, n_down):
     rng = np.random.default_rng()
@@ -114,6 +116,7 @@ def a_fall_at_the_top(levels):
     return np.where(levels >= 6, 0.4, chance(levels, FREE))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "test", "power"),
     [(lapses_in_a_row, "overdispersion", 0.25), (learning, "order", 0.5), (a_fall_at_the_top, "deviance", 0.5)],

@@ -82,6 +82,7 @@ def test_one_participant_in_one_condition_is_a_posterior_mode() -> None:
 N_STUDIES = 100 if SOAK else 10
 
 
+@pytest.mark.slow
 def test_intervals_cover_means_contrasts_and_participants() -> None:
     """At least 93.5 %, less what chance takes once in 1e4 runs. The participants of one study share its means, so each
     study counts once, by a participant drawn at random."""

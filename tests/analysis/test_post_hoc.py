@@ -171,6 +171,7 @@ def test_equivalent_means_that_the_interval_lies_within_the_bound(published) -> 
         assert table.attrs["p_all"] == table["p"].max()
 
 
+@pytest.mark.slow
 def test_at_the_bound_equivalence_is_claimed_as_often_as_alpha() -> None:
     rng = np.random.default_rng()
     n_studies = 4000 if SOAK else 400

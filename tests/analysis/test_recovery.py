@@ -8,6 +8,8 @@ from soak import SOAK
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
+pytestmark = pytest.mark.slow
+
 LEVELS = np.linspace(8.0, 36.0, 8)
 N_PARTICIPANTS = 2000 if SOAK else 200
 MEAN_DB, SD_DB, LAPSE_RATE, FALSE_ALARM_RATE = 22.0, 2.5, 0.02, 0.05

@@ -54,6 +54,7 @@ def test_the_error_falls_along_the_ladder_down_to_the_floor(found):
     assert not any(point.unstable for point in found.points)
 
 
+@pytest.mark.slow
 def test_the_reference_agrees_with_an_independent_one(found):
     other, uncertainty = found.problem.independent()
     assert found.problem.error(other, found.answer) <= found.floor + uncertainty

@@ -60,10 +60,12 @@ def recovered(request, tmp_path_factory):
     return estimates.assign(truth=truth)
 
 
+@pytest.mark.slow
 def test_most_cells_have_a_threshold(recovered):
     assert (recovered["threshold"].notna()).mean() > 0.9
 
 
+@pytest.mark.slow
 def test_the_mean_bias_is_small_against_the_differences_between_participants(recovered):
     kept = recovered.dropna(subset=["threshold"])
     errors = kept["threshold"] - kept["truth"]
@@ -71,6 +73,7 @@ def test_the_mean_bias_is_small_against_the_differences_between_participants(rec
     assert abs(errors.mean()) <= bound + AT_1E_4 * errors.std() / np.sqrt(len(errors))
 
 
+@pytest.mark.slow
 def test_the_intervals_hold_the_truth(recovered):
     inside = (recovered["interval_low"].fillna(-np.inf) <= recovered["truth"]) & (
         recovered["truth"] <= recovered["interval_high"].fillna(np.inf)

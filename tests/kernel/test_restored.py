@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 from command_line import call
+from places import RECORDED
 from tutorial_session import EXPERIMENT, STUDY, TOML, journal_of, live
 
 from tactometry.errors import InvalidFile, InvalidParameter
@@ -231,8 +232,6 @@ def test_a_header_alone_is_no_trials_file(lived, capsys):
 
 def test_people_and_simulated_participants_in_one_folder_are_told(lived, capsys):
     """Put together by hand: the commands refuse to."""
-    from test_recorded import RECORDED
-
     for path in (RECORDED / "console").rglob("*P02*"):
         shutil.copy(path, lived / path.parent.name / path.name)
     status, _, out = call(capsys, "validate", lived)

@@ -39,11 +39,13 @@ def errors_after_160(benchmark, guess, name):
     return (found_db - truths_db) / benchmark.SD_DB
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
 def test_observers_together_are_estimated_as_by_the_rule_itself(benchmark, task):
     benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if SOAK else 60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
 def test_the_error_after_160_trials_is_near_the_bound(benchmark, task):
     guess, most = TASKS[task]
@@ -51,6 +53,7 @@ def test_the_error_after_160_trials_is_near_the_bound(benchmark, task):
     assert squares.mean() - AT_1E_4 * squares.std() / math.sqrt(N_TOGETHER) <= most**2
 
 
+@pytest.mark.slow
 def test_putting_the_threshold_first_beats_asking_for_all_parameters(benchmark):
     first, whole = (errors_after_160(benchmark, 0.5, name) ** 2 for name in (FIRST, "QUEST+"))
     assert first.mean() < whole.mean()
@@ -92,6 +95,7 @@ def runs(start, guess, rng):
         yield at, at.mean("threshold") - truth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
 def test_a_stop_at_a_spread_is_reached_and_honest(task):
     guess, _ = TASKS[task]

@@ -115,6 +115,7 @@ def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: 
     assert all(Path(file).is_relative_to(environment.parent) for file in found)
 
 
+@pytest.mark.slow
 def test_the_installed_command_runs_the_demo_in_a_foreign_folder(environment: Path, foreign: Path) -> None:
     done(run(environment / "tactometry", "demo", "--out", "out", cwd=foreign))
     assert list((foreign / "out").rglob("*_data.csv"))

@@ -103,6 +103,7 @@ def test_what_exact_modes_change_is_within_the_error_of_the_stage(boundary, on_e
     assert error_of(run(scene), on_exact_modes(scene), COURSE[1]) <= predicted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["SFSF", "SCSC"])
 def test_a_scene_between_simple_supports_keeps_its_accuracy_beside_levy(boundary, on_exact_modes):
     scene = held(boundary, LOSSY)

@@ -159,6 +159,7 @@ def below_and_near(stiffness, mass, shift):
     return np.count_nonzero(factors.U.diagonal() < 0), near
 
 
+@pytest.mark.slow
 def test_2000_free_edge_modes_are_all_there_and_right_to_1e_9():
     """Reference: 8 degrees more, counted by the inertia of K - s M and solved around s by shift and invert."""
     plate, f_max_hz = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF"), 106.1e3
