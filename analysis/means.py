@@ -5,15 +5,16 @@ from scipy.stats import t as student
 
 from .arrays import RELATIVE_ZERO, Array, size_of
 
+INTERVAL = 0.95
 MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
-def mean_row(values: Array, interval: float) -> dict[str, object]:
+def mean_row(values: Array, interval: float = INTERVAL) -> dict[str, object]:
     """All columns of `MEAN`: None where there is nothing to tell."""
     return dict.fromkeys(MEAN) | mean_with_interval(values, interval)
 
 
-def mean_with_interval(values: Array, interval: float) -> dict[str, object]:
+def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, object]:
     """Mean of one value at least, with SD of two, and t-interval where they differ.
 
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}

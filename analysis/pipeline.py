@@ -1,6 +1,6 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,37 +9,44 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter
 
-from .outcomes.findings import Outcome
+from .outcomes.findings import PURE_NUMBERS, Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
 from .outcomes.outcome import outcome
-from .outcomes.ratings import Ratings, ratings
+from .outcomes.ratings import ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.exclusion import exclude
 from .reading.origin import of_one_kind
 from .reading.quality import frames, quality, with_frames
 from .reading.study_text import study_text
-from .reading.trials import Trials, read_trials
-from .report import data_warnings
+from .reading.trials import Trials, read_trials, used_rows
+from .report.data_warnings import warnings_of
 from .report.methods import methods
 from .result import Analysis
-from .tasks import adjustment, cells, magnitude
+from .tasks import adjustment, cells, magnitude, measurement, preference, same_different
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.goodness import SEED, goodness_columns, goodness_table, goodness_warnings
-from .tasks.measurement import loss_table, losses
-from .tasks.preference import preference_table
+from .tasks.cells import answered, judgements
+from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.rates import detection_rates, mean_rates
 from .tasks.rule_estimate import Replay, rule_columns
-from .tasks.same_different import same_different_table
 from .tasks.tracks import tracks
 
-OUTCOMES = {
+DEPENDENT = {
     "yes_no": ("threshold",),
     "forced_choice": ("threshold",),
     "comparison": ("pse", "jnd"),
+    adjustment.TASK: (adjustment.DEPENDENT,),
+    magnitude.TASK: (magnitude.DEPENDENT,),
 }
-DIRECT = {adjustment.TASK: adjustment.DEPENDENT, magnitude.TASK: magnitude.DEPENDENT}
-"""Tasks whose answers are estimates: what stands in the table of participants for the value."""
+"""What stands in the table of a task's estimates for the values that are compared."""
+DIRECT: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], Mapping[str, pd.DataFrame]]] = {
+    same_different.TASK: same_different.tables,
+    preference.TASK: preference.tables,
+    adjustment.TASK: adjustment.tables,
+    magnitude.TASK: magnitude.tables,
+    measurement.TASK: measurement.tables,
+}
+"""Tasks without a curve: from their used rows to their tables."""
 
 
 def analyse(
@@ -117,141 +124,107 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
-    found, forms, lost = cells.cells(trials), ratings(trials, plan.primary), losses(trials)
-    choices = _choice_tables(trials)
-    if not found and not forms and not choices and lost.empty:
-        raise InvalidFile(
-            f"{trials.path}: found no valid answer of a yes/no, forced-choice, comparison, same-different, preference, "
-            "adjustment or magnitude task nor to a known questionnaire, and no measured level, expected some to analyse"
-        )
+    used, factors = used_rows(trials), trials.factors
+    judged = judgements(used)
+    answers = answered(judged)
+    found, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
+    if not found and not forms and not direct:
+        raise InvalidFile(f"{trials.path}: found {NOTHING}")
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
     estimates = cells.estimates(found, n_choices, unit)
-    table = cells.estimate_table(estimates, trials.factors, unit)
+    table = cells.estimate_table(estimates, factors, unit)
     if len(table):
-        table = table.join(rule_columns(everything, estimates, replay))
-        table = table.join(goodness_columns(trials, estimates, n_choices, unit, np.random.default_rng(SEED)))
-    forces = force_of_participants(trials) if has_force(trials) else None
-    outcomes = tuple(
-        outcome(
-            values, trials.factors, task, dependent, forces=forces, bounds=_bounds(plan, task), primary=plan.primary
-        )
-        for task, dependent, values in _dependents(table, choices)
-    )
-    by_task = [[cell for cell in found if cell.task == task] for task in OUTCOMES if plan.hierarchical]
-    fits = tuple(
-        fit for part in by_task if part and (fit := together(part, trials.factors, n_choices, unit)) is not None
-    )
-    recorded = with_frames(recorded, frames(everything.path))
-    return Analysis(
+        told = answers if excluded.empty else answered(judgements(used_rows(everything)))
+        table = table.join(rule_columns(told, factors, estimates, replay))
+        rng = np.random.default_rng(SEED)
+        table = table.join(goodness_columns(answers, factors, estimates, n_choices, unit, rng))
+    forces = force_of_participants(used, factors) if has_force(used) else None
+    values = Analysis(
         trials=trials,
         unit=unit,
+        n_choices=n_choices,
         estimates=tuple(estimates),
-        outcomes=outcomes,
-        together=fits,
+        outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
+        together=tuple(_hierarchical(found, factors, n_choices, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
-        tables=_tables(table, outcomes, found, trials, recorded)
-        | _together_tables(fits)
-        | choices
-        | _other_tables(forms, forces, trials.factors, excluded)
-        | _growth(trials)
-        | ({} if lost.empty else {"loss_participants": lost, "loss": loss_table(lost, trials.factors)}),
+        tables={},
         origin=origin,
         study=study_text(everything.path, unit),
-        warnings=(
-            *origin.warnings,
-            *trials.notes,
-            *data_warnings.exclusion_warnings(excluded),
-            *_missing(choices, trials.factors),
-            *data_warnings.warnings(trials, table, recorded, n_choices),
-            *(goodness_warnings(table, trials.factors) if len(table) else []),
-        ),
-        methods=origin.method
-        + methods(
-            table,
-            n_choices,
-            forms,
-            plan,
-            is_hierarchical=any(each.fit for each in fits),
-            choices=tuple(choices),
-            outcomes=outcomes,
-            procedures=set(trials.rows["procedure"]) if "procedure" in trials.rows.columns else (),
-        ),
     )
+    tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
+    tables |= _curve_tables(table, found, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)
+    values = replace(values, tables={name: part for name, part in tables.items() if len(part)})
+    return replace(values, warnings=warnings_of(values), methods=methods(values))
 
 
-def _dependents(table: pd.DataFrame, choices: Mapping[str, pd.DataFrame]) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """Each task with a dependent value of its own, and the rows that hold it."""
-    for task, dependents in OUTCOMES.items():
-        if len(table) and (table["task"] == task).any():
-            yield from ((task, dependent, table[table["task"] == task]) for dependent in dependents)
-    yield from ((task, dependent, choices[task]) for task, dependent in DIRECT.items() if task in choices)
+NOTHING = (
+    "no valid answer of a yes/no, forced-choice, comparison, same-different, preference, adjustment or magnitude task "
+    "nor to a known questionnaire, and no measured level, expected some to analyse"
+)
 
 
-def _missing(choices: Mapping[str, pd.DataFrame], factors: Sequence[str]) -> Iterator[str]:
-    """What is to be said of cells without a value, of tasks that are analysed directly."""
-    for task in DIRECT:
-        if task in choices:
-            yield from data_warnings.missing_cells(choices[task], factors)
+def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """What is read off the answers of a task without a curve: the tables of each task that has used rows."""
+    rows_of = dict(iter(used.groupby("task")))
+    made = (tables(rows_of[task], factors) for task, tables in DIRECT.items() if task in rows_of)
+    return {name: table for of_task in made for name, table in of_task.items() if len(table)}
 
 
-def _bounds(plan: AnalysisPlan, task: str) -> Mapping[str, float]:
-    """The differences that count as none, which are in the unit of the levels."""
-    return {} if task == magnitude.TASK else plan.equivalence
-
-
-def _other_tables(
-    forms: Sequence[Ratings], forces: pd.DataFrame | None, factors: Sequence[str], excluded: pd.DataFrame
-) -> dict[str, pd.DataFrame]:
-    found: dict[str, pd.DataFrame] = {}
-    for form in forms:
-        found |= form.tables()
-    if forces is not None:
-        found |= {"force_participants": forces, "force": force_table(forces, factors)}
-    return found | ({"excluded": excluded} if len(excluded) else {})
-
-
-def _choice_tables(trials: Trials) -> dict[str, pd.DataFrame]:
-    found = {
-        "same_different": same_different_table(trials),
-        "preference": preference_table(trials),
-        adjustment.TASK: adjustment.adjustment_table(trials),
-        magnitude.TASK: magnitude.magnitude_table(trials),
-    }
-    return {name: table for name, table in found.items() if len(table)}
-
-
-def _growth(trials: Trials) -> dict[str, pd.DataFrame]:
-    table = magnitude.growth_table(trials)
-    return {magnitude.GROWTH: table} if len(table) else {}
-
-
-def _together_tables(fits: Sequence[HierarchicalOutcome]) -> dict[str, pd.DataFrame]:
-    return {name: table for each in fits for name, table in each.tables(each.task).items()}
-
-
-def _tables(
+def _outcomes(
     table: pd.DataFrame,
-    outcomes: Sequence[Outcome],
-    found: Sequence[cells.Cell],
-    trials: Trials,
-    recorded: pd.DataFrame,
+    direct: Mapping[str, pd.DataFrame],
+    factors: Sequence[str],
+    forces: pd.DataFrame | None,
+    plan: AnalysisPlan,
+) -> Iterator[Outcome]:
+    """Of each dependent value of each task that has estimates."""
+    estimates = dict(direct)
+    if len(table):
+        estimates |= {str(task): rows for task, rows in table.groupby("task")}
+    for task in (task for task in DEPENDENT if task in estimates):
+        for dependent in DEPENDENT[task]:
+            # differences that count as none are in the unit of the levels, which an exponent has not
+            bounds = {} if dependent in PURE_NUMBERS else plan.equivalence
+            yield outcome(estimates[task], factors, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
+
+
+def _hierarchical(
+    found: Sequence[cells.Cell], factors: Sequence[str], n_choices: int, unit: str
+) -> Iterator[HierarchicalOutcome]:
+    for task in cells.FITTED_TASKS:
+        of_task = [cell for cell in found if cell.task == task]
+        fit = together(of_task, factors, n_choices, unit) if of_task else None
+        if fit is not None:
+            yield fit
+
+
+def _curve_tables(
+    table: pd.DataFrame, found: Sequence[cells.Cell], judged: pd.DataFrame, factors: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
-    tables = _fit_tables(table, found, trials) | {"quality": recorded}
-    several = len({o.task for o in outcomes}) > 1
-    for each in outcomes:
-        tables |= each.tables(f"{each.task}_{each.dependent}" if several else each.dependent)
-    return {name: part for name, part in tables.items() if len(part)}
-
-
-def _fit_tables(table: pd.DataFrame, found: Sequence[cells.Cell], trials: Trials) -> dict[str, pd.DataFrame]:
     if not found:
         return {}
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
-        "rates": detection_rates(found, trials.factors),
-        "mean_rates": mean_rates(found, trials.factors),
-        "counts": cells.count_table(found, trials.factors),
-        "tracks": tracks(trials),
+        "rates": detection_rates(found, factors),
+        "mean_rates": mean_rates(found, factors),
+        "counts": cells.count_table(found, factors),
+        "tracks": tracks(judged, factors),
     }
+
+
+def _force_tables(forces: pd.DataFrame | None, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    return {} if forces is None else {"force_participants": forces, "force": force_table(forces, factors)}
+
+
+def _compared_tables(found: Analysis) -> dict[str, pd.DataFrame]:
+    """Of outcomes, hierarchical fits and questionnaires."""
+    tables: dict[str, pd.DataFrame] = {}
+    for each in found.outcomes:
+        tables |= each.tables(found.stem(each))
+    for fit in found.together:
+        tables |= fit.tables(fit.task)
+    for form in found.forms:
+        tables |= form.tables()
+    return tables

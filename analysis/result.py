@@ -20,17 +20,17 @@ from .tasks import cells
 class Analysis:
     """What was found in one data set.
 
-    `tables` maps a name to the table that is written as NAME.csv. `report` and `tables_folder` are None until
-    written.
-    """
+    `tables` maps a name to the table that is written as NAME.csv; `n_choices` are the alternatives of a forced choice.
+    `report` and `tables_folder` are None until written."""
 
     trials: Trials
     unit: str
     estimates: tuple[cells.Estimate, ...]
     outcomes: tuple[Outcome, ...]
     tables: Mapping[str, pd.DataFrame]
-    warnings: tuple[str, ...]
-    methods: str
+    n_choices: int = 2
+    warnings: tuple[str, ...] = ()
+    methods: str = ""
     together: tuple[HierarchicalOutcome, ...] = ()
     forms: tuple[Ratings, ...] = ()
     plan: AnalysisPlan = field(default_factory=AnalysisPlan)
@@ -39,3 +39,13 @@ class Analysis:
     report: Path | None = None
     tables_folder: Path | None = None
     figures_folder: Path | None = None
+
+    def stem(self, outcome: Outcome) -> str:
+        """What the files of an outcome are called: by its dependent value, and by the task too where several have
+        any."""
+        several = len({each.task for each in self.outcomes}) > 1
+        return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
+
+    def table(self, name: str) -> pd.DataFrame:
+        """One of the tables; an empty one where it has no rows."""
+        return self.tables.get(name, pd.DataFrame())

@@ -1,6 +1,6 @@
 """Mean of a dependent value per condition, with its intervals, or how many bounds there are."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from scipy.stats import t as student
 
 from ..anova.within_intervals import within_variances
 from ..arrays import size_of
+from ..conditions import parts
 from ..means import mean_with_interval
 from ..wording.numbers import interval_text
 
@@ -39,7 +40,7 @@ def group_table(
     """
     inside = {} if model is not None else _inside(estimates, factors, dependent, interval)
     rows = []
-    for key, part in _parts(bounds_of(estimates, dependent), factors):
+    for key, part in parts(bounds_of(estimates, dependent), factors):
         names = dict(zip(factors, key, strict=True))
         own = None if model is None else _row_of(model, names)
         rows.append(names | _group(part, dependent, interval, inside.get(key), own))
@@ -75,17 +76,12 @@ def _inside(
     if not within:
         return {}
     found = {}
-    for group, part in _parts(estimates, between):
+    for group, part in parts(estimates, between):
         wide = part.pivot_table(dependent, "participant", within, dropna=False, observed=True, aggfunc="mean")
         for condition, half in _halves(wide, interval).items():
             own = dict(zip([*between, *within], [*group, *condition], strict=True))
             found[tuple(own[name] for name in factors)] = half
     return found
-
-
-def _parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
-    """The rows of each combination of values; all of them without keys."""
-    return table.groupby(list(keys), sort=True, observed=True) if keys else [((), table)]
 
 
 def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], float]:

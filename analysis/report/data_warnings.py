@@ -1,6 +1,6 @@
 """What a reader must know before the numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
@@ -10,7 +10,9 @@ from tactometry.trials.tasks import FORM_TASK
 from ..outcomes.ratings import asked_forms
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials
+from ..result import Analysis
 from ..tasks.cells import FITTED_TASKS
+from ..tasks.goodness import goodness_warnings
 from ..tasks.measurement import TASK as MEASURED_TASK
 from ..threshold.status import Status
 from ..wording.labels import named_cells
@@ -33,17 +35,36 @@ STATUS_WORDS = {
 }
 
 
-def warnings(trials: Trials, table: pd.DataFrame, quality: pd.DataFrame, n_choices: int) -> tuple[str, ...]:
-    """What a reader must know before the numbers."""
-    of_fits = []
-    if len(table):
-        of_fits = [*missing_cells(table, trials.factors), *_status_warnings(table, trials.factors)]
-        of_fits += _few_trials(table, trials.factors)
-        of_fits += _answer_warnings(trials, table, n_choices)
-    return (*of_fits, *_other_tasks(trials), *_unanswered(trials), *_quality_warnings(quality))
+def warnings_of(found: Analysis) -> tuple[str, ...]:
+    """All of them, in the order in which a report says them."""
+    return (
+        *found.origin.warnings,
+        *found.trials.notes,
+        *(_exclusion_warnings(found.tables["excluded"]) if "excluded" in found.tables else ()),
+        *_missing_values(found),
+        *(_curve_warnings(found) if "thresholds" in found.tables else ()),
+        *_other_tasks(found.trials),
+        *_unanswered(found.trials),
+        *_quality_warnings(found.tables["quality"]),
+        *(goodness_warnings(found.tables["thresholds"], found.trials.factors) if "thresholds" in found.tables else ()),
+    )
 
 
-def exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
+def _missing_values(found: Analysis) -> Iterator[str]:
+    """Of tasks whose values are read off the answers."""
+    for outcome in found.outcomes:
+        if outcome.task in found.tables:
+            yield from missing_cells(found.tables[outcome.task], found.trials.factors)
+
+
+def _curve_warnings(found: Analysis) -> list[str]:
+    """Of the fits of curves to the answers."""
+    table, factors = found.tables["thresholds"], found.trials.factors
+    told = [*missing_cells(table, factors), *_status_warnings(table, factors), *_few_trials(table, factors)]
+    return told + _answer_warnings(found.trials, table, found.n_choices)
+
+
+def _exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
     """One for each rule that left something out."""
     return [
         f"left out by the rule {rule} = {part['bound'].iloc[0]:g}, numbers of trials: "

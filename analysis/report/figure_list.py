@@ -73,8 +73,7 @@ class Figure:
 
 def figures_of(found: Analysis) -> list[Figure]:
     """Every figure of the report."""
-    several = len({outcome.task for outcome in found.outcomes}) > 1
-    drawn = [_outcome_figure(found, outcome, several=several) for outcome in found.outcomes]
+    drawn = [_outcome_figure(found, outcome) for outcome in found.outcomes]
     drawn += [_together_figure(found, each) for each in found.together if each.fit is not None]
     for form in found.forms:
         drawn += _form_figures(form)
@@ -93,7 +92,7 @@ def figures_of(found: Analysis) -> list[Figure]:
     return drawn
 
 
-def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figure:
+def _outcome_figure(found: Analysis, outcome: Outcome) -> Figure:
     name, unit = NAMES[outcome.dependent], outcome.unit(found.unit)
     drawing = group.threshold_figure(
         outcome.group,
@@ -104,7 +103,7 @@ def _outcome_figure(found: Analysis, outcome: Outcome, *, several: bool) -> Figu
     )
     dots = f"faint dots are participants{_triangles(outcome)}"
     text = f"{name}: {figure_text(outcome.group, dots)}."
-    stem = f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
+    stem = found.stem(outcome)
     return Figure(stem, drawing, text, f"group_{stem}", Place.OUTCOME, f"{outcome.task} {outcome.dependent}")
 
 

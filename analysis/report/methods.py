@@ -1,13 +1,12 @@
 """The methods paragraph, and the works that it names."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from importlib.metadata import version
 
 import pandas as pd
 
-from ..outcomes.findings import Outcome
-from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
+from ..result import Analysis
 from .group_methods import group_methods
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
@@ -67,27 +66,18 @@ REFERENCES = (
 )
 
 
-def methods(
-    table: pd.DataFrame,
-    n_choices: int,
-    forms: Sequence[Ratings] = (),
-    plan: AnalysisPlan | None = None,
-    *,
-    is_hierarchical: bool = False,
-    choices: Sequence[str] = (),
-    outcomes: Sequence[Outcome] = (),
-    procedures: Collection[str] = (),
-) -> str:
+def methods(found: Analysis) -> str:
     """A paragraph for the methods section: what ran, with versions."""
-    plan = plan or AnalysisPlan()
-    parts = [*_fit_methods(table, n_choices), *_rule_methods(table, procedures)]
-    parts += [HIERARCHICAL] if is_hierarchical else []
-    parts += [CHOICES[name] for name in choices]
-    parts += _plan_methods(plan, {name for each in outcomes for name in each.equivalence})
-    parts += group_methods(outcomes, forms, plan.primary)
-    parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in forms]
+    table, rows = found.table("thresholds"), found.trials.rows
+    procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
+    parts = [*_fit_methods(table, found.n_choices), *_rule_methods(table, procedures)]
+    parts += [HIERARCHICAL] if any(each.fit for each in found.together) else []
+    parts += [sentence for name, sentence in CHOICES.items() if name in found.tables]
+    parts += _plan_methods(found.plan, {name for each in found.outcomes for name in each.equivalence})
+    parts += group_methods(found.outcomes, found.forms, found.plan.primary)
+    parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in found.forms]
     parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
-    return " ".join(parts)
+    return found.origin.method + " ".join(parts)
 
 
 def references(methods: str) -> list[str]:

@@ -3,29 +3,32 @@
 Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
+from ..conditions import by_condition
 from ..means import mean_row
-from ..reading.trials import Trials, parsed, used_rows
+from ..reading.trials import parsed
 
 TASK = "adjustment"
 DEPENDENT = "setting"
 
 
-def adjustment_table(trials: Trials, interval: float = 0.95) -> pd.DataFrame:
-    """A row per participant and condition: the mean `setting` with its t-interval over the settings, their standard
-    deviation `sd` and number; empty without adjustments."""
-    rows = used_rows(trials)
-    rows = rows[rows["task"] == TASK]
-    if rows.empty:
-        return pd.DataFrame()
-    keys = ["participant", *trials.factors]
-    grouped = rows.assign(setting=parsed(rows["response"])).groupby(keys, sort=True, observed=True)["setting"]
-    return pd.DataFrame([dict(zip(keys, key, strict=True)) | _row(part, interval) for key, part in grouped])
+def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """Every table of the task, by the name of its file."""
+    return {TASK: adjustment_table(rows, factors)}
 
 
-def _row(settings: "pd.Series[float]", interval: float) -> dict[str, object]:
-    mean = mean_row(np.asarray(settings, dtype=np.float64), interval)
+def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per participant and condition: the mean `setting` with its 95 % t-interval over
+    the settings, their standard deviation `sd` and number."""
+    return by_condition(rows, ["participant", *factors], _row)
+
+
+def _row(part: pd.DataFrame) -> dict[str, object]:
+    settings = np.asarray(parsed(part["response"]), dtype=np.float64)
+    mean = mean_row(settings)
     named = {name.replace("mean", DEPENDENT): value for name, value in mean.items()}
     return {"task": TASK, **named, "n_settings": len(settings)}

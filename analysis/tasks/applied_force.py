@@ -5,45 +5,42 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from ..conditions import by_condition
 from ..means import mean_row
 from ..reading.exclusion import TARGET
-from ..reading.trials import Trials, used_rows
 from ..wording.numbers import decimals_of, percent_text
 
 MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")
 
 
-def has_force(trials: Trials) -> bool:
+def has_force(rows: pd.DataFrame) -> bool:
     """Whether the applied force was measured."""
-    return "force_mean_n" in trials.rows.columns and bool(trials.rows["force_mean_n"].notna().any())
+    return "force_mean_n" in rows.columns and bool(rows["force_mean_n"].notna().any())
 
 
-def force_of_participants(trials: Trials) -> pd.DataFrame:
-    """Per participant and condition, over the trials that are used: mean applied force, mean of the standard deviations
-    within trials, share of time in band, number of trials with a measured force; and the deviation from the target
-    where the force is a factor."""
-    rows = used_rows(trials)
-    rows = rows[rows["force_mean_n"].notna()]
-    keys = ["participant", *trials.factors]
+def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Per participant and condition, over the trials that are used, of all tasks: mean applied force, mean of the
+    standard deviations within trials, share of time in band, number of trials with a measured force; and the deviation
+    from the target where the force is a factor."""
+    rows = used[used["force_mean_n"].notna()]
+    keys = ["participant", *factors]
     known = [name for name in MEASURED if name in rows.columns]
     grouped = rows.groupby(keys, sort=True, observed=True)
     found = grouped[known].mean().join(grouped.size().rename("n_trials")).reset_index()
-    if TARGET in trials.factors:
+    if TARGET in factors:
         found["force_deviation_n"] = found["force_mean_n"] - found[TARGET].astype(float)
     return found
 
 
-def force_table(own: pd.DataFrame, factors: Sequence[str], interval: float = 0.95) -> pd.DataFrame:
-    """Per condition the mean applied force over participants with its t-interval (the thesis's table 6.2), the mean
-    time in band, and `text` for a table of text."""
-    grouped = [((), own)] if not factors else own.groupby(list(factors), sort=True, observed=True)
-    rows = [dict(zip(factors, key, strict=True)) | _force_row(part, interval) for key, part in grouped]
-    return pd.DataFrame(rows)
+def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Per condition the mean applied force over participants with its 95 % t-interval (the thesis's table 6.2), the
+    mean time in band, and `text` for a table of text."""
+    return by_condition(of_participants, factors, _force_row)
 
 
-def _force_row(part: pd.DataFrame, interval: float) -> dict[str, object]:
+def _force_row(part: pd.DataFrame) -> dict[str, object]:
     values = np.array(part["force_mean_n"], dtype=np.float64)
-    row = mean_row(values, interval) | {"n": len(values), "n_trials": int(part["n_trials"].sum())}
+    row = mean_row(values) | {"n": len(values), "n_trials": int(part["n_trials"].sum())}
     band = ""
     if "force_in_band" in part.columns and part["force_in_band"].notna().any():
         in_band = float(part["force_in_band"].mean())

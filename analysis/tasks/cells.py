@@ -13,8 +13,9 @@ from tactometry.errors import InvalidFile
 from tactometry.psychometric import SHAPES
 from tactometry.trials.tasks import tasks_with_level
 
+from ..conditions import parts
 from ..reading.level_scale import is_logarithm
-from ..reading.trials import Trials, parsed, used_rows
+from ..reading.trials import Trials, parsed
 from ..threshold.fitting import ThresholdFit, fit_many
 
 FITTED_TASKS = tasks_with_level("curve")
@@ -87,26 +88,29 @@ def level_unit(trials: Trials) -> str:
     return str(units[0]) if len(units) else others.pop() if len(others) == 1 else ""
 
 
-def cells(trials: Trials) -> list[Cell]:
-    """The cells of all psychophysical trials, ordered by participant, condition and task."""
-    groups = answered(trials).groupby(cell_keys(trials), sort=True, observed=True)
-    return [_cell(key, part, len(trials.factors)) for key, part in groups]
+def cells(answered: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
+    """The cells of judgements that are `answered`, ordered by participant, condition and task."""
+    return [_cell(key, part, len(factors)) for key, part in parts(answered, cell_keys(factors))]
 
 
-def cell_keys(trials: Trials) -> list[str]:
+def cell_keys(factors: Sequence[str]) -> list[str]:
     """The columns by which trials are of one cell."""
-    return ["participant", *trials.factors, "task"]
+    return ["participant", *factors, "task"]
 
 
-def answered(trials: Trials) -> pd.DataFrame:
-    """The psychophysical trials that are counted, as they stand, with `yes` (1 or 0), `is_catch` and the level `x`."""
-    rows = used_rows(trials)
-    rows = rows[rows["task"].isin(FITTED_TASKS)]
-    rows = rows.assign(yes=yes(rows), is_catch=is_catch(rows), x=delivered(rows))
-    return rows[rows["yes"].notna()]
+def judgements(used: pd.DataFrame) -> pd.DataFrame:
+    """Of the used rows those to which a curve is fitted, as they stand, with `yes` (1 or 0; NaN: not known), `is_catch`
+    and the level `x`."""
+    rows = used[used["task"].isin(FITTED_TASKS)]
+    return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered(rows))
 
 
-def yes(rows: pd.DataFrame) -> "pd.Series[float]":
+def answered(judged: pd.DataFrame) -> pd.DataFrame:
+    """The judgements that count."""
+    return judged[judged["yes"].notna()]
+
+
+def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was
     right."""
     answer = parsed(rows["response"])

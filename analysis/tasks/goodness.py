@@ -10,7 +10,6 @@ from scipy.stats import binom
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Indices
-from ..reading.trials import Trials
 from ..threshold.counts import POOLED_BELOW, Counts, checked, normalised
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.mode import climb
@@ -19,7 +18,6 @@ from ..wording.labels import named_cells
 from .cells import (
     FITTED_TASKS,
     Estimate,
-    answered,
     catch_counts,
     cell_keys,
     fit_options,
@@ -49,11 +47,16 @@ MISFIT = "misfit"
 
 
 def goodness_columns(
-    trials: Trials, found: Sequence[Estimate], n_choices: int, unit: str, rng: np.random.Generator
+    answered: pd.DataFrame,
+    factors: Sequence[str],
+    found: Sequence[Estimate],
+    n_choices: int,
+    unit: str,
+    rng: np.random.Generator,
 ) -> pd.DataFrame:
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
-    rows = _in_order(trials)
+    rows = _in_order(answered, factors)
     values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
     for task in FITTED_TASKS:
         chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
@@ -74,11 +77,10 @@ def _flags(p: Array) -> str:
     return ", ".join(name for name, value in zip(TESTS, p, strict=True) if value <= FLAGGED_P)
 
 
-def _in_order(trials: Trials) -> pd.DataFrame:
-    """The trials with a level as they followed each other, with the number of their `cell`, their `stretch` of time in
+def _in_order(answered: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """The answers to a level as they followed each other, with the number of their `cell`, their `stretch` of time in
     it, and whether levels of theirs `follow` the answers (a table that names no procedure may hold such)."""
-    rows = answered(trials)
-    rows = rows.assign(cell=rows.groupby(cell_keys(trials), sort=True, observed=True).ngroup())
+    rows = answered.assign(cell=answered.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]
     if "session" in rows.columns:
         rows = rows.sort_values("session", kind="stable")

@@ -4,6 +4,7 @@ psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181): in logarithms a
 depend on the unit of the numbers, which each participant chooses.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from scipy.stats import linregress, t as student
 from tactometry.errors import InvalidFile
 
 from ..arrays import Array
-from ..reading.trials import Trials, parsed, used_rows
+from ..conditions import by_condition
+from ..reading.trials import parsed
 from .cells import delivered
 
 TASK = "magnitude"
@@ -42,44 +44,41 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
     return {"exponent": slope, "exponent_low": slope - half, "exponent_high": slope + half}
 
 
-def magnitude_table(trials: Trials) -> pd.DataFrame:
-    """A row per participant and condition: the exponent with its interval, the numbers of ratings, of those that were 0
-    (not felt; no logarithm, left out), and of levels; empty without estimates of magnitude.
+def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """Every table of the task, by the name of its file."""
+    return {TASK: magnitude_table(rows, factors), GROWTH: growth_table(rows, factors)}
+
+
+def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per participant and condition: the exponent with its interval, the numbers of
+    ratings, of those that were 0 (not felt; no logarithm, left out), and of levels.
 
     Raises
     ------
     InvalidFile
         For a level that is no amplitude: not above 0 in a unit other than decibels.
     """
-    rows = _ratings(trials)
-    if rows.empty:
-        return pd.DataFrame()
-    keys = ["participant", *trials.factors]
-    grouped = rows.groupby(keys, sort=True, observed=True)
-    return pd.DataFrame([dict(zip(keys, key, strict=True)) | _row(part) for key, part in grouped])
+    return by_condition(_ratings(rows), ["participant", *factors], _row)
 
 
-def growth_table(trials: Trials) -> pd.DataFrame:
-    """A row per condition and level: the geometric mean over participants of their own geometric means, after each
-    participant's numbers were brought to the mean logarithm of all (modulus equalisation; Lane, Catania and Stevens
-    1961, Journal of the Acoustical Society of America 33(2), 160-167)."""
-    rows = _ratings(trials)
-    rows = rows[rows["number"] > 0] if len(rows) else rows
-    if rows.empty:
+def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per condition and level: the geometric mean over participants of their own
+    geometric means, after each participant's numbers were brought to the mean logarithm of all (modulus equalisation;
+    Lane, Catania and Stevens 1961, Journal of the Acoustical Society of America 33(2), 160-167)."""
+    felt = _ratings(rows)
+    felt = felt[felt["number"] > 0]
+    if felt.empty:
         return pd.DataFrame()
-    keys = [*trials.factors, "x"]
-    own = rows.assign(log=np.log(rows["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
+    keys = [*factors, "x"]
+    own = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
     own = own - own.groupby("participant").transform("mean") + own.groupby("participant").mean().mean()
     found = own.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
     return found.assign(geometric_mean=np.exp(found["geometric_mean"])).rename(columns={"x": "level"})
 
 
-def _ratings(trials: Trials) -> pd.DataFrame:
+def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     """The numbers given to stimuli, with their levels and the logarithms of these."""
-    rows = used_rows(trials)
-    rows = rows[(rows["task"] == TASK) & rows["level"].notna()]
-    if rows.empty:
-        return rows
+    rows = rows[rows["level"].notna()]
     x = delivered(rows)
     in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)
     bad = rows[~in_db & (x <= 0)]

@@ -7,8 +7,8 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile
 
+from ..conditions import by_condition
 from ..means import mean_row, mean_with_interval
-from ..reading.trials import Trials, used_rows
 
 TASK = "measurement"
 NEEDED = ("level_unit", "level_measured")
@@ -25,33 +25,33 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
     return pd.Series(1 - np.where(in_db, 10 ** (left / 20), share), level.index)
 
 
-def losses(trials: Trials) -> pd.DataFrame:
-    """Per participant and condition the mean `loss` of the readings with its t-interval over them, their number, and
-    the mean applied force where it was measured; empty without measurements.
+def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """Every table of the task, by the name of its file."""
+    of_participants = losses(rows, factors)
+    return {"loss_participants": of_participants, "loss": loss_table(of_participants, factors)}
+
+
+def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, per participant and condition: the mean `loss` of the readings with its 95 % t-interval
+    over them, their number, and the mean applied force where it was measured. Empty without a measured level.
 
     Raises
     ------
     InvalidFile
         If a measured level is 0, which nothing can be lost of.
     """
-    rows = used_rows(trials)
-    rows = rows[rows["task"] == TASK]
-    if not len(rows) or any(name not in rows.columns for name in NEEDED):
+    if any(name not in rows.columns for name in NEEDED):
         return pd.DataFrame()
     rows = rows[rows["level"].notna() & rows["level_measured"].notna()]
     in_db = rows["level_unit"].str.startswith("dB")
     _check_levels(rows[~in_db])
     readings = rows.assign(loss=loss_of(rows["level"].astype(float), rows["level_measured"].astype(float), in_db))
-    grouped = readings.groupby(["participant", *trials.factors], sort=True, observed=True)
-    return pd.DataFrame(
-        [dict(zip(["participant", *trials.factors], key, strict=True)) | _reading(part) for key, part in grouped]
-    )
+    return by_condition(readings, ["participant", *factors], _reading)
 
 
-def loss_table(own: pd.DataFrame, factors: Sequence[str], interval: float = 0.95) -> pd.DataFrame:
+def loss_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Per condition the mean loss with its t-interval, over participants, or over the readings of a single one."""
-    grouped = [((), own)] if not factors else own.groupby(list(factors), sort=True, observed=True)
-    return pd.DataFrame([dict(zip(factors, key, strict=True)) | _condition(part, interval) for key, part in grouped])
+    return by_condition(of_participants, factors, _condition)
 
 
 def _check_levels(linear: pd.DataFrame) -> None:
@@ -60,17 +60,16 @@ def _check_levels(linear: pd.DataFrame) -> None:
         raise InvalidFile(f"{row['source']}, row {row['row']}, column 'level': found 0, expected an amplitude above 0")
 
 
-def _reading(part: pd.DataFrame, interval: float = 0.95) -> dict[str, object]:
-    found = mean_with_interval(part["loss"].to_numpy(float), interval)
-    row: dict[str, object] = {"loss": found.pop("mean"), "loss_low": None, "loss_high": None}
-    row |= {name.replace("mean", "loss"): value for name, value in found.items()} | {"n_readings": len(part)}
+def _reading(part: pd.DataFrame) -> dict[str, object]:
+    mean = dict.fromkeys(("mean", "mean_low", "mean_high")) | mean_with_interval(part["loss"].to_numpy(float))
+    row = {name.replace("mean", "loss"): value for name, value in mean.items()} | {"n_readings": len(part)}
     if "force_mean_n" in part.columns and part["force_mean_n"].notna().any():
         row["force_mean_n"] = float(part["force_mean_n"].mean())
     return row
 
 
-def _condition(part: pd.DataFrame, interval: float) -> dict[str, object]:
-    row = mean_row(part["loss"].to_numpy(float), interval)
+def _condition(part: pd.DataFrame) -> dict[str, object]:
+    row = mean_row(part["loss"].to_numpy(float))
     if len(part) == 1:  # then the interval is that of the participant's own readings
         row |= {f"mean{end}": part[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
     row |= {"n": len(part), "n_readings": int(part["n_readings"].sum())}

@@ -20,7 +20,8 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.trials.row_rules import rows_text
 
 from ..arrays import Array
-from ..reading.trials import Trials, parsed, used_rows
+from ..conditions import parts
+from ..reading.trials import parsed
 
 Texts = NDArray[np.str_]
 
@@ -173,22 +174,22 @@ def _fitted(
     return whole @ np.asarray(found.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else None
 
 
-def preference_table(trials: Trials) -> pd.DataFrame:
-    """The worths of the items in each condition, then the order's effect; empty without paired preferences.
+def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """Every table of the task, by the name of its file."""
+    return {TASK: preference_table(rows, factors)}
+
+
+def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, the worths of the items in each condition, then the order's effect.
 
     Raises
     ------
     InvalidFile
         If the table does not say which two items were compared.
     """
-    rows = used_rows(trials)
-    rows = rows[rows["task"] == TASK]
-    if rows.empty:
-        return pd.DataFrame()
     _check_pairs(rows)
-    varied = [name for name in trials.factors if rows[name].nunique() > 1]
-    grouped = rows.groupby(varied, sort=True, observed=True) if varied else [((), rows)]
-    return pd.concat([_of_a_condition(dict(zip(varied, key, strict=True)), part) for key, part in grouped])
+    varied = [name for name in factors if rows[name].nunique() > 1]
+    return pd.concat([_of_a_condition(dict(zip(varied, key, strict=True)), part) for key, part in parts(rows, varied)])
 
 
 def _check_pairs(rows: pd.DataFrame) -> None:

@@ -8,8 +8,7 @@ from statistics import fmean, stdev
 import numpy as np
 import pandas as pd
 
-from ..reading.trials import Trials
-from .cells import Estimate, answered
+from .cells import Estimate
 from .tracks import FIXED
 
 RUN = ("session", "study", "block")
@@ -34,11 +33,12 @@ Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
 """From the trials of a block in their order, with `yes` and the level `x`, to each track's estimate."""
 
 
-def rule_columns(trials: Trials, found: Sequence[Estimate], replay: Replay | None = None) -> pd.DataFrame:
-    """A row for each estimate, in their order: of all trials that the rule was told. Of several runs the means of
-    estimates and spreads, and all reversals or answers."""
-    rows = answered(trials)
-    runs = _runs(rows[~rows["is_catch"]], trials.factors, replay)
+def rule_columns(
+    answered: pd.DataFrame, factors: Sequence[str], found: Sequence[Estimate], replay: Replay | None = None
+) -> pd.DataFrame:
+    """A row for each estimate, in their order, of all answers that the rule was told, left out later or not. Of several
+    runs the means of estimates and spreads, and all reversals or answers."""
+    runs = _runs(answered[~answered["is_catch"]], factors, replay)
     rows_of = ((each.cell.participant, *each.cell.condition, each.cell.task) for each in found)
     return pd.DataFrame([_together(runs.get(key, [])) for key in rows_of], columns=list(COLUMNS))
 

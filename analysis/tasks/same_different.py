@@ -3,6 +3,7 @@
 Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
 """
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import Any
 
@@ -11,7 +12,8 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from ..reading.trials import Trials, parsed, used_rows
+from ..conditions import parts
+from ..reading.trials import parsed
 from .cells import is_catch
 from .signal_detection import LARGEST_D_PRIME, z_score
 
@@ -64,21 +66,18 @@ def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> t
     )
 
 
-def same_different_table(trials: Trials) -> pd.DataFrame:
-    """A row per participant, condition and level: counts, and d' by both rules, or a note why there is none; empty
-    without such trials."""
-    rows = used_rows(trials)
-    rows = rows[rows["task"] == TASK]
-    if rows.empty:
-        return pd.DataFrame()
+def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
+    """Every table of the task, by the name of its file."""
+    return {TASK: same_different_table(rows, factors)}
+
+
+def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per participant, condition and level: counts, and d' by both rules, or a note why
+    there is none."""
     rows = rows.assign(different=parsed(rows["response"]), is_same=is_catch(rows))
-    keys = ["participant", *trials.factors]
-    found = [
-        dict(zip(keys, key, strict=True)) | row
-        for key, part in rows.groupby(keys, sort=True, observed=True)
-        for row in _cell(part)
-    ]
-    return pd.DataFrame(found)
+    keys = ["participant", *factors]
+    cells = ((dict(zip(keys, key, strict=True)), part) for key, part in parts(rows, keys))
+    return pd.DataFrame([names | row for names, part in cells for row in _cell(part)])
 
 
 def _cell(part: pd.DataFrame) -> list[dict[str, Any]]:

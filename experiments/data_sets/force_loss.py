@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from tactometry.analysis.reading.trials import read_trials
-from tactometry.analysis.tasks.measurement import loss_table, losses
+from tactometry.analysis.reading.trials import read_trials, used_rows
+from tactometry.analysis.tasks.measurement import TASK, loss_table, losses
 from tactometry.errors import InvalidFile
 from tactometry.stimuli.time_reversal.finger.contactor import FINGER_DIAMETER_M
 from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
@@ -28,7 +28,8 @@ def measured_losses(path: Path) -> list[LossRow]:
     trials = read_trials(path)
     if set(trials.factors) != set(FACTORS):
         raise InvalidFile(f"{path}: found the factors {', '.join(trials.factors)}, expected {', '.join(FACTORS)}")
-    own = losses(trials)
+    used = used_rows(trials)
+    own = losses(used[used["task"] == TASK], FACTORS)
     if own.empty:
         raise InvalidFile(f"{path}: found no measured level, expected readings of the study force-loss")
     variants = load(str(path / "study.toml"))[0].variants["contactor"]

@@ -9,7 +9,7 @@ from command_line import call
 from places import RECORDED
 
 from tactometry.analysis.pipeline import analysed
-from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.figure_list import figures_of
 from tactometry.analysis.report.page import render
 from tactometry.analysis.result import Analysis
@@ -84,7 +84,7 @@ def test_answers_that_are_all_alike_have_no_sensitivity(tmp_path) -> None:
             (("10", 0, 0, 4), ("20", 1, 0, 4), ("", 0, 1, 15)) for _ in range(n)]  # fmt: skip
     file = tmp_path / "t.csv"
     file.write_text("\n".join(["participant,level,task,response,catch", *rows]) + "\n")
-    table = same_different_table(read_trials(file, within=[])).set_index("level")
+    table = same_different_table(used_rows(read_trials(file, within=[])), ()).set_index("level")
     assert table.loc[10.0, ["d_prime_differencing", "d_prime_independent"]].isna().all()
     assert table["note"].tolist() == ["all answers alike", ""]
     assert table.loc[20.0, "d_prime_independent"] > 1

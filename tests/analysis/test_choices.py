@@ -1,7 +1,5 @@
 """Same-different and paired preferences: published values, known observers, what has no answer."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,7 +7,6 @@ from scipy.special import expit, logit
 from scipy.stats import norm, t as student
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.reading.trials import Trials
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table
 from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
@@ -130,7 +127,7 @@ def test_a_factor_of_one_level_among_the_pairs_is_no_condition_of_the_worths() -
     first, second, preferred = league()
     rows = pd.DataFrame({"item": first, "item_b": second, "response": list(map(str, preferred))})
     rows = rows.assign(task="preference", participant="P1", hz=60.0, force_n=np.where(rows.index % 2, 0.5, 1.0))
-    found = preference_table(Trials(rows, ("hz", "force_n"), Path("t.csv"), 1))
+    found = preference_table(rows, ("hz", "force_n"))
     assert "hz" not in found.columns
     assert found["force_n"].value_counts().to_dict() == {0.5: 8, 1.0: 8}
 

@@ -10,7 +10,7 @@ from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan, plan_of, read_plan
 from tactometry.analysis.reading.exclusion import Exclusion, exclude
 from tactometry.analysis.reading.quality import quality
-from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.tasks.applied_force import force_of_participants, force_table, has_force
 from tactometry.errors import InvalidFile, InvalidParameter
 
@@ -47,8 +47,8 @@ def some(tmp_path):
 
 
 def test_the_force_of_a_participant_is_that_of_used_trials(some) -> None:
-    own = force_of_participants(some).set_index(["participant", "force_n"])
-    assert has_force(some)
+    own = force_of_participants(used_rows(some), some.factors).set_index(["participant", "force_n"])
+    assert has_force(some.rows)
     assert own.loc[("P1", 0.5), "force_mean_n"] == pytest.approx(0.56)
     assert own.loc[("P1", 0.5), "force_deviation_n"] == pytest.approx(0.06)
     assert own.loc[("P1", 3.0), "force_mean_n"] == pytest.approx(2.4)
@@ -57,7 +57,7 @@ def test_the_force_of_a_participant_is_that_of_used_trials(some) -> None:
 
 
 def test_the_table_has_means_over_participants(some) -> None:
-    table = force_table(force_of_participants(some), ["force_n"])
+    table = force_table(force_of_participants(used_rows(some), some.factors), ["force_n"])
     row = table.iloc[1]
     assert (row["mean"], row["sd"], row["n"], row["n_trials"]) == (
         pytest.approx(2.85),
@@ -71,7 +71,7 @@ def test_the_table_has_means_over_participants(some) -> None:
 
 
 def test_one_participant_has_a_mean_without_an_interval(some) -> None:
-    own = force_of_participants(some)
+    own = force_of_participants(used_rows(some), some.factors)
     table = force_table(own[own["participant"] == "P2"], ["force_n"])
     assert table["sd"].isna().all()
     assert table["text"].tolist() == ["0.500 N, 100 % in band", "3.30 N, 90 % in band"]

@@ -14,10 +14,10 @@ from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.cells import Cell, cells
+from tactometry.analysis.tasks.cells import Cell, answered, cells, judgements
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
 """F where participants' deviations have a variance, as it may happen."""
@@ -84,7 +84,7 @@ def test_equality_points_and_differences_of_real_data() -> None:
     if not path.exists():
         pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
     trials = read_trials(path)
-    fit = together(cells(trials), trials.factors, 2, "cm/s")
+    fit = together(cells(answered(judgements(used_rows(trials))), trials.factors), trials.factors, 2, "cm/s")
     by = fit.conditions.set_index("vibration_hz")
     assert by["jnd"].to_dict() == pytest.approx({0: 2.94, 32: 3.58}, rel=0.03)
     assert by["threshold"].to_dict() == pytest.approx({0: 8.56, 32: 8.41}, rel=0.005)
