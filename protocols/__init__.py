@@ -6,7 +6,8 @@ from .bayesian.quest import Quest
 from .bayesian.quest_plus import QuestPlus
 from .bayesian.settings import PsiSettings, QuestPlusSettings, psi
 from .bayesian.shared_quest_plus import SharedQuestPlus, SharedTrack
-from .block import Block, Condition, Track
+from .block import Block
+from .block_state import BlockOptions
 from .order import counterbalanced, williams_square
 from .procedures.constant_stimuli import ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits
@@ -26,10 +27,12 @@ from .tasks.rating import Rating
 from .tasks.same_different import SameDifferent
 from .tasks.touch import Pressing, Sliding
 from .tasks.yes_no import YesNo
+from .track import Condition, Track
 
 __all__ = [
     "AdjustmentTask",
     "Block",
+    "BlockOptions",
     "Comparison",
     "Condition",
     "ConstantStimuli",

@@ -14,9 +14,9 @@ from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
-from .block import Track
 from .tasks.rating import filled_in
 from .tasks.task import Reply
+from .track import Track
 
 
 class Part(Protocol):

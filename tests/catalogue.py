@@ -20,6 +20,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
     Block,
+    BlockOptions,
     Condition,
     ConstantStimuli,
     ForcedChoice,
@@ -189,7 +190,7 @@ def block(task, procedure, touch="slide", stimulus="amplitude_modulated"):
     """A block of the catalogue's parts, by their names."""
     condition = Condition({"frequency_hz": 240.0}, stimulus, "dB re 1 V", TOUCHES[touch], alternatives=PLACES)
     catch_rate = 0.25 if TASKS[task].takes_catch_trials else 0.0
-    return Block((Track(condition, PROCEDURES[procedure]),), TASKS[task], catch_rate)
+    return Block((Track(condition, PROCEDURES[procedure]),), TASKS[task], BlockOptions(catch_rate))
 
 
 def interleaved(interleaving):
@@ -197,7 +198,8 @@ def interleaved(interleaving):
     condition = Condition({"frequency_hz": 240.0}, "amplitude_modulated", "dB re 1 V", TOUCHES["press"])
     names = ("constant_stimuli", "staircase_1_up_1_down", "quest_plus")
     tracks = tuple(Track(condition, PROCEDURES[name], name) for name in names)
-    return Block(tracks, YesNo(), 0.25, interleaving=interleaving, feedback=True, rest_after=20, longest_s=1e4)
+    options = BlockOptions(0.25, interleaving=interleaving, feedback=True, rest_after=20, longest_s=1e4)
+    return Block(tracks, YesNo(), options)
 
 
 def _one_block(task, procedure):

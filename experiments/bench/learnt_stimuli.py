@@ -37,12 +37,12 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
         return stimulus
 
     bank: dict[str, Stimulus] = {}
-    for name, stimulus in experiment.bank.items():
+    for strongest in experiment.strongest():
         try:
-            bank[name] = suited(stimulus)
-            bank[name].at(experiment.highest_level(name))
+            bank[strongest.name] = suited(strongest.stimulus)
+            bank[strongest.name].at(strongest.level)
         except TactometryError as error:
-            raise InvalidParameter(f"time_reversal.responses, {learnt.responses}, {name}: {error}") from None
+            raise InvalidParameter(f"time_reversal.responses, {learnt.responses}, {strongest.name}: {error}") from None
     return bank
 
 

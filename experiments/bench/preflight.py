@@ -387,14 +387,11 @@ def tone_of(output: Guarded) -> Signal:
 
 
 def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
-    """The strongest levels of each stimulus (several conditions may share it) against the output; none is played."""
-    bank = bank_of(experiment, bench.time_reversal)
-    asked = [(cell.condition.stimulus, cell.procedure.rule.bounds[1]) for cell in experiment.cells.values()]
-    for name, level in dict.fromkeys(asked):
+    """Each stimulus at its highest level against the output; none is played."""
+    for strongest in experiment.strongest(bank_of(experiment, bench.time_reversal)):
+        words, fine, device = f"level {strongest.level:g}", True, False
         try:
-            output.check(with_ramps(bank[name].at(level), bench.output.ramp_s))
+            output.check(with_ramps(strongest.signal, bench.output.ramp_s))
         except TactometryError as error:
-            found, fine, device = f"level {level:g} of {name}: {error}", False, error.exit_status == 3
-        else:
-            found, fine, device = f"level {level:g}", True, False
-        yield Finding("output", f"strongest {name}", found, "within limits", fine, device)
+            words, fine, device = f"{words} of {strongest.name}: {error}", False, error.exit_status == 3
+        yield Finding("output", f"strongest {strongest.name}", words, "within limits", fine, device)

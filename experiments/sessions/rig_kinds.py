@@ -41,8 +41,8 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
     for caution in bench.cautions:
         click.echo(caution, err=True)
     bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
-    for name, stimulus in bank.items():
-        check_format(stimulus.at(experiment.highest_level(name)), devices.output)
+    for strongest in experiment.strongest(bank):
+        check_format(strongest.signal, devices.output)
     if devices.output.limits is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
     return Outfit(devices, bank, lambda: device_facts(bench, devices) | learnt)
@@ -93,7 +93,7 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
     limits = bench.limits_with(experiment.study.limits)
-    if TASKS[experiment.asking.kind].sets_level and not isinstance(bench.output.settings, NullSettings):
+    if TASKS[experiment.table.kind].sets_level and not isinstance(bench.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
             "study; or leave [output] out of the bench file"

@@ -6,8 +6,8 @@ from typing import Any
 
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.protocols.block import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
+from tactometry.protocols.track import Condition
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.target import resolve
@@ -103,6 +103,7 @@ class Wiring:
     def __init__(self, study: Study) -> None:
         self._study = study
         self._sensations: dict[str, Sensation] = {}
+        self._procedures: dict[str, ReadyProcedure] = {}
 
     def cell(self, factors: Factors) -> WiredCell:
         """A cell of the design.
@@ -131,8 +132,15 @@ class Wiring:
         name = ", ".join([of["stimulus"]["kind"], *(f"{key}={cell_text(level)}" for key, level in named.items())])
         condition = Condition(dict(factors), name, stimulus.level_unit, touch, speed_m_per_s)
         return WiredCell(
-            condition, stimulus, rule_of(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
+            condition, stimulus, self._procedure(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
         )
+
+    def _procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
+        """Built once: the tables of QUEST+ take longer than all the rest of a study."""
+        key = repr(table)
+        if key not in self._procedures:
+            self._procedures[key] = rule_of(table)
+        return self._procedures[key]
 
     def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}

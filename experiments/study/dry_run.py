@@ -65,7 +65,7 @@ def _planned(number: int, part: Part) -> PlannedBlock:
 
 
 def _n_trials(block: Block) -> Iterator[int]:
-    rate = block.catch_rate if block.task.takes_catch_trials else 0.0
+    rate = block.catch_rate
     for track in block.tracks:
         n_stimuli = track.procedure.n_trials_at_most
         yield n_stimuli if rate == 0 else round(n_stimuli / (1 - 1 / max(round(1 / rate), 2)))
@@ -79,10 +79,10 @@ def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
 
 
 def _lasting_s(experiment: Experiment, block: PlannedBlock) -> float:
-    shown = experiment.asking.presenting
-    n_rests = (block.n_trials_at_most - 1) // shown.rest_after if shown.rest_after and block.n_trials_at_most else 0
-    trials_s = experiment.study.trial_s * block.n_trials_at_most + (shown.rest_s or 0.0) * n_rests
-    return min(trials_s + ITEM_S * block.n_items, inf if shown.longest_s is None else shown.longest_s)
+    options, n_trials = experiment.table.options, block.n_trials_at_most
+    n_rests = (n_trials - 1) // options.rest_after if options.rest_after and n_trials else 0
+    trials_s = experiment.study.trial_s * n_trials + (options.rest_s or 0.0) * n_rests
+    return min(trials_s + ITEM_S * block.n_items, inf if options.longest_s is None else options.longest_s)
 
 
 def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import comb
+from operator import itemgetter
 
 import numpy as np
 
@@ -10,41 +11,59 @@ from tactometry.arguments.require import at_most
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.protocols.block import Condition, Track
+from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import Part, session
-from tactometry.protocols.tasks.task import Task
-from tactometry.questionnaire import own
+from tactometry.protocols.tasks.task import AsksForm, Task
+from tactometry.protocols.track import Condition, Track
+from tactometry.questionnaire import Questionnaire, own
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Sensation, SimulatedRig
+from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
 from tactometry.session.run import Course
-from tactometry.signal import Stimulus
+from tactometry.signal import Signal, Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 
 from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
 from .random_streams import stream
-from .session_plan import Key, Sitting, all_cells, crossing_of, key_of, session_cells
+from .session_plan import Key, SessionBuilder, all_cells, crossing_of, key_of, session_cells
 from .study_file import Study
-from .task_table import DECISIONS, Asking, asking, form_of
+from .task_table import DECISIONS, TaskTable, form_of, task_of
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""
 
 
 @dataclass(frozen=True)
+class Strongest:
+    """A stimulus at the highest level that a session may ask for, with the table that says so."""
+
+    name: str
+    where: str
+    level: float
+    stimulus: Stimulus
+
+    @property
+    def signal(self) -> Signal:
+        return self.stimulus.at(self.level)
+
+
+@dataclass(frozen=True)
 class Experiment:
-    """A study that is wired: every table built, every cell's stimulus named, every level within the limits."""
+    """A study that is wired: every table built once, every cell's stimulus named, every level within the limits."""
 
     study: Study
-    asking: Asking
+    table: TaskTable
     cells: Mapping[Key, WiredCell]
+    practice: Practice | None
+    forms: Mapping[str, Questionnaire]
 
     @property
     def task(self) -> Task:
-        return self.asking.task
+        return self.table.task
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -56,15 +75,35 @@ class Experiment:
         """The stimuli by name."""
         return {cell.condition.stimulus: cell.stimulus for cell in self.cells.values()}
 
-    def highest_level(self, stimulus: str) -> float:
-        """The highest level that a session may ask for of a stimulus."""
-        cells = [cell for cell in self.cells.values() if cell.condition.stimulus == stimulus]
-        return max(level for cell in cells for _, level in _levels(self, cell))
+    @property
+    def questionnaires(self) -> tuple[Questionnaire, ...]:
+        """Those that the sessions ask."""
+        of_task = (self.task.form,) if isinstance(self.task, AsksForm) else ()
+        return (*of_task, *self.forms.values())
+
+    def strongest(self, bank: Mapping[str, Stimulus] | None = None) -> tuple[Strongest, ...]:
+        """Each stimulus, or that of its name in `bank`, where it is strongest: stimuli are ordered by their level, so
+        that a session within these is within all."""
+        bank = self.bank if bank is None else bank
+        highest: dict[str, Strongest] = {}
+        for cell in self.cells.values():
+            name = cell.condition.stimulus
+            where, level = max(self._highest_levels(cell), key=itemgetter(1))
+            if name not in highest or level > highest[name].level:
+                highest[name] = Strongest(name, where, level, bank[name])
+        return tuple(highest.values())
+
+    def _highest_levels(self, cell: WiredCell) -> Iterator[tuple[str, float]]:
+        yield "procedure", cell.procedure.rule.bounds[1]
+        if self.practice is not None:
+            yield "practice", self.practice.bounds[1]
+        for key in self.table.task_kind.own_levels:
+            yield f"task.{key}", getattr(self.task, key)
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
         """The parts of a session of the participant with this number, in order; `rng` shuffles within blocks."""
-        factors = session_cells(self.study, self.asking.over, number, n_session, seed)
-        return Sitting(self.study, self.asking, self.cells, rng).parts(factors)
+        factors = session_cells(self.study, self.table.over, number, n_session, seed)
+        return SessionBuilder(self.study, self.table, self.cells, self.practice, self.forms, rng).parts(factors)
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
         """The protocol of one session: a pure function of its arguments."""
@@ -100,7 +139,7 @@ class Experiment:
 
     def _optional(self) -> list[str]:
         """The columns that apply, of those that not every study has."""
-        study, kind = self.study, self.asking.task_kind
+        study, kind = self.study, self.table.task_kind
         slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
         applies = {
             "track": bool(study.plan.interleave) or kind.n_together is not None,
@@ -109,7 +148,7 @@ class Experiment:
             "speed_target_m_per_s": slides,
             "practice": bool(study.practice),
             "speed_in_band": slides,
-            **dict.fromkeys(TASKS[self.asking.kind].columns, True),
+            **dict.fromkeys(TASKS[self.table.kind].columns, True),
         }
         always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")
         return [*always, *(name for name, yes in applies.items() if yes)]
@@ -129,19 +168,24 @@ def wire(study: Study, where: str) -> Experiment:
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     try:
-        asked = asking(study)
-        experiment = Experiment(study, asked, dict(_cells(study, _repeated(study, asked))))
-        crossing_of(study, experiment.asking.over, study.factors)
-        for name, inquiry in study.inquiries.items():
-            form_of(study, inquiry.form, f"inquiries.{name}.form")
-        own(study.forms)
+        experiment = _built(study)
         _check_forces(experiment)
-        _check_levels(experiment)
+        for strongest in experiment.strongest():
+            _check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
-            experiment.asking.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
+            experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
     except TactometryError as error:
         raise InvalidParameter(f"{where}, {error}") from None
     return experiment
+
+
+def _built(study: Study) -> Experiment:
+    table = task_of(study)
+    cells = dict(_cells(study, _tracks_per_cell(study, table)))
+    crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
+    forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
+    own(study.forms)  # those that nothing asks must be sound too
+    return Experiment(study, table, cells, practice_of(study.practice), forms)
 
 
 def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
@@ -154,22 +198,12 @@ def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
         yield key_of(factors), cell
 
 
-def _repeated(study: Study, asked: Asking) -> float:
+def _tracks_per_cell(study: Study, table: TaskTable) -> float:
     """How many tracks there are for each cell, whose alternatives share one, or one for each choice of some of them."""
-    if asked.over is None:
+    if table.over is None:
         return 1
-    n_levels = len(study.factors[asked.over])
-    return comb(n_levels, asked.task_kind.n_together or n_levels) / n_levels
-
-
-def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[str, float]]:
-    """The highest levels that a session may ask for, with the table that says so."""
-    yield "procedure", cell.procedure.rule.bounds[1]
-    practice = practice_of(experiment.study.practice)
-    if practice is not None:
-        yield "practice", practice.bounds[1]
-    for key in experiment.asking.task_kind.own_levels:
-        yield f"task.{key}", getattr(experiment.task, key)
+    n_levels = len(study.factors[table.over])
+    return comb(n_levels, table.task_kind.n_together or n_levels) / n_levels
 
 
 def _check_forces(experiment: Experiment) -> None:
@@ -185,17 +219,10 @@ def _check_forces(experiment: Experiment) -> None:
             ) from None
 
 
-def _check_levels(experiment: Experiment) -> None:
-    checked: set[tuple[str, str, float]] = set()
-    for cell in experiment.cells.values():
-        for where, level in _levels(experiment, cell):
-            if (cell.condition.stimulus, where, level) not in checked:
-                checked.add((cell.condition.stimulus, where, level))
-                _check_level(experiment, cell.stimulus, where, level)
-
-
-def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: float) -> None:
-    limits, duration_s = experiment.study.limits, getattr(stimulus, "duration_s", 0.0)
+def _check_signal(limits: Limits, strongest: Strongest) -> None:
+    """Its length before its samples, which may be too many to make."""
+    stimulus = strongest.stimulus
+    duration_s = getattr(stimulus, "duration_s", 0.0)
     if duration_s > limits.longest_s:
         raise InvalidParameter(
             f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
@@ -204,8 +231,8 @@ def _check_level(experiment: Experiment, stimulus: Stimulus, where: str, level: 
     n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
     at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
     try:
-        limits.check(stimulus.at(level))
+        limits.check(strongest.signal)
     except TactometryError as error:
         raise InvalidParameter(
-            f"{where}: found the highest level {level:g}, expected one within the limits ({error})"
+            f"{strongest.where}: found the highest level {strongest.level:g}, expected one within the limits ({error})"
         ) from None

@@ -12,6 +12,7 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.exclusion import Exclusion
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
 from tactometry.rigs.texts import texts_in
@@ -27,7 +28,7 @@ from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
 from .keys import Key, KeyTable, keys_of
 from .procedure_table import PROCEDURES
 from .study_file import InquiryTable, PlanTable, Study
-from .task_table import TASKS, Presenting
+from .task_table import TASKS
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -65,7 +66,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield from ((f"`[stimulus]`, `kind = {_named(kinds)}`", table) for kinds, table in _stimuli())
     yield "`[stimulus.setup]`", KeyTable(Setup)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
-    yield "`[task]`, every kind", KeyTable(Presenting)
+    yield "`[task]`, every kind", KeyTable(BlockOptions)
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
     yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, in_levels=_IN_LEVELS)
     yield "`[plan]`", KeyTable(PlanTable)

@@ -7,15 +7,12 @@ from pathlib import Path
 
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.session import pages
-from tactometry.protocols.tasks.task import AsksForm
-from tactometry.questionnaire import Questionnaire
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.session.request import Show
 
 from .experiment import Experiment
 from .random_streams import stream
 from .session_plan import all_sessions
-from .task_table import form_of
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
 """Pages that a block shows in the midst of its trials."""
@@ -53,20 +50,20 @@ def rehearse(experiment: Experiment) -> None:
 
 def _refuse_idle(experiment: Experiment) -> None:
     """A key that does nothing promises what no session will hold."""
-    shown, study = experiment.asking.presenting, experiment.study
+    options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
         if not getattr(study, name).strip():
             raise InvalidParameter(
                 f"{name}: found nothing, expected a text, which stands in the data set's description"
             )
-    if shown.rest_s is not None and shown.rest_after is None:
+    if options.rest_s is not None and options.rest_after is None:
         raise InvalidParameter(
-            f"task.rest_s: found {shown.rest_s:g} s without rest_after, expected both: no rest comes"
+            f"task.rest_s: found {options.rest_s:g} s without rest_after, expected both: no rest comes"
         )
-    has_tracks = bool(study.plan.interleave) or experiment.asking.task_kind.n_together is not None
-    if shown.interleaving != "random" and not has_tracks:
+    has_tracks = bool(study.plan.interleave) or experiment.table.task_kind.n_together is not None
+    if options.interleaving != "random" and not has_tracks:
         raise InvalidParameter(
-            f"task.interleaving: found {shown.interleaving!r} without interleaved tracks, expected factors in "
+            f"task.interleaving: found {options.interleaving!r} without interleaved tracks, expected factors in "
             "plan.interleave; or leave it out"
         )
 
@@ -75,7 +72,7 @@ def _pages(experiment: Experiment) -> Iterator[Show]:
     """The pages of every session of every group."""
     study = experiment.study
     for number in range(1, prod(len(study.factors[name]) for name in study.plan.between) + 1):
-        n_sessions = len(all_sessions(study, experiment.asking.over, number, 0)) if study.plan.sessions else 1
+        n_sessions = len(all_sessions(study, experiment.table.over, number, 0)) if study.plan.sessions else 1
         for n_session in range(1, n_sessions + 1):
             yield from pages(experiment.parts(number, stream(0, "rehearsal"), n_session))
 
@@ -87,15 +84,6 @@ def _fill(texts: Texts, shown: Show | str) -> None:
         raise InvalidParameter(f"texts: {error}") from None
 
 
-def forms(experiment: Experiment) -> Iterator[Questionnaire]:
-    """The questionnaires that the sessions of a study ask."""
-    study, task = experiment.study, experiment.task
-    if isinstance(task, AsksForm):
-        yield task.form
-    for name, inquiry in study.inquiries.items():
-        yield form_of(study, inquiry.form, f"inquiries.{name}.form")
-
-
 def rehearse_forms(experiment: Experiment, language: str) -> None:
     """Look for the words of every item in the language of a rig.
 
@@ -104,7 +92,7 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
     InvalidParameter
         If a questionnaire has none.
     """
-    for form in forms(experiment):
+    for form in experiment.questionnaires:
         if language not in form.languages:
             raise InvalidParameter(
                 f"questionnaire {form.name}: found no words in {language!r}, expected one of "

@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.block import Block, Track
+from tactometry.protocols.block import Block
 from tactometry.protocols.order import Crossing, crossed
+from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
+from tactometry.protocols.track import Condition, Track
+from tactometry.questionnaire import Questionnaire
 from tactometry.trials.cells import cell as cell_text
 
 from .cells import WiredCell
-from .procedure_table import practice_of
 from .random_streams import stream
 from .study_file import Levels, Study
-from .task_table import Asking, form_of
+from .task_table import TaskTable
 
 Factors = Mapping[str, float | str]
 Key = tuple[tuple[str, float | str], ...]
@@ -75,12 +77,28 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 
 @dataclass(frozen=True)
-class Sitting:
-    """Makes the parts of a session from wired cells."""
+class SessionBuilder:
+    """Puts the parts of a session in their order, from what was built once for all sessions of a study.
+
+    Parameters
+    ----------
+    study : Study
+    table : TaskTable
+    cells : mapping of Key to WiredCell
+        Of the whole design.
+    practice : Practice or None
+        The rule of the practice before the first block.
+    forms : mapping of str to Questionnaire
+        Those of the inquiries, by the name of the inquiry.
+    rng : Generator
+        Shuffles within blocks.
+    """
 
     study: Study
-    asking: Asking
+    table: TaskTable
     cells: Mapping[Key, WiredCell]
+    practice: Practice | None
+    forms: Mapping[str, Questionnaire]
     rng: np.random.Generator
 
     def parts(self, factors: Sequence[Factors]) -> tuple[Part, ...]:
@@ -101,59 +119,45 @@ class Sitting:
         empty = dict.fromkeys(self.study.factors, "")
         for name, table in self.study.inquiries.items():
             if table.after == after:
-                form = form_of(self.study, table.form, f"inquiries.{name}.form")
-                yield Inquiry(form, table.shuffled, empty, condition)
+                yield Inquiry(self.forms[name], table.shuffled, empty, condition)
 
     def _practice(self, first: Block) -> list[Block]:
-        rule = practice_of(self.study.practice)
-        if rule is None:
+        """One track of the first block, with feedback and without rests."""
+        if self.practice is None:
             return []
-        track = replace(first.tracks[0], procedure=rule, name=None)
-        return [replace(first, tracks=(track,), practice=True, feedback=True, rest_after=None)]
+        track = replace(first.tracks[0], procedure=self.practice, name=None)
+        options = replace(first.options, feedback=True, rest_after=None)
+        return [replace(first, tracks=(track,), options=options, practice=True)]
 
     def _block(self, group: Sequence[Factors]) -> Block:
-        unruled = [track for factors in group for track in self._tracks(factors)]
-        names = [track.name or "" for track in unruled]
-        procedures = self._cell(group[0]).procedure.for_tracks(names, self.rng)
-        asking, several = self.asking, len(unruled) > 1
-        tracks = (
-            replace(track, procedure=procedure, name=track.name if several else None)
-            for track, procedure in zip(unruled, procedures, strict=True)
-        )
-        shown = asking.presenting
-        return Block(
-            tuple(tracks),
-            asking.task,
-            shown.catch_rate,
-            shown.n_attempts,
-            shown.interleaving,
-            shown.feedback,
-            rest_after=shown.rest_after,
-            rest_s=shown.rest_s,
-            longest_s=shown.longest_s,
-        )
+        """A block of cells that are interleaved; the first one's procedure is dealt out to all tracks."""
+        conditions = dict(named for factors in group for named in self._conditions(factors))
+        procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), self.rng)
+        tracks = [
+            Track(condition, procedure, name if len(conditions) > 1 else None)
+            for (name, condition), procedure in zip(conditions.items(), procedures, strict=True)
+        ]
+        return Block(tuple(tracks), self.table.task, self.table.options)
 
     def _cell(self, factors: Factors) -> WiredCell:
-        over = self.asking.over
+        over = self.table.over
         full = factors if over is None else {**factors, over: self.study.factors[over][0]}
         return self.cells[key_of(full)]
 
-    def _tracks(self, factors: Factors) -> Iterator[Track]:
-        """One track of a cell, or one for all alternatives, or for each pair of them.
-
-        Their procedures are dealt out by `_block`.
-        """
-        cell, over = self._cell(factors), self.asking.over
+    def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
+        """The conditions of a cell, each with the name of its track: one, or one for all alternatives, or for each
+        choice of some of them."""
+        condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:
-            yield Track(cell.condition, cell.procedure.rule, name)
+            yield name, condition
             return
         alternatives = [self._alternative(factors, over, level) for level in self.study.factors[over]]
-        n_together = self.asking.task_kind.n_together
+        n_together = self.table.task_kind.n_together
         for chosen in itertools.combinations(alternatives, n_together or len(alternatives)):
-            labels = " - ".join(each.label for each in chosen) if n_together else ""
-            condition = replace(cell.condition, factors={**factors, over: ""}, alternatives=chosen)
-            yield Track(condition, cell.procedure.rule, ", ".join(filter(None, (name, labels))))
+            labels = " - ".join(alternative.label for alternative in chosen) if n_together else ""
+            chosen_over = replace(condition, factors={**factors, over: ""}, alternatives=chosen)
+            yield ", ".join(filter(None, (name, labels))), chosen_over
 
     def _alternative(self, factors: Factors, over: str, level: float | str) -> Alternative:
         condition = self.cells[key_of({**factors, over: level})].condition

@@ -7,30 +7,14 @@ from typing import Any
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.observers.decisions import Decision
-from tactometry.protocols.block import Interleaving, check_presenting
+from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.tasks.task import Over, Task, TaskKind
 from tactometry.questionnaire import Questionnaire, load, own, shipped
 from tactometry.target import resolve
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
+from .procedure_table import kind_of
 from .study_file import Study
-
-
-@dataclass(frozen=True)
-class Presenting:
-    """The keys of the table `task` that hold for every kind; see `tactometry.protocols.Block`."""
-
-    catch_rate: float = 0.0
-    n_attempts: int = 5
-    interleaving: Interleaving = "random"
-    feedback: bool = False
-    rest_after: int | None = None
-    rest_s: float | None = None
-    longest_s: float | None = None
-
-    def __post_init__(self) -> None:
-        check_presenting(self)
-
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
 """Every task by its name, which is that of its file."""
@@ -57,12 +41,12 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 
 @dataclass(frozen=True)
-class Asking:
-    """A task, how it is presented, and the factor that it chooses or pairs over."""
+class TaskTable:
+    """The table `task`, built: the task, how blocks present it, and the factor that it chooses or pairs over."""
 
     kind: str
     task: Task
-    presenting: Presenting
+    options: BlockOptions
     over: str | None = None
 
     @property
@@ -70,7 +54,7 @@ class Asking:
         return TASKS[self.kind]
 
 
-def asking(study: Study) -> Asking:
+def task_of(study: Study) -> TaskTable:
     """The table `task`, built.
 
     Raises
@@ -78,41 +62,35 @@ def asking(study: Study) -> Asking:
     InvalidParameter
         If it holds what its kind does not know.
     """
-    kind = study.task.get("kind")
-    if not isinstance(kind, str) or kind not in TASKS:
-        found = "no such key" if kind is None else repr(kind)
-        raise InvalidParameter(
-            f"task.kind: found {found}, expected one of {', '.join(TASKS)}{nearest(str(kind), TASKS)}"
-        )
-    task_kind = TASKS[kind]
-    common, own = _names(Presenting), _names(task_kind.table)
+    task_kind: TaskKind = kind_of(study.task, "task", TASKS)
+    common, own = _names(BlockOptions), _names(task_kind.table)
     for key in study.task:
         if key not in ("kind", *own, *common):
             raise InvalidParameter(
                 f"task.{key}: found an unknown key, expected one of kind, {', '.join((*own, *common))}"
                 f"{nearest(key, (*own, *common))}"
             )
-    presenting = build(Presenting, {key: study.task[key] for key in common if key in study.task}, "task")
-    table: Any = build(task_kind.table, {key: study.task[key] for key in own if key in study.task}, "task")
-    task = task_kind.made(table, lambda name: form_of(study, name, "task.form"))
-    made = Asking(kind, task, presenting, table.over if isinstance(table, Over) else None)
-    _check(study, made)
-    return made
+    options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
+    keys: Any = build(task_kind.table, {key: study.task[key] for key in own if key in study.task}, "task")
+    task = task_kind.made(keys, lambda name: form_of(study, name, "task.form"))
+    table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None)
+    _check(study, table)
+    return table
 
 
 def _names(kind: type) -> tuple[str, ...]:
     return tuple(each.name for each in fields(kind))
 
 
-def _check(study: Study, made: Asking) -> None:
-    rate = made.presenting.catch_rate
-    if rate > 0 and not made.task.takes_catch_trials:
+def _check(study: Study, table: TaskTable) -> None:
+    rate = table.options.catch_rate
+    if rate > 0 and not table.task.takes_catch_trials:
         raise InvalidParameter(
-            f"task.catch_rate: found {rate:g} with {made.kind}, expected 0: every trial of a "
-            f"{made.kind.replace('_', ' ')} holds a stimulus; remove the key"
+            f"task.catch_rate: found {rate:g} with {table.kind}, expected 0: every trial of a "
+            f"{table.kind.replace('_', ' ')} holds a stimulus; remove the key"
         )
-    if made.over is not None and len(study.factors.get(made.over, ())) < 2:
+    if table.over is not None and len(study.factors.get(table.over, ())) < 2:
         raise InvalidParameter(
-            f"task.over: found {made.over!r}, expected a factor of at least two levels ({', '.join(study.factors)})"
-            f"{nearest(made.over, study.factors)}"
+            f"task.over: found {table.over!r}, expected a factor of at least two levels ({', '.join(study.factors)})"
+            f"{nearest(table.over, study.factors)}"
         )

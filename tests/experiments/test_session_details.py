@@ -17,7 +17,8 @@ from tactometry.experiments.study.task_table import DECISIONS
 from tactometry.files.durable import write_atomically
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import ConstantStimuli, Staircase
-from tactometry.protocols.block import catch_schedule, run_block
+from tactometry.protocols.block import run_block
+from tactometry.protocols.block_state import catch_schedule
 from tactometry.records.journal import checksum, encode, read
 from tactometry.records.open_journal import Journal
 from tactometry.rigs.simulated import SimulatedRig

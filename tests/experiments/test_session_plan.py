@@ -334,3 +334,22 @@ def test_an_impossible_task_is_refused_in_one_sentence(table, sentence):
     with pytest.raises(InvalidParameter) as refused:
         experiment((TASK, table))
     assert f"s.toml, {sentence}" in str(refused.value)
+
+
+def test_what_the_cells_of_a_study_share_is_built_once():
+    made = experiment((f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS))
+    assert len(made.cells) == 2
+    assert len({id(cell.procedure.rule) for cell in made.cells.values()}) == 1
+    asked = wire(load("hybrid-button")[0], "s.toml")
+    forms = [part.form for _ in range(2) for part in asked.parts(1, np.random.default_rng(0)) if hasattr(part, "form")]
+    assert forms
+    assert all(any(form is known for known in asked.questionnaires) for form in forms)
+
+
+def test_a_stimulus_is_strongest_where_the_practice_asks_for_more_than_the_procedure():
+    plain, practised = experiment(), experiment(more="\n[practice]\nlevels = [40]\n")
+    assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 34.0)}
+    assert {(each.where, each.level) for each in practised.strongest()} == {("practice", 40.0)}
+    assert [each.name for each in practised.strongest()] == list(practised.bank)
+    first = practised.strongest()[0]
+    assert np.array_equal(first.signal.samples, first.stimulus.at(40.0).samples)

@@ -11,7 +11,8 @@ from memory import Memory
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
-from tactometry.protocols.block import Asked, Standing, run_block, turns
+from tactometry.protocols.block import run_block
+from tactometry.protocols.block_state import BlockOptions, BlockState, Slot, turns
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.request import Choose, Press, Show
 from tactometry.session.run import run
@@ -27,7 +28,7 @@ def two_tracks(**how):
     condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"])
     rules = {"a": ConstantStimuli((10.0, 20.0), 10), "b": ConstantStimuli((30.0,), 20)}
     tracks = tuple(Track(condition, rule, name) for name, rule in rules.items())
-    return Block(tracks, catalogue.TASKS["yes_no"], **how)
+    return Block(tracks, catalogue.TASKS["yes_no"], BlockOptions(**how))
 
 
 def test_balanced_interleaving_presents_every_track_once_a_round():
@@ -144,15 +145,15 @@ def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
     ("how", "sentence"),
     [
         ({"tracks": ()}, "Block.tracks: found no track, expected at least one"),
-        ({"catch_rate": 0.6}, "Block.catch_rate: found 0.6, expected a number from 0 to 0.5"),
-        ({"interleaving": "rounds"}, "Block.interleaving: found 'rounds', expected one of random, balanced"),
-        ({"n_attempts": 0}, "Block.n_attempts: found 0, expected a whole number, at least 1"),
-        ({"rest_s": 0.0}, "Block.rest_s: found 0.0, expected a finite number above 0"),
+        ({"catch_rate": 0.6}, "BlockOptions.catch_rate: found 0.6, expected a number from 0 to 0.5"),
+        ({"interleaving": "rounds"}, "BlockOptions.interleaving: found 'rounds', expected one of random, balanced"),
+        ({"n_attempts": 0}, "BlockOptions.n_attempts: found 0, expected a whole number, at least 1"),
+        ({"rest_s": 0.0}, "BlockOptions.rest_s: found 0.0, expected a finite number above 0"),
     ],
 )
 def test_an_impossible_block_is_refused(how, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
-        replace(two_tracks(), **how)
+        replace(two_tracks(), **how) if "tracks" in how else two_tracks(**how)
 
 
 def test_half_of_the_presentations_may_be_catch_trials():
@@ -174,18 +175,18 @@ KEPT = TrialOutcome((), replies=(Reply(1.0, correct=True),), success=True)
 
 def aborted_after(*came):
     block = two_tracks(n_attempts=2)
-    standing = Standing(block, block.tracks, 1)
+    standing = BlockState(block.options, block.tracks, 1)
     for asked, outcome in came:
         standing = standing.after(asked, outcome)
     return [track.aborted for track in standing.tracks]
 
 
 def test_a_valid_trial_begins_the_count_of_lost_ones_anew():
-    first, second, third = (Asked(0, trial, 10.0) for trial in (1, 2, 3))
+    first, second, third = (Slot(0, trial, 10.0) for trial in (1, 2, 3))
     assert aborted_after((first, LOST), (second, KEPT), (third, LOST)) == [False, False]
     assert aborted_after((first, LOST), (second, LOST)) == [True, False]
 
 
 def test_one_trial_is_attempted_so_often_at_most_whatever_lies_between():
-    asked = Asked(0, 1, 10.0)
-    assert aborted_after((asked, LOST), (Asked(0, 2, 20.0), KEPT), (replace(asked, attempt=2), LOST)) == [True, False]
+    asked = Slot(0, 1, 10.0)
+    assert aborted_after((asked, LOST), (Slot(0, 2, 20.0), KEPT), (replace(asked, attempt=2), LOST)) == [True, False]

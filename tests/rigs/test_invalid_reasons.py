@@ -42,10 +42,9 @@ def rig(finger):
 def rows(task, touch, finger):
     block = catalogue.block(task, "constant_stimuli")
     track = replace(block.tracks[0], condition=replace(block.tracks[0].condition, touch=touch))
+    block = replace(block, tracks=(track,), options=replace(block.options, n_attempts=1000))
     memory = Memory()
-    run(
-        run_block(replace(block, tracks=(track,), n_attempts=1000), 1, 1, np.random.default_rng(1)), rig(finger), memory
-    )
+    run(run_block(block, 1, 1, np.random.default_rng(1)), rig(finger), memory)
     return memory.trials
 
 

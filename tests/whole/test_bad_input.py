@@ -124,8 +124,8 @@ STUDIES = {
     ),
     "unknown task": (
         TUTORIAL.replace('"yes_no"', '"yesno"'),
-        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice, same_different, comparison, "
-        "magnitude, localisation, preference, adjustment, rating, measurement; did you mean 'yes_no'?",
+        "s.toml, task.kind: found 'yesno', expected one of yes_no, forced_choice, comparison, same_different, "
+        "magnitude, adjustment, rating, localisation, preference, measurement; did you mean 'yes_no'?",
     ),
     "catch rate": (
         TUTORIAL.replace("catch_rate = 0.2", "catch_rate = 0.9"),

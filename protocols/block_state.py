@@ -1,0 +1,212 @@
+"""How a block stands: its tracks, what must be presented again, and who is next."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
+
+import numpy as np
+
+from tactometry.arguments.require import given, one_of, positive, whole, within
+from tactometry.errors import InvalidParameter
+
+from .procedures.procedure import Procedure
+from .procedures.shared_learning import answered
+from .tasks.task import TrialOutcome
+from .track import Track
+
+T = TypeVar("T")
+Interleaving = Literal["random", "balanced"]
+LEAST_RATE = 1e-6
+"""Of catch trials: one in more than all trials of a session."""
+
+
+@dataclass(frozen=True)
+class BlockOptions:
+    """How the trials of a block follow each other: the keys of a study's table `task` that hold for every kind.
+
+    Parameters
+    ----------
+    catch_rate : float
+        The part of a track's presentations without stimulus, where the task takes them.
+    n_attempts : int
+        A presentation that is not valid comes again: at the end of the block if the procedure's order is fixed, else
+        when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
+    interleaving : str
+        Each trial draws one of the unfinished tracks (``random``), or each round presents all of them once, in random
+        order (``balanced``).
+    feedback : bool
+        Say right or wrong after each answer.
+    rest_after : int or None
+        So many valid trials lie between two rests.
+    rest_s : float or None
+        A rest lasts at least so long, counted down.
+    longest_s : float or None
+        A block that lasts longer ends; what is unfinished is aborted.
+
+    Raises
+    ------
+    InvalidParameter
+        If a number is out of its domain or the interleaving unknown.
+    """
+
+    catch_rate: float = 0.0
+    n_attempts: int = 5
+    interleaving: Interleaving = "random"
+    feedback: bool = False
+    rest_after: int | None = None
+    rest_s: float | None = None
+    longest_s: float | None = None
+
+    def __post_init__(self) -> None:
+        within("BlockOptions", 0, 0.5, catch_rate=self.catch_rate)
+        if 0 < self.catch_rate < LEAST_RATE:
+            raise InvalidParameter(
+                f"BlockOptions.catch_rate: found {self.catch_rate:g}, expected 0, or at least {LEAST_RATE:g}"
+            )
+        one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
+        whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **given({"rest_after": self.rest_after}))
+        positive("BlockOptions", **given({"rest_s": self.rest_s, "longest_s": self.longest_s}))
+
+
+@runtime_checkable
+class FixedOrder(Procedure, Protocol):
+    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
+
+    def skipped(self) -> Self: ...
+
+    def told(self, response: int | bool) -> Self: ...
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A presentation: of which track, under which number, at which level (None: a catch trial)."""
+
+    track: int
+    trial: int
+    level: float | None
+    attempt: int = 1
+
+
+@dataclass(frozen=True)
+class BlockState:
+    """How a block stands: its tracks, the presentations that must come again, and what ends it; `late`: its time is
+    over."""
+
+    options: BlockOptions
+    tracks: tuple[Track, ...]
+    next_trial: int
+    again: tuple[Slot, ...] = ()
+    n_invalid_in_a_row: Mapping[int, int] = field(default_factory=dict)
+    begun_s: float | None = None
+    n_valid: int = 0
+    late: bool = False
+
+    def open(self) -> list[int]:
+        """The tracks that have something left to present."""
+        return [n for n, track in enumerate(self.tracks) if not track.aborted and self._has_more(n, track)]
+
+    def _has_more(self, index: int, track: Track) -> bool:
+        owed = isinstance(track.procedure, FixedOrder) and any(slot.track == index for slot in self.again)
+        return owed or not track.procedure.finished
+
+    def due(self, index: int) -> Slot | None:
+        """The presentation of a track that comes again now: in an adaptive track at once, else when all have been."""
+        procedure = self.tracks[index].procedure
+        owed = (slot for slot in self.again if slot.track == index)
+        return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
+
+    def after(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
+        """The state after a presentation."""
+        state = replace(
+            self,
+            again=tuple(other for other in self.again if other.trial != slot.trial),
+            begun_s=outcome.onset_s if self.begun_s is None else self.begun_s,
+            next_trial=max(self.next_trial, slot.trial + 1),
+        )
+        state = state._counted(slot, outcome) if outcome.valid else state._put_back(slot)
+        return state._timed(outcome.onset_s)
+
+    def _timed(self, now_s: float) -> "BlockState":
+        """What is unfinished is aborted where the time of the block is over."""
+        longest_s = self.options.longest_s
+        if longest_s is None or now_s - (self.begun_s or 0.0) <= longest_s:
+            return self
+        tracks = (track if track.procedure.finished else replace(track, aborted=True) for track in self.tracks)
+        return replace(self, tracks=tuple(tracks), late=True)
+
+    def _counted(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
+        """A catch trial tells its track nothing, and counts all the same."""
+        tracks = self.tracks if slot.level is None else self._answered(slot, outcome)
+        in_a_row = {**self.n_invalid_in_a_row, slot.track: 0}
+        return replace(self, tracks=tracks, n_invalid_in_a_row=in_a_row, n_valid=self.n_valid + 1)
+
+    def _answered(self, slot: Slot, outcome: TrialOutcome) -> tuple[Track, ...]:
+        """The tracks after one has learnt what came of its level, and those that learn from it."""
+        track = self.tracks[slot.track]
+        if isinstance(track.procedure, FixedOrder):
+            track = replace(track, procedure=_in_order(track.procedure, slot, outcome))
+            return _with(self.tracks, slot.track, track)
+        delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
+        success = outcome.success is not False
+        procedures = answered([track.procedure for track in self.tracks], slot.track, success, delivered)
+        pairs = zip(self.tracks, procedures, strict=True)
+        return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
+
+    def _put_back(self, slot: Slot) -> "BlockState":
+        n_in_a_row = self.n_invalid_in_a_row.get(slot.track, 0) + 1
+        track = self.tracks[slot.track]
+        if max(n_in_a_row, slot.attempt) >= self.options.n_attempts:
+            track = replace(track, aborted=True)
+        elif isinstance(track.procedure, FixedOrder) and slot.attempt == 1 and slot.level is not None:
+            track = replace(track, procedure=track.procedure.skipped())
+        return replace(
+            self,
+            tracks=_with(self.tracks, slot.track, track),
+            again=(*self.again, replace(slot, attempt=slot.attempt + 1)),
+            n_invalid_in_a_row={**self.n_invalid_in_a_row, slot.track: n_in_a_row},
+        )
+
+
+def _in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -> FixedOrder:
+    """The procedure after an answer; it stays where it is if the level was left out before."""
+    then = procedure if slot.attempt > 1 else procedure.skipped()
+    return then if outcome.success is None else then.told(outcome.success)
+
+
+def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:
+    return (*values[:index], value, *values[index + 1 :])
+
+
+def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool]:
+    """Whether each presentation is a catch trial: in each group of round(1 / catch_rate) exactly one is.
+
+    >>> import itertools
+    >>> sum(itertools.islice(catch_schedule(0.2, np.random.default_rng(1)), 50))
+    10
+    """
+    if catch_rate == 0:
+        while True:
+            yield False
+    n_group = max(round(1 / catch_rate), 1)
+    while True:
+        caught = int(rng.integers(n_group))
+        yield from (n == caught for n in range(n_group))
+
+
+def turns(interleaving: str, rng: np.random.Generator) -> Callable[[Sequence[int]], int]:
+    """Who is next of those that are open: any, or (balanced) each once in every round.
+
+    >>> turn = turns("balanced", np.random.default_rng(1))
+    >>> sorted(turn((0, 1, 2)) for _ in range(3)), turn((2,))
+    ([0, 1, 2], 2)
+    """
+    left: list[int] = []
+
+    def turn(open_: Sequence[int]) -> int:
+        nonlocal left
+        if interleaving == "random":
+            return open_[int(rng.integers(len(open_)))] if len(open_) > 1 else open_[0]
+        left = [n for n in left if n in open_] or [open_[int(n)] for n in rng.permutation(len(open_))]
+        return left.pop(0)
+
+    return turn
