@@ -148,6 +148,11 @@ def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
         ("analysis/bad.py", "import matplotlib.pyplot"),
         ("stimuli/bad.py", "import pingouin"),
         ("analysis/bad.py", "import psignifit"),
+        ("protocols/bad.py", "from tactometry.safety import limits"),
+        ("protocols/bad.py", "import time"),
+        ("protocols/procedures/bad.py", "from tactometry.protocols import block"),
+        ("protocols/tasks/bad.py", "from tactometry.protocols.tasks import yes_no"),
+        ("experiments/study/bad.py", "from tactometry.experiments import bench"),
     ],
 )
 def test_a_contract_refuses(copy: Path, file: str, line: str) -> None:
