@@ -1,6 +1,6 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,30 +23,14 @@ from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
 from .result import Analysis
-from .tasks import adjustment, cells, magnitude, measurement, preference, same_different
+from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
 from .tasks.cells import answered, judgements
 from .tasks.goodness import SEED, goodness_columns, goodness_table
+from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rates import detection_rates, mean_rates
 from .tasks.rule_estimate import Replay, rule_columns
 from .tasks.tracks import tracks
-
-DEPENDENT = {
-    "yes_no": ("threshold",),
-    "forced_choice": ("threshold",),
-    "comparison": ("pse", "jnd"),
-    adjustment.TASK: (adjustment.DEPENDENT,),
-    magnitude.TASK: (magnitude.DEPENDENT,),
-}
-"""What stands in the table of a task's estimates for the values that are compared."""
-DIRECT: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], Mapping[str, pd.DataFrame]]] = {
-    same_different.TASK: same_different.tables,
-    preference.TASK: preference.tables,
-    adjustment.TASK: adjustment.tables,
-    magnitude.TASK: magnitude.tables,
-    measurement.TASK: measurement.tables,
-}
-"""Tasks without a curve: from their used rows to their tables."""
 
 
 def analyse(
@@ -150,7 +134,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
         plan=plan,
         tables={},
         origin=origin,
-        study=study_text(everything.path, unit),
+        study=study_text(everything.path, unit, {name: each.course for name, each in ANALYSES.items()}),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, found, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)
@@ -159,15 +143,15 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
 
 
 NOTHING = (
-    "no valid answer of a yes/no, forced-choice, comparison, same-different, preference, adjustment or magnitude task "
-    "nor to a known questionnaire, and no measured level, expected some to analyse"
+    f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
+    "analyse"
 )
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
     """What is read off the answers of a task without a curve: the tables of each task that has used rows."""
     rows_of = dict(iter(used.groupby("task")))
-    made = (tables(rows_of[task], factors) for task, tables in DIRECT.items() if task in rows_of)
+    made = (results.tables(rows_of[task], factors) for task, results in RESULTS.items() if task in rows_of)
     return {name: table for of_task in made for name, table in of_task.items() if len(table)}
 
 
@@ -182,8 +166,8 @@ def _outcomes(
     estimates = dict(direct)
     if len(table):
         estimates |= {str(task): rows for task, rows in table.groupby("task")}
-    for task in (task for task in DEPENDENT if task in estimates):
-        for dependent in DEPENDENT[task]:
+    for task in (task for task in ANALYSES if task in estimates):
+        for dependent in ANALYSES[task].dependents:
             # differences that count as none are in the unit of the levels, which an exponent has not
             bounds = {} if dependent in PURE_NUMBERS else plan.equivalence
             yield outcome(estimates[task], factors, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
@@ -192,7 +176,7 @@ def _outcomes(
 def _hierarchical(
     found: Sequence[cells.Cell], factors: Sequence[str], n_choices: int, unit: str
 ) -> Iterator[HierarchicalOutcome]:
-    for task in cells.FITTED_TASKS:
+    for task in CURVES:
         of_task = [cell for cell in found if cell.task == task]
         fit = together(of_task, factors, n_choices, unit) if of_task else None
         if fit is not None:

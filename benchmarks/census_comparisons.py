@@ -5,7 +5,7 @@ from argparse import ArgumentParser
 import numpy as np
 import pandas as pd
 
-from tactometry.experiments.census.comparisons import FITTED, PEOPLE, WITHOUT_LAPSES, census, summary
+from tactometry.experiments.census.comparisons import FIT, PEOPLE, WITHOUT_LAPSES, census, summary
 
 SHARES = ("jnd_covered", "jnd_above", "jnd_below", "pse_covered")
 HEADS = ("SD", "trials per level", "lapses / %", "JND covered", "above", "below", "PSE covered", "JND / truth")
@@ -27,7 +27,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--without-lapses", action="store_true", help="fit with both asymptotes held at 0 and 1")
     said = parser.parse_args()
-    options = WITHOUT_LAPSES if said.without_lapses else FITTED
+    options = WITHOUT_LAPSES if said.without_lapses else FIT
     found = summary(pd.concat(census(PEOPLE, said.sets, np.random.default_rng(said.seed), options)))
     means = ", ".join(f"{name} {100 * found[name].mean():.1f} %" for name in SHARES)
     print(f"{table(found)}\n\nMean of the rows: {means}")

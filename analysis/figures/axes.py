@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 LOG_RANGE = 4.0
 SPREAD, MOST_SPREAD = 0.18, 0.7
-RATE_LABEL = {"yes_no": "Rate of “yes”", "forced_choice": "Rate correct", "comparison": "Rate of “more”"}
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from ..outcomes.group_means import HIGH, LOW
-from .axes import RATE_LABEL, FactorAxis, means_with_intervals, panels, place, series, shift
+from ..tasks.kinds import CURVES
+from .axes import FactorAxis, means_with_intervals, panels, place, series, shift
 from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 BESIDE = 0.4
@@ -100,7 +101,7 @@ def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
             axes.plot(part["level"], part["rate"], "-", color=colour, label=line, marker="o", markersize=3)
         axes.set_ylim(-0.03, 1.03)
 
-    labels = f"Level ({unit})" if unit else "Level", RATE_LABEL[str(rates["task"].iloc[0])]
+    labels = f"Level ({unit})" if unit else "Level", CURVES[str(rates["task"].iloc[0])].rate_label
     return panels(rates, axis, draw, labels=labels, height_in=2.5, share_x=True)
 
 
@@ -114,7 +115,7 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
         for n, (name, part) in enumerate(series(rates, axis.series)):
             x = [where[v] for v in (part[axis.along] if axis.along else ["all"])]
             axes.plot(x, part["rate"], label=name, **look(n))
-        axes.set_ylabel(RATE_LABEL[str(rates["task"].iloc[0])] + ", all levels")
+        axes.set_ylabel(CURVES[str(rates["task"].iloc[0])].rate_label + ", all levels")
         axes.set_ylim(-0.03, 1.03)
         _legend(axes, len(series(rates, axis.series)) if axis.series else 0)
         return drawn(figure)

@@ -9,9 +9,10 @@ import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
 from ..tasks.cells import Estimate
+from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording.labels import condition_name
-from .axes import RATE_LABEL, FactorAxis, panels, series
+from .axes import FactorAxis, panels, series
 from .style import Drawing, drawn, house_style, look, new_figure, shades
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def curve_figure(found: Sequence[Estimate], factors: Sequence[str], *, unit: str
             )
         task = shown[0].cell.task
         figure.supxlabel(f"Level ({unit})" if unit else "Level", fontsize=8)
-        figure.supylabel(RATE_LABEL[task], fontsize=8, x=0.08 / figure.get_size_inches()[0])
+        figure.supylabel(CURVES[task].rate_label, fontsize=8, x=0.08 / figure.get_size_inches()[0])
         return drawn(figure)
 
 

@@ -10,7 +10,9 @@ import pandas as pd
 from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
-from ..tasks.cells import DIFFERENCE_PER_WIDTH, SHAPE, Cell, fit_options
+from ..tasks.cells import Cell
+from ..tasks.curve import DIFFERENCE_PER_WIDTH, SHAPE
+from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording.numbers import interval_text, number_text
 
@@ -64,6 +66,7 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         return _without(task, "no hierarchical fit: no trial with a level")
     table = pd.DataFrame(rows, columns=[*COLUMNS, *varied])
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
+    curve = CURVES[task]
     fit = fit_hierarchical(
         table["level"],
         table["n_yes"],
@@ -72,8 +75,8 @@ def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit
         conditions,
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
-        width_by=varied if task == "comparison" else (),
-        **(WITHOUT_LAPSES if task == "comparison" else fit_options(task, n_choices, unit)),
+        width_by=varied if curve.has_difference else (),
+        **(WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)),
     )
     return _told(task, fit, varied, table)
 
@@ -86,8 +89,9 @@ def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.Data
     own = (fit.conditions, fit.participants)
     if fit.status not in HAS_FIT:
         return _without(task, f"no hierarchical fit: {fit.note}")
-    conditions, participants = (_with_difference(part) if task == "comparison" else part for part in own)
-    has_widths = task == "comparison" and fit.conditions["width"].notna().any()
+    has_difference = CURVES[task].has_difference
+    conditions, participants = (_with_difference(part) if has_difference else part for part in own)
+    has_widths = has_difference and fit.conditions["width"].notna().any()
     effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
     return HierarchicalOutcome(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)

@@ -11,6 +11,7 @@ from typing import Any
 
 from tactometry.config.quantity import as_si
 from tactometry.config.toml import located, read_table
+from tactometry.trials.tasks import TASKS
 
 from ..wording.labels import in_words, level_of, split_unit
 from ..wording.numbers import percent_text
@@ -25,17 +26,6 @@ STIMULI = {
     "measured_focus": "a time-reversal focus, read by a vibrometer",
 }
 TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
-TASKS = {
-    "yes_no": "told whether they felt a stimulus",
-    "forced_choice": "told in which interval the stimulus was",
-    "same_different": "told whether a standard and a level differed",
-    "comparison": "told which of a standard and a level was stronger",
-    "magnitude": "gave a number for the strength",
-    "localisation": "told which of the alternatives it was",
-    "preference": "told which of two they preferred",
-    "adjustment": "set the level",
-    "rating": "felt the stimulus, then filled in a questionnaire",
-}
 PROCEDURES = {
     "constant_stimuli": "the method of constant stimuli",
     "staircase": "a staircase",
@@ -87,6 +77,11 @@ ORDERS = {
 }
 
 
+Courses = Mapping[str, str]
+"""What participants did in a trial of each task."""
+NO_COURSES: Courses = {}
+
+
 @dataclass(frozen=True)
 class StudyText:
     """The study's title and procedure in words, and the force (N) that was asked for where it is no factor."""
@@ -96,7 +91,7 @@ class StudyText:
     force_n: float | None = None
 
 
-def study_text(path: Path, unit: str) -> StudyText:
+def study_text(path: Path, unit: str, courses: Courses = NO_COURSES) -> StudyText:
     """Of the data set in the folder `path` (empty without a study), whose levels are in `unit`.
 
     Raises
@@ -113,10 +108,10 @@ def study_text(path: Path, unit: str) -> StudyText:
     force = touch.get("force_n") if isinstance(touch, dict) else None
     if not isinstance(force, int | float) or "force_n" in _table(study, "factors"):
         force = None
-    return StudyText(str(study.get("title", "")), procedure_text(study, unit), force)
+    return StudyText(str(study.get("title", "")), procedure_text(study, unit, courses), force)
 
 
-def procedure_text(study: Table, unit: str) -> str:
+def procedure_text(study: Table, unit: str, courses: Courses = NO_COURSES) -> str:
     """How the study was done.
 
     >>> print(procedure_text({
@@ -124,13 +119,13 @@ def procedure_text(study: Table, unit: str) -> str:
     ...     "touch": {"kind": "slide", "force_n": 1.0, "speed_m_per_s": "50 mm/s"},
     ...     "task": {"kind": "yes_no", "catch_rate": 0.2},
     ...     "procedure": {"kind": "staircase", "start": 40.0, "n_reversals": 8},
-    ... }, "dB re 1 V"))
+    ... }, "dB re 1 V", {"yes_no": "Participants told whether they felt a stimulus"}))
     The conditions were frequency (60, 240 Hz). The order of frequency changed with the participant's number by
     Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants told whether they
     felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
-    told = [*_design(study), *_tables(study, unit), *_variants(study), *_bounds(study, unit)]
+    told = [*_design(study), *_tables(study, unit, courses), *_variants(study, courses), *_bounds(study, unit)]
     return in_words(" ".join(told), list(_table(study, "factors")))
 
 
@@ -179,10 +174,14 @@ def _levels(name: str, stated: Any) -> str:
     return ", ".join(f"{level:g}" for level in levels) + (f" {unit}" if unit else "")
 
 
-def _tables(study: Table, unit: str) -> Iterator[str]:
+def _tables(study: Table, unit: str, courses: Courses) -> Iterator[str]:
     """A sentence for each table that says how a trial went."""
-    rule = _start if _table(study, "task").get("kind") == "adjustment" else _procedure
-    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", _task), ("procedure", rule)):
+
+    def task(kind: str) -> str:
+        return courses.get(kind, f"Participants {kind.replace('_', ' ')}")
+
+    rule = _start if _sets_level(study) else _procedure
+    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", task), ("procedure", rule)):
         if table := _table(study, name):
             if "kind" in table:
                 yield f"{tell(str(table['kind']))}{_details(table, unit)}."
@@ -196,16 +195,17 @@ def _tables(study: Table, unit: str) -> Iterator[str]:
             yield f"The questionnaire {inquiry.get('form', '')} was asked {when}."
 
 
+def _sets_level(study: Table) -> bool:
+    kind = _table(study, "task").get("kind")
+    return isinstance(kind, str) and kind in TASKS and TASKS[kind].sets_level
+
+
 def _stimulus(kind: str) -> str:
     return f"The stimulus was {STIMULI.get(kind, kind.replace('_', ' '))}"
 
 
 def _touch(kind: str) -> str:
     return f"Touches were {TOUCHES.get(kind, kind)}"
-
-
-def _task(kind: str) -> str:
-    return "A sensor was read" if kind == "measurement" else f"Participants {TASKS.get(kind, kind.replace('_', ' '))}"
 
 
 def _procedure(kind: str) -> str:
@@ -248,12 +248,12 @@ def _detail(key: str, value: Any, unit: str) -> str:
     return f"{words} {told} {suffix}".rstrip()
 
 
-def _variants(study: Table) -> Iterator[str]:
+def _variants(study: Table, courses: Courses) -> Iterator[str]:
     """What a factor's level changes, other than of simulated participants."""
     for factor in _table(study, "variants"):
         levels = _table(_table(study, "variants"), factor)
         for level in levels:
-            if told := list(_tables(_table(levels, level), "")):
+            if told := list(_tables(_table(levels, level), "", courses)):
                 yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(told)}"
 
 

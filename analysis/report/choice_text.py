@@ -13,7 +13,7 @@ COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", 
 
 
 def choice_table(table: pd.DataFrame, name: str, trials: Trials, unit: str) -> pd.DataFrame:
-    """The table `name` of choices (`words.CHOICES`) as a person reads it; `unit` is that of the levels."""
+    """The table `name` of choices as a person reads it; `unit` is that of the levels."""
     if name == "preference":
         table = _with_units(table, compared_factor(trials))
     if name == "same_different":

@@ -11,13 +11,12 @@ from ..outcomes.ratings import asked_forms
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials
 from ..result import Analysis
-from ..tasks.cells import FITTED_TASKS
+from ..tasks.cells import CHOICES
 from ..tasks.goodness import goodness_warnings
-from ..tasks.measurement import TASK as MEASURED_TASK
+from ..tasks.kinds import CURVES, RESULTS
 from ..threshold.status import Status
 from ..wording.labels import named_cells
 from ..wording.numbers import percent_text
-from .methods import CHOICES
 
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
@@ -111,10 +110,11 @@ def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
 
 def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> list[str]:
     found = []
-    yes_no = table[table["task"] == "yes_no"]
-    if len(yes_no) and not yes_no["n_catch"].sum():
-        found.append("no catch trials in a yes/no task: the guess rate rests on its prior alone")
-    choice = trials.rows["task"] == "forced_choice"
+    for task in (task for task, curve in CURVES.items() if curve.counts_catch):
+        part = table[table["task"] == task]
+        if len(part) and not part["n_catch"].sum():
+            found.append(f"no catch trials where the task is {task}: the guess rate rests on its prior alone")
+    choice = trials.rows["task"].isin(CHOICES)
     if choice.any() and "target" not in trials.rows.columns:
         found.append(
             f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
@@ -124,7 +124,7 @@ def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> lis
 
 def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
-    known = rows["task"].isin((*FITTED_TASKS, MEASURED_TASK, *CHOICES))
+    known = rows["task"].isin((*CURVES, *RESULTS))
     if "procedure" in rows.columns:
         known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms_of(trials.path))
     other = rows[~known]

@@ -8,7 +8,6 @@ import pandas as pd
 
 from ..attrakdiff.patterns import THESIS
 from ..figures import attrakdiff, group, growth, loss, participants
-from ..figures.axes import RATE_LABEL
 from ..figures.style import Drawing
 from ..outcomes.findings import FORCE, Outcome
 from ..outcomes.group_means import HIGH, LOW, bounds_of
@@ -16,6 +15,7 @@ from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..outcomes.ratings import REFERENCE, Ratings
 from ..result import Analysis
 from ..tasks.cells import Estimate
+from ..tasks.kinds import CURVES
 from ..tasks.magnitude import DEPENDENT as EXPONENT, GROWTH, TASK as MAGNITUDE
 from ..tasks.rates import MAX_LEVELS
 from .captions import figure_text, means_of
@@ -35,7 +35,6 @@ TRACKS = {
     "quest_plus": "QUEST+",
     "psi": "psi method",
 }
-FILLED = {"yes_no": "yes", "forced_choice": "correct", "comparison": "more"}
 """What a filled dot of a track means."""
 MOST_LINES = 7
 """A figure of word pairs shows no more conditions than there are colours."""
@@ -84,7 +83,7 @@ def figures_of(found: Analysis) -> list[Figure]:
     if "force" in found.tables:
         drawn.append(_force_figure(found))
     shown = [estimate for estimate in found.estimates if estimate.cell.levels]  # the others are catch trials alone
-    for task in sorted({estimate.cell.task for estimate in shown} & set(RATE_LABEL)):
+    for task in sorted({estimate.cell.task for estimate in shown} & set(CURVES)):
         drawn += _rate_figures(found, task)
     for code in sorted({estimate.cell.participant for estimate in shown}):
         own = [estimate for estimate in shown if estimate.cell.participant == code]
@@ -127,7 +126,7 @@ def _loss_figure(found: Analysis) -> Figure:
 
 
 def _together_figure(found: Analysis, each: HierarchicalOutcome) -> Figure:
-    name = NAMES["pse" if each.task == "comparison" else "threshold"]
+    name = NAMES[CURVES[each.task].dependents[0]]
     factors = [factor for factor in found.trials.factors if factor in each.conditions.columns]
     columns = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
     drawing = group.threshold_figure(
@@ -220,7 +219,7 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 def _rate_figures(found: Analysis, task: str) -> list[Figure]:
     factors = found.trials.factors
     rates, means = (table[table["task"] == task] for table in (found.tables["rates"], found.tables["mean_rates"]))
-    kind = RATE_LABEL[task]
+    kind = CURVES[task].rate_label
     of = ("task", task)
     counts = found.tables["counts"]
     own = counts[counts["task"] == task]
@@ -265,4 +264,4 @@ def _tracks(found: Analysis, code: str) -> list[Figure]:
 
 
 def _filled(rows: pd.DataFrame) -> str:
-    return " or ".join(FILLED[task] for task in sorted(set(rows["task"])))
+    return " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))

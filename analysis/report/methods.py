@@ -7,22 +7,13 @@ import pandas as pd
 
 from ..plan import AnalysisPlan
 from ..result import Analysis
+from ..tasks.kinds import CURVES, RESULTS
 from .group_methods import group_methods
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
-CURVES = {
+SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
-}
-CHOICES = {
-    "same_different": "Sensitivity in same-different trials is given under the differencing and the "
-    "independent-observation rule (Macmillan & Creelman 2005), with the log-linear correction.",
-    "preference": "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & "
-    "Terry 1952), with 95 % intervals that from five participants on count that a person's answers are alike.",
-    "adjustment": "Settings of the method of adjustment were averaged per participant and condition (Gescheider 1997).",
-    "magnitude": "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number "
-    "over that of the amplitude, every level alike (Stevens 1957); numbers of 0 were left out. Geometric means over "
-    "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",
 }
 HIERARCHICAL = (
     "As a check, all participants were also fitted at once by a hierarchical psychometric model (thresholds and "
@@ -35,13 +26,6 @@ GOODNESS = (
     "drawn from the fitted function at the levels as presented and fitted anew."
 )
 REFERENCES = (
-    "Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",
-    "Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",
-    "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181.",
-    "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, and "
-    "effects of sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
-    "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
-    "paired comparisons. Biometrika, 39, 324-345.",
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
     "Wichmann, F. A., & Hill, N. J. (2001). The psychometric function: I. Fitting, sampling, and goodness of fit. "
@@ -72,7 +56,7 @@ def methods(found: Analysis) -> str:
     procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
     parts = [*_fit_methods(table, found.n_choices), *_rule_methods(table, procedures)]
     parts += [HIERARCHICAL] if any(each.fit for each in found.together) else []
-    parts += [sentence for name, sentence in CHOICES.items() if name in found.tables]
+    parts += [results.methods for task, results in RESULTS.items() if task in found.tables and results.methods]
     parts += _plan_methods(found.plan, {name for each in found.outcomes for name in each.equivalence})
     parts += group_methods(found.outcomes, found.forms, found.plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in found.forms]
@@ -82,7 +66,8 @@ def methods(found: Analysis) -> str:
 
 def references(methods: str) -> list[str]:
     """The works that the methods paragraph names."""
-    return sorted(work for work in REFERENCES if work.partition(",")[0] in methods)
+    works = (*REFERENCES, *(work for results in RESULTS.values() for work in results.works))
+    return sorted(work for work in works if work.partition(",")[0] in methods)
 
 
 def _plan_methods(plan: AnalysisPlan, tested: Collection[str]) -> list[str]:
@@ -117,13 +102,13 @@ def _rule_methods(table: pd.DataFrame, procedures: Collection[str]) -> list[str]
 def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
     if not len(table):
         return []
-    tasks = set(table["task"])
-    curves = " or ".join(f"a {CURVES[name]}" for name in dict.fromkeys(table["shape"]))
+    fitted = [curve for task, curve in CURVES.items() if task in set(table["task"])]
+    curves = " or ".join(f"a {SHAPES[name]}" for name in dict.fromkeys(table["shape"]))
     parts = [
         f"In each participant and condition {curves} with asymptotes for guesses and "
         "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
     ]
-    if tasks & {"yes_no", "forced_choice"}:
+    if not all(curve.has_difference for curve in fitted):
         parts.append(
             "Detection thresholds are posterior modes with central 95 % intervals of the marginal posterior under "
             "psignifit 4's priors (threshold and width from the range of the levels, the width's flat in its "
@@ -131,15 +116,5 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
             "asymptote alone, or a curve that rises beyond the levels, explain the answers with a posterior "
             "probability of 0.8."
         )
-    if "yes_no" in tasks:
-        parts.append("The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.")
-    if "forced_choice" in tasks:
-        parts.append(f"The guess rate of forced choices was 1/{n_choices}.")
-    if "comparison" in tasks:
-        parts.append(
-            "Points of subjective equality and just noticeable differences (0.6745 standard deviations) of comparisons "
-            "are posterior modes with central 95 % intervals of the marginal posterior. Both asymptotes were equally "
-            "far from 0 and 1 (one rate, Beta(1, 80)), as of lapses that go either way with the same chance; the prior "
-            "of the width was flat in its logarithm from the smallest spacing of the levels to their range."
-        )
+    parts += [curve.methods.format(n_choices=n_choices) for curve in fitted if curve.methods]
     return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]

@@ -15,6 +15,7 @@ from ..outcomes.findings import Outcome
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..outcomes.ratings import Ratings
 from ..result import Analysis
+from ..tasks.kinds import RESULTS
 from ..wording.cross_table import cross_table
 from ..wording.decibels import as_amplitudes, is_decibel
 from ..wording.labels import in_words, split_unit
@@ -108,7 +109,7 @@ def render(found: Analysis) -> str:
         grids=_grids(found),
         choices={
             name: grid(choice_table(found.tables[name], name, found.trials, found.unit), factors)
-            for name in methods.CHOICES
+            for name in RESULTS
             if name in found.tables
         },
         together=[

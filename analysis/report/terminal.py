@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ..tasks.kinds import CURVES
 from ..wording.cross_table import cross_table
 from ..wording.labels import in_words
 from .captions import means_text
@@ -46,7 +47,7 @@ def _told(found: "Analysis") -> "Iterator[tuple[pd.DataFrame, str, Sequence[str]
     for each in found.together:
         if each.fit is not None:
             cross = cross_table(each.conditions, each.fit.factors)
-            title = "point of subjective equality" if each.task == "comparison" else "threshold"
+            title = NAMES[CURVES[each.task].dependents[0]]
             unit = f", {found.unit}" if found.unit else ""
             title = f"check, all participants at once: {title}{unit} (mean, 95 % interval)"
             yield cross, title, hierarchical_sentences(each, found.unit)

@@ -11,6 +11,7 @@ import pandas as pd
 from ..conditions import by_condition
 from ..means import mean_row
 from ..reading.trials import parsed
+from .task_analysis import Results, TaskAnalysis
 
 TASK = "adjustment"
 DEPENDENT = "setting"
@@ -32,3 +33,15 @@ def _row(part: pd.DataFrame) -> dict[str, object]:
     mean = mean_row(settings)
     named = {name.replace("mean", DEPENDENT): value for name, value in mean.items()}
     return {"task": TASK, **named, "n_settings": len(settings)}
+
+
+ANALYSIS = TaskAnalysis(
+    "Participants set the level",
+    "lme4::lmer(as.numeric(response) ~ {plus} + (1 | participant), {data})",
+    results=Results(
+        tables,
+        "Settings of the method of adjustment were averaged per participant and condition (Gescheider 1997).",
+        works=("Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",),
+        dependent=DEPENDENT,
+    ),
+)

@@ -1,42 +1,27 @@
 """Each participant in each condition: counts per level, then a threshold, or an equality point and a
 difference."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.special import ndtri
 
 from tactometry.errors import InvalidFile
-from tactometry.psychometric import SHAPES
 from tactometry.trials.tasks import tasks_with_level
 
 from ..conditions import parts
-from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials, parsed
 from ..threshold.fitting import ThresholdFit, fit_many
+from .curve import DIFFERENCE_PER_WIDTH
+from .kinds import CURVES
+from .rows import correct, delivered, is_catch
 
-FITTED_TASKS = tasks_with_level("curve")
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
-SHAPE = "normal"
-DETECTION_SHAPE_IN_DB = "gumbel"
-JND_PER_SD = float(ndtri(0.75))
-"""The just noticeable difference over the standard deviation of the normal function: 0.6745."""
-DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
-COMPARISON: Mapping[str, Any] = {
-    "guess_rate": None,
-    "equal_asymptotes": True,
-    "rate_beta": 80.0,
-    "scale_free_width": True,
-    "narrowest_spacings": 0.5,
-}
-"""Who lapses in a comparison says either with the same chance: both asymptotes are half of the rate of lapses, whose
-mean is 2.5 % under Beta(1, 80). The width, a scale, has a prior flat in its logarithm, from one spacing of the levels
-on: psignifit's, which falls below two, holds small differences up. Of the priors tried these cover best between 0 and
-5 % lapses (`benchmarks/census_comparisons.py`); unverified defaults."""
 UNIT = "level_unit"
+CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
+"""Forced choices, whose responses alone do not say what was right."""
 Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
@@ -101,7 +86,7 @@ def cell_keys(factors: Sequence[str]) -> list[str]:
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
     """Of the used rows those to which a curve is fitted, as they stand, with `yes` (1 or 0; NaN: not known), `is_catch`
     and the level `x`."""
-    rows = used[used["task"].isin(FITTED_TASKS)]
+    rows = used[used["task"].isin(CURVES)]
     return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered(rows))
 
 
@@ -111,25 +96,8 @@ def answered(judged: pd.DataFrame) -> pd.DataFrame:
 
 
 def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
-    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was
-    right."""
-    answer = parsed(rows["response"])
-    correct = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
-    if "target" in rows.columns:
-        right = (answer == rows["target"]).astype(float).where(rows["target"].notna())
-        correct = correct.fillna(right)
-    return answer.where(rows["task"] != "forced_choice", correct)
-
-
-def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
-    return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
-
-
-def delivered(rows: pd.DataFrame) -> "pd.Series[float]":
-    """The level that was delivered where that is known, else the one that was asked for."""
-    if "level_delivered" not in rows.columns:
-        return rows["level"]
-    return rows["level_delivered"].fillna(rows["level"])
+    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
+    return parsed(rows["response"]).where(~rows["task"].isin(CHOICES), correct(rows))
 
 
 def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
@@ -159,26 +127,20 @@ def count_table(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
 
 
 def n_alternatives(trials: Trials) -> int:
-    """Alternatives of the forced choice: the largest interval ever chosen or used as target, at least 2."""
-    rows = trials.rows[trials.rows["task"] == "forced_choice"]
+    """Alternatives of forced choices: the largest interval ever chosen or used as target, at least 2."""
+    rows = trials.rows[trials.rows["task"].isin(CHOICES)]
     answers = parsed(rows["response"])
     largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
     return max(2, int(largest)) if np.isfinite(largest) else 2
 
 
-def shape_of(unit: str) -> str:
-    """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels
-    (Watson 1979, Vision Res. 19, 515), where levels are logarithms; else the cumulative normal."""
-    return DETECTION_SHAPE_IN_DB if is_logarithm(unit) else SHAPE
-
-
 def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
     """Fit every cell, those of one task in one batch; in the order of the cells.
 
-    By the posterior, its mode and marginal intervals, with the rates of `fit_options` and the catch trials of yes/no.
+    By the posterior, its mode and marginal intervals, with what the curve of the task knows of its rates.
     """
     fits: dict[Cell, ThresholdFit] = {}
-    for task in FITTED_TASKS:
+    for task in CURVES:
         chosen = [cell for cell in found if cell.task == task]
         if chosen:
             fits |= dict(zip(chosen, _fits(chosen, task, n_choices, unit, interval), strict=True))
@@ -189,7 +151,7 @@ def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval
     n_false_alarms, n_catch = catch_counts(chosen)
     return fit_many(
         *stacked_counts(chosen),
-        **fit_options(task, n_choices, unit),
+        **CURVES[task].options(n_choices, unit),
         interval=interval,
         n_false_alarms=n_false_alarms,
         n_catch=n_catch,
@@ -202,23 +164,12 @@ def stacked_counts(chosen: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
 
 
 def catch_counts(chosen: Sequence[Cell]) -> tuple[list[int], list[int]]:
-    """False alarms and catch trials of cells as a fit uses them: only detection asks for a rate of false alarms."""
-    asked = [cell.task == "yes_no" for cell in chosen]
+    """False alarms and catch trials of cells as a fit uses them: none where the guess rate does not rest on them."""
+    asked = [CURVES[cell.task].counts_catch for cell in chosen]
     return (
         [cell.n_false_alarms * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
         [cell.n_catch * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
     )
-
-
-def fit_options(task: str, n_choices: int, unit: str) -> dict[str, Any]:
-    """The shape of the function and what is known of its rates and width.
-
-    A forced choice has a known chance of guessing right; of a comparison `COMPARISON` is known.
-    """
-    if task == "comparison":
-        return {"shape": SHAPE, **COMPARISON}
-    guess_rate = 1 / n_choices if task == "forced_choice" else None
-    return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
 
 
 def _stack(rows: Sequence[Sequence[float]]) -> Rows:
@@ -270,7 +221,7 @@ def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, obj
         "interval": fit.interval,
         "note": fit.note,
     }
-    return row | (_difference(fit) if cell.task == "comparison" else {})
+    return row | (_difference(fit) if CURVES[cell.task].has_difference else {})
 
 
 def _difference(fit: ThresholdFit) -> dict[str, float | None]:

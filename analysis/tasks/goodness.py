@@ -16,13 +16,12 @@ from ..threshold.mode import climb
 from ..threshold.prior import Prior
 from ..wording.labels import named_cells
 from .cells import (
-    FITTED_TASKS,
     Estimate,
     catch_counts,
     cell_keys,
-    fit_options,
     stacked_counts,
 )
+from .kinds import CURVES
 from .tracks import FIXED
 
 SEED = 20010601
@@ -58,10 +57,10 @@ def goodness_columns(
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
     rows = _in_order(answered, factors)
     values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
-    for task in FITTED_TASKS:
+    for task in CURVES:
         chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
         for part in _of_like_size(found, chosen):
-            tested = _tested(rows, [found[n] for n in part], part, fit_options(task, n_choices, unit), rng)
+            tested = _tested(rows, [found[n] for n in part], part, CURVES[task].options(n_choices, unit), rng)
             values[part], p[part] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):

@@ -16,7 +16,8 @@ from tactometry.errors import InvalidFile
 from ..arrays import Array
 from ..conditions import by_condition
 from ..reading.trials import parsed
-from .cells import delivered
+from .rows import delivered
+from .task_analysis import Results, TaskAnalysis
 
 TASK = "magnitude"
 DEPENDENT = "exponent"
@@ -96,3 +97,22 @@ def _row(part: pd.DataFrame) -> dict[str, Any]:
     found = exponent(felt["log_level"].to_numpy(float), felt["number"].to_numpy(float))
     counts = {"n_ratings": len(part), "n_zero": len(part) - len(felt), "n_levels": felt["x"].nunique()}
     return {"task": TASK, **found, **counts, "note": FEW_LEVELS if found["exponent"] is None else ""}
+
+
+ANALYSIS = TaskAnalysis(
+    "Participants gave a number for the strength",
+    "lme4::lmer(log(as.numeric(response)) ~ level{times} + (1 + level | participant), "
+    "subset({data}, as.numeric(response) > 0))",
+    results=Results(
+        tables,
+        "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number over that "
+        "of the amplitude, every level alike (Stevens 1957); numbers of 0 were left out. Geometric means over "
+        "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",
+        works=(
+            "Stevens, S. S. (1957). On the psychophysical law. Psychological Review, 64, 153-181.",
+            "Lane, H. L., Catania, A. C., & Stevens, S. S. (1961). Voice level: Autophonic scale, perceived loudness, "
+            "and effects of sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
+        ),
+        dependent=DEPENDENT,
+    ),
+)

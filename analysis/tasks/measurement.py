@@ -9,6 +9,7 @@ from tactometry.errors import InvalidFile
 
 from ..conditions import by_condition
 from ..means import mean_row, mean_with_interval
+from .task_analysis import Results, TaskAnalysis
 
 TASK = "measurement"
 NEEDED = ("level_unit", "level_measured")
@@ -82,3 +83,8 @@ def _text(row: dict[str, object]) -> str:
     low, high = row["mean_low"], row["mean_high"]
     within = "" if low is None or high is None else f" [{100 * float(str(low)):.1f}, {100 * float(str(high)):.1f}]"
     return f"{100 * float(str(row['mean'])):.1f} %{within}"
+
+
+ANALYSIS = TaskAnalysis(
+    "A sensor was read", "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})", results=Results(tables)
+)

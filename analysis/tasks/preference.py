@@ -22,6 +22,7 @@ from tactometry.trials.row_rules import rows_text
 from ..arrays import Array
 from ..conditions import parts
 from ..reading.trials import parsed
+from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]
 
@@ -210,3 +211,19 @@ def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFra
     found = bradley_terry(part["item"].tolist(), part["item_b"].tolist(), answers, part["participant"].tolist())
     table = pd.concat([found.worths, found.order.assign(item=ORDER, n_pairs=len(part))], ignore_index=True)
     return table.assign(note=found.note, **condition)[[*condition, *table.columns, "note"]]
+
+
+ANALYSIS = TaskAnalysis(
+    "Participants told which of two they preferred",
+    "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
+    "factor(item_b, unique(c(item, item_b)))))",
+    results=Results(
+        tables,
+        "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & Terry 1952), "
+        "with 95 % intervals that from five participants on count that a person's answers are alike.",
+        works=(
+            "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
+            "paired comparisons. Biometrika, 39, 324-345.",
+        ),
+    ),
+)

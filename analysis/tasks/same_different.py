@@ -14,8 +14,9 @@ from scipy.special import ndtr, ndtri
 
 from ..conditions import parts
 from ..reading.trials import parsed
-from .cells import is_catch
+from .rows import is_catch
 from .signal_detection import LARGEST_D_PRIME, z_score
+from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis
 
 TASK = "same_different"
 
@@ -100,3 +101,15 @@ def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) 
     if n_hits + n_false_alarms in (0, n_different + n_same):
         return "all answers alike"
     return ""
+
+
+ANALYSIS = TaskAnalysis(
+    "Participants told whether a standard and a level differed",
+    R_OF_LEVEL,
+    results=Results(
+        tables,
+        "Sensitivity in same-different trials is given under the differencing and the independent-observation rule "
+        "(Macmillan & Creelman 2005), with the log-linear correction.",
+        works=("Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",),
+    ),
+)

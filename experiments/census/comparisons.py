@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr
 
-from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE, fit_options
+from tactometry.analysis.tasks.comparison import FIT
+from tactometry.analysis.tasks.curve import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE
 from tactometry.analysis.threshold.fitting import fit_many
 
 LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())
 SDS, N_TRIALS, LAPSE_RATES = (1.5, 2.5), (20, 40), (0.0, 0.02, 0.03, 0.05)
 FARTHEST_PSE = 1.5
-FITTED: Mapping[str, Any] = fit_options("comparison", 2, "")
 WITHOUT_LAPSES: Mapping[str, Any] = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0}
 
 
@@ -44,7 +44,7 @@ def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.
 
 
 def census(
-    people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FITTED
+    people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FIT
 ) -> Iterator[pd.DataFrame]:
     """A table for each person, with a row for each of `n_sets` data sets, fitted as `analyse` does, or with other
     `options` of `fit`. Open ends of intervals, and those that are not told, hold all on their side."""

@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 import pandas as pd
 
 from tactometry.analysis.reading.trials import parsed
+from tactometry.analysis.tasks.kinds import ANALYSES
+from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 
@@ -44,25 +46,7 @@ FORM = """
 {name} <- transform(
   {name}, response = ifelse(item %in% c({turned}), {sum:g} - as.numeric(response), as.numeric(response)))
 """
-YES_NO = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | participant), {data}, binomial("probit"))'
-ORDINAL = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
 CONTINUOUS = "lme4::lmer(response ~ {plus} + (1 | participant) + (1 | item), {data})"
-MODELS = {
-    "yes_no": YES_NO,
-    "comparison": YES_NO,
-    "same_different": YES_NO,
-    "forced_choice": "lme4::glmer(correct ~ level{times} + (1 | participant), {data}, "
-    "binomial(psyphy::mafc.probit({n_choices})))",
-    "localisation": 'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
-    "magnitude": "lme4::lmer(log(as.numeric(response)) ~ level{times} + (1 + level | participant), "
-    "subset({data}, as.numeric(response) > 0))",
-    "adjustment": "lme4::lmer(as.numeric(response) ~ {plus} + (1 | participant), {data})",
-    "measurement": "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})",
-    "preference": "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
-    "factor(item_b, unique(c(item, item_b)))))",
-    "rating": ORDINAL,
-}
-"""A model for each task: `times` crosses the level with the factors, `plus` are the factors alone."""
 
 
 def r_files(source: ExportedDataSet) -> dict[str, bytes]:
@@ -131,11 +115,11 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
         rows = source.used[(source.used["task"] == task) & ~scored]
         if len(rows):
             data = "used" if source.tasks() == [task] and not scored.any() else f"subset(used, task == {quoted(task)})"
-            yield _filled(MODELS[task], rows, source, data)
+            yield _filled(ANALYSES[task].r_model, rows, source, data)
     for form in source.forms.values():
         rows = source.used[scored & (source.used["procedure"] == form.name)]
         is_continuous = form.steps is None or form.steps > MOST_CATEGORIES
-        yield _filled(CONTINUOUS if is_continuous else ORDINAL, rows, source, name(form.name))
+        yield _filled(CONTINUOUS if is_continuous else R_OF_FORM, rows, source, name(form.name))
 
 
 def _filled(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:

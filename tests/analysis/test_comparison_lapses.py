@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom
 from soak import SOAK
 
-from tactometry.analysis.tasks.cells import fit_options
+from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.threshold.counts import checked, normalised
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.mode import climb, find_mode, log_density
@@ -24,7 +24,6 @@ from tactometry.psychometric import shape_named
 LEAST, MOST = 0.935, 0.97
 """Asked of the coverage of 95 % intervals of the difference."""
 NORMAL = shape_named("normal")
-KNOWN = fit_options("comparison", 2, "")
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +65,7 @@ def some() -> tuple:
     n_more = answers(Person(2.5, 20, 0.05), 12, np.random.default_rng(7))[1]
     counts = normalised(*checked(LEVELS, n_more, 20, positive=False))
     nothing = np.zeros(len(counts))
-    known = {name: value for name, value in KNOWN.items() if name != "shape"}
+    known = {name: value for name, value in FIT.items() if name != "shape"}
     return counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known)
 
 
@@ -102,7 +101,7 @@ def test_one_grid_for_all_and_grids_of_their_own_agree_with_a_plain_sum(some) ->
 def test_the_answers_turned_round_have_the_same_difference() -> None:
     """More for less, and levels for their negatives: with equal asymptotes a comparison has no preferred end."""
     n_more = np.array([1, 2, 5, 9, 16, 19, 18])
-    one, other = fit(LEVELS, n_more, 20, **KNOWN), fit(LEVELS, (20 - n_more)[::-1], 20, **KNOWN)
+    one, other = fit(LEVELS, n_more, 20, **FIT), fit(LEVELS, (20 - n_more)[::-1], 20, **FIT)
     assert other.threshold == pytest.approx(-one.threshold, abs=1e-6)
     assert (other.width, other.width_low, other.width_high) == pytest.approx(
         (one.width, one.width_low, one.width_high), rel=1e-3
@@ -113,4 +112,4 @@ def test_the_answers_turned_round_have_the_same_difference() -> None:
 def test_a_known_rate_or_catch_trials_are_refused_with_equal_asymptotes() -> None:
     for known in ({"guess_rate": 0.5}, {"lapse_rate": 0.01}, {"n_catch": 3}):
         with pytest.raises(InvalidParameter, match="^equal_asymptotes: found "):
-            fit(LEVELS, [0, 0, 1, 5, 9, 10, 10], 10, **KNOWN | known)
+            fit(LEVELS, [0, 0, 1, 5, 9, 10, 10], 10, **FIT | known)

@@ -24,7 +24,7 @@ from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
 from tactometry.analysis.report.sentences import primary_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
-from tactometry.analysis.tasks.cells import DIFFERENCE_PER_WIDTH
+from tactometry.analysis.tasks.curve import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.wording.cross_table import cross_table
 from tactometry.cli.analyse import command, summary_text
@@ -270,7 +270,7 @@ def test_refuses_a_table_without_psychophysical_answers(tmp_path) -> None:
     path.write_text("participant,trial,procedure,level,task,response\nP01,1,form,,rating,3\n")
     with pytest.raises(
         InvalidFile,
-        match="found no valid answer of a yes/no, forced-choice, comparison, same-different, preference, adjustment or",
+        match=r"found no valid answer of a task \(yes_no, forced_choice, comparison, same_different, magnitude,",
     ):
         analyse(path)
 

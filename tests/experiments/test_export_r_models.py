@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from soak import SOAK
 
+from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.experiments.data_sets.export import export
-from tactometry.experiments.data_sets.r_table import MODELS
 from tactometry.questionnaire import load
 
 PACKAGES = ("lme4", "ordinal", "psyphy", "BradleyTerry2")
@@ -82,11 +82,11 @@ def models(script: str) -> list[str]:
     return [line.removeprefix("# ") for line in script.splitlines() if re.match(r"# \w+::|# with\(", line)]
 
 
-@pytest.mark.parametrize("task", sorted({*MODELS} - {"rating"}))
+@pytest.mark.parametrize("task", sorted({*ANALYSES} - {"rating"}))
 def test_a_task_has_the_model_of_its_answers(tmp_path, task):
     export(table(tmp_path, task), "r", tmp_path / "r")
     (model,) = models((tmp_path / "r/trials.R").read_text())
-    assert model.startswith(MODELS[task].split("(")[0])
+    assert model.startswith(ANALYSES[task].r_model.split("(")[0])
     assert ("`side`" in model) is (task != "preference")
 
 
@@ -102,9 +102,9 @@ def test_a_questionnaire_has_an_ordinal_model_or_one_of_its_line(tmp_path, form,
 @pytest.mark.skipif(
     SOAK and not has_packages(), reason="needs r-cran-lme4 r-cran-ordinal r-cran-psyphy r-cran-bradleyterry2"
 )
-@pytest.mark.parametrize("task", [*sorted({*MODELS} - {"rating"}), "attrakdiff", "nasa-tlx"])
+@pytest.mark.parametrize("task", [*sorted({*ANALYSES} - {"rating"}), "attrakdiff", "nasa-tlx"])
 def test_r_fits_the_model(tmp_path, task):
-    export(table(tmp_path, task) if task in MODELS else answers(tmp_path, task), "r", tmp_path / "r")
+    export(table(tmp_path, task) if task in ANALYSES else answers(tmp_path, task), "r", tmp_path / "r")
     script = (tmp_path / "r/trials.R").read_text()
     (model,) = models(script)
     (tmp_path / "r/tried.R").write_text(f"{script}\ncat(class(suppressWarnings({model})))\n")

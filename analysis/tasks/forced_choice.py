@@ -1,0 +1,16 @@
+"""Forced choice: a threshold, whose guess rate is one over the number of intervals."""
+
+from .curve import Curve, detection
+from .task_analysis import TaskAnalysis
+
+ANALYSIS = TaskAnalysis(
+    "Participants told in which interval the stimulus was",
+    "lme4::glmer(correct ~ level{times} + (1 | participant), {data}, binomial(psyphy::mafc.probit({n_choices})))",
+    Curve(
+        "Rate correct",
+        "correct",
+        lambda n_choices, unit: detection(unit, 1 / n_choices),
+        scored_by="correct",
+        methods="The guess rate of forced choices was 1/{n_choices}.",
+    ),
+)

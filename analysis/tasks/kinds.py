@@ -1,0 +1,15 @@
+"""The analysis of every task, by the task's name, which is that of its file."""
+
+from collections.abc import Mapping
+
+from tactometry.target import resolve
+from tactometry.trials.tasks import TASKS
+
+from .curve import Curve
+from .task_analysis import Results, TaskAnalysis
+
+ANALYSES: Mapping[str, TaskAnalysis] = {name: resolve(f"{__package__}.{name}:ANALYSIS") for name in TASKS}
+CURVES: Mapping[str, Curve] = {name: found.curve for name, found in ANALYSES.items() if found.curve is not None}
+"""The tasks that a psychometric function is fitted to."""
+RESULTS: Mapping[str, Results] = {name: found.results for name, found in ANALYSES.items() if found.results is not None}
+"""The tasks with results of another kind."""

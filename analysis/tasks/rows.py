@@ -1,0 +1,26 @@
+"""What a row of a trials table says of its stimulus."""
+
+import numpy as np
+import pandas as pd
+
+from ..reading.trials import parsed
+
+
+def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
+    return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
+
+
+def delivered(rows: pd.DataFrame) -> "pd.Series[float]":
+    """The level that was delivered where that is known, else the one that was asked for."""
+    if "level_delivered" not in rows.columns:
+        return rows["level"]
+    return rows["level_delivered"].fillna(rows["level"])
+
+
+def correct(rows: pd.DataFrame) -> "pd.Series[float]":
+    """1 where the answer was right, 0 where it was wrong; NaN where the row says neither that nor what was right."""
+    stated = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
+    if "target" not in rows.columns:
+        return stated
+    is_right = parsed(rows["response"]) == rows["target"]
+    return stated.fillna(is_right.astype(float).where(rows["target"].notna()))

@@ -1,0 +1,67 @@
+"""What is made of the answers of a task: the `ANALYSIS` of each task's file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+from .curve import Curve
+
+
+@dataclass(frozen=True)
+class Results:
+    """Results of a task that no curve is fitted to.
+
+    Parameters
+    ----------
+    tables : callable
+        From the used rows of the task and the factors to tables, by the names of their files.
+    methods : str
+        What the methods section says of them.
+    works : tuple of str
+        The works that `methods` names.
+    dependent : str
+        The column of the table named as the task that is compared between conditions, with a row for each participant
+        and condition; empty: none is.
+    """
+
+    tables: Callable[[pd.DataFrame, Sequence[str]], Mapping[str, pd.DataFrame]]
+    methods: str = ""
+    works: tuple[str, ...] = ()
+    dependent: str = ""
+
+
+@dataclass(frozen=True)
+class TaskAnalysis:
+    """How a report speaks of a task, and what it makes of the answers.
+
+    Parameters
+    ----------
+    course : str
+        What participants did in a trial, a sentence without its full stop.
+    r_model : str
+        A model of the answers in R: ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
+        are the factors alone, ``{n_choices}`` the alternatives.
+    curve : Curve, optional
+        The psychometric function that is fitted.
+    results : Results, optional
+        What is told in place of a curve.
+    """
+
+    course: str
+    r_model: str
+    curve: Curve | None = None
+    results: Results | None = None
+
+    @property
+    def dependents(self) -> tuple[str, ...]:
+        """The values of each participant and condition that are compared."""
+        if self.curve is not None:
+            return self.curve.dependents
+        return (self.results.dependent,) if self.results is not None and self.results.dependent else ()
+
+
+R_OF_LEVEL = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | participant), {data}, binomial("probit"))'
+"""Of answers 1 and 0 that follow the level."""
+R_OF_FORM = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
+"""Of points of a scale."""
