@@ -5,14 +5,12 @@ of the observer's standard deviation. Many observers are simulated at once by th
 against those of the rule itself.
 """
 
-import doctest
 import math
 from functools import cache
 
 import numpy as np
 import pytest
 from benchmark_modules import benchmark_module
-from places import ROOT
 from scipy.special import ndtr
 from soak import SOAK
 
@@ -104,8 +102,3 @@ def test_a_stop_at_a_spread_is_reached_and_honest(task):
     assert share >= 0.9 - AT_1E_4 * math.sqrt(0.9 * 0.1 / N)
     errors = np.array([error for at, error in ends if at.ended == "converged"])
     assert math.sqrt(np.mean(errors**2)) <= 0.25 * (1 + AT_1E_4 / math.sqrt(2 * len(errors)))
-
-
-def test_the_page_on_procedures_says_what_is_true():
-    page = ROOT / "docs" / "procedures.md"
-    assert doctest.testfile(str(page), module_relative=False).failed == 0

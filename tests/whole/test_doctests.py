@@ -1,12 +1,15 @@
-"""The examples in the docstrings are true: every module of the package, imported by its own name."""
+"""The examples in docstrings and in the docs are true; what a page imports is there."""
 
 import doctest
 import importlib
 import pkgutil
+import re
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 import pytest
+from places import DOCS, ROOT
 
 import tactometry
 
@@ -32,3 +35,19 @@ def imported(name: str) -> ModuleType:
 def test_the_examples_of(name: str) -> None:
     failed, _ = doctest.testmod(imported(name), optionflags=FLAGS, report=True)
     assert failed == 0
+
+
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_examples_of_a_page(page: Path) -> None:
+    assert doctest.testfile(str(page), module_relative=False).failed == 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_what_a_page_imports_is_there(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for module, names in re.findall(r"^(?:>>> )?from (tactometry[\w.]*) import ([\w, ]+)$", text, re.MULTILINE):
+        for name in names.split(", "):
+            assert hasattr(importlib.import_module(module), name), f"{module}: {name}"

@@ -1,11 +1,9 @@
 """What electrovibration says of itself is so: each claim against the force or the motion that it speaks of."""
 
-import doctest
 import re
 
 import numpy as np
 import pytest
-from places import DOCS
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
@@ -230,10 +228,3 @@ def test_the_first_time_is_resolved_too() -> None:
 def test_a_speed_beyond_all_is_refused(speed_m_per_s: float, sentence: str) -> None:
     with pytest.raises(InvalidParameter, match=sentence):
         lagged_n(FrictionLag(), CoulombFriction(), 0.5, speed_m_per_s=speed_m_per_s)
-
-
-def test_the_examples_of_the_page_are_true() -> None:
-    page = DOCS / "electrovibration.md"
-    failed, tried = doctest.testfile(str(page), module_relative=False)
-    assert failed == 0
-    assert tried > 30
