@@ -16,7 +16,6 @@ from tactometry.rigs.pages.layout import bar_page
 from tactometry.rigs.pages.page import Display, Input
 from tactometry.rigs.pages.presenter import Presenter, ending
 from tactometry.rigs.texts import texts_in
-from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
 
@@ -226,10 +225,3 @@ def _first(reader: Reader, listener: Listener) -> SampleBlock:
     raise DeviceFailed(
         f"{reader.source.name}: found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
     )
-
-
-def gain_tone(part: float, full_scale_v: float, n_channels: int, rate_hz: float, duration_s: float = 3.0) -> Signal:
-    """A 100 Hz sine of a part of full scale, with ramps of a tenth of it."""
-    time_s = np.arange(round(duration_s * rate_hz)) / rate_hz
-    ramp = np.sin(np.pi / 2 * np.clip(np.minimum(time_s, duration_s - time_s) / (0.1 * duration_s), 0, 1)) ** 2
-    return Signal(np.tile(part * full_scale_v * ramp * np.sin(200 * np.pi * time_s), (n_channels, 1)), rate_hz, "V")

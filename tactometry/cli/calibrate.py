@@ -86,7 +86,7 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
     import math
     import time
 
-    from tactometry.experiments.bench.calibration import gain_tone
+    from tactometry.experiments.bench.tone import tone
 
     from ..errors import InvalidParameter
 
@@ -101,9 +101,10 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
         output.open()
         for part in units:
             click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
-            tone = gain_tone(part, output.full_scale_v, output.n_channels or 1, output.rate_hz or 48e3, tone_s)
-            output.play(tone)
-            time.sleep(tone.duration_s)
+            peak_v = part * output.full_scale_v
+            played = tone(peak_v, output.n_channels or 1, output.rate_hz or 48e3, tone_s, 0.1 * tone_s)
+            output.play(played)
+            time.sleep(played.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
 
 

@@ -10,7 +10,7 @@ from .hands_off import hands_are_off, hands_off_option
 from .output import json_option, say
 
 if TYPE_CHECKING:
-    from tactometry.experiments.bench.preflight import Finding
+    from tactometry.experiments.bench.finding import Finding
 
 LONGEST_CELL = 50
 """A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
@@ -36,7 +36,8 @@ def command(
     that is a device.
     """
     from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.experiments.bench.preflight import check, exit_status
+    from tactometry.experiments.bench.finding import exit_status
+    from tactometry.experiments.bench.preflight import check
 
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())

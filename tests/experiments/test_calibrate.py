@@ -32,11 +32,11 @@ from tactometry.experiments.bench.calibration import (
     fit_gain,
     force_toml,
     gain_toml,
-    gain_tone,
     show_bar,
 )
 from tactometry.experiments.bench.figures import force_figure, responses_figure
 from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
+from tactometry.experiments.bench.tone import tone
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep
@@ -112,9 +112,9 @@ def test_what_is_printed_is_a_bench_file():
 
 
 def test_the_tone_of_a_gain_has_its_part_and_ramps():
-    tone = gain_tone(0.05, 200.0, 2, 48e3)
-    assert tone.peak == pytest.approx(10.0, rel=1e-3)
-    assert np.abs(tone.samples[:, [0, -1]]).max() < 1e-2
+    played = tone(0.05 * 200.0, 2, 48e3, 3.0, 0.3)
+    assert played.peak == pytest.approx(10.0, rel=1e-3)
+    assert np.abs(played.samples[:, [0, -1]]).max() < 1e-2
 
 
 # --- learning

@@ -21,7 +21,9 @@ from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from tactometry.cli.check import _table
 from tactometry.cli.hands_off import hands_are_off
 from tactometry.experiments.bench.bench_file import load_bench, parse_bench
-from tactometry.experiments.bench.preflight import Finding, _devices, _pressed, exit_status, key_to_record_s, tone_of
+from tactometry.experiments.bench.finding import Finding, exit_status
+from tactometry.experiments.bench.preflight_devices import devices, tone_of
+from tactometry.experiments.bench.preflight_display import _pressed, key_to_record_s
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_numbers
 from tactometry.rigs.pages.page import Page
@@ -115,7 +117,7 @@ def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, partici
 
 
 def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
-    monkeypatch.setattr("tactometry.experiments.bench.preflight.KEYS_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_display.KEYS_WITHIN_S", 0.1)
     found = _pressed(watched, "fr", tmp_path)
     assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
     assert "sur la barre d'espace" in watched.pages[-1].items[1].words
@@ -124,7 +126,7 @@ def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_
 
 def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):
     bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
-    found = {each.what: each for each in _devices(bench, Limits(80.0), None, hands_off=False)}
+    found = {each.what: each for each in devices(bench, Limits(80.0), None, hands_off=False)}
     assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
     assert found["caution"].found.startswith("bench file, output.ungated = true: nothing stops the output")
     assert "opened" not in found
@@ -144,7 +146,7 @@ def test_hands_are_off_where_somebody_types_it_at_a_terminal(monkeypatch, capsys
 
 def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
-    failed = [each for each in _devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
+    failed = [each for each in devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
     assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
     assert exit_status(failed) == 1
 
@@ -152,7 +154,7 @@ def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
 def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
     study = wire(load_numbers("tutorial")[0], "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 10.0\n')
-    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
     names = list(study.bank)
     assert [each.what for each in found] == [f"strongest {name}" for name in names]
     for each, name in zip(found, names, strict=True):
@@ -165,7 +167,7 @@ def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_
     """They stood in a row for each condition, and nowhere where no study was given."""
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
     for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
-        told = [each for each in _devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
+        told = [each for each in devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
         assert [each.found.partition(",")[0] for each in told] == ["limits: found no duration_s"]
         assert "no session_s, expected them for a load of kind 'electrode'" in told[0].found
         assert exit_status(told) == 3
@@ -174,7 +176,7 @@ def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_
 def test_conditions_that_differ_in_the_touch_alone_share_their_strongest_stimulus(tmp_path):
     study = wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 200.0\n')
-    found = [each for each in _devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
     assert [each.what for each in found] == [f"strongest {name}" for name in study.bank]
     assert len(found) == 7 < len(study.cells) == 21
 
@@ -192,7 +194,7 @@ def load(folder, text):
     ],
 )
 def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
-    findings = list(_devices(load(tmp_path, bench), Limits(80.0), None, hands_off=True))
+    findings = list(devices(load(tmp_path, bench), Limits(80.0), None, hands_off=True))
     [failed] = [each for each in findings if each.fine is False]
     assert failed.part == part
     assert failed.found.startswith(message)
@@ -200,13 +202,13 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
 
 
 def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
-    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_devices.LISTEN_S", 0.1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]
         sensor = {"kind": "udp", "address": "127.0.0.1", "port": port, "rate_hz": 1000}
         bench = parse_bench({"sensors": {"hand": sensor}, **tomllib.loads(FORCE)})
-        failed = [each for each in _devices(bench, None, None, hands_off=False) if each.fine is False]
+        failed = [each for each in devices(bench, None, None, hands_off=False) if each.fine is False]
     said = [(each.part, each.what, each.found, each.expected) for each in failed]
     assert said == [
         ("sensor hand", "samples", "0 in 0.1 s", "a sensor that sends"),

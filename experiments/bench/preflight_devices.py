@@ -1,0 +1,168 @@
+"""Preflight of sensors, force and output."""
+
+import time
+from collections.abc import Iterator
+from datetime import date
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import with_ramps
+from tactometry.devices.sensors.reader import Reader, SampleBlock
+from tactometry.devices.sensors.streamed import StreamedSensor
+from tactometry.errors import TactometryError
+from tactometry.gates.force import ForceGate
+from tactometry.safety.limits import Limits
+from tactometry.signal import Signal
+
+from ..study.experiment import Experiment
+from .bench_file import BenchFile
+from .finding import Finding, guarded
+from .learnt_stimuli import bank_of
+from .tone import tone
+
+LISTEN_S = 2.0
+RATE_TOLERANCE = 0.02
+"""Of a sensor's nominal rate (unverified default)."""
+MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
+LATENCY_AT_MOST_S = 0.02
+"""Age of the newest sample when it is read (unverified default)."""
+TONE_PART = 0.1
+"""The test tone's part of the voltage limit (unverified default)."""
+TONE_S, TONE_RAMP_S = 0.5, 0.1
+
+
+def devices(
+    bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
+    for name, reader in connected.readers.items():
+        yield from guarded(f"sensor {name}", partial(_sensor, name, reader))
+    if connected.force is not None:
+        yield from guarded("force", partial(_force, connected.force))
+    yield from guarded("output", partial(_gate, bench))
+    yield from guarded("output", partial(_tried, connected.output, bench, limits, experiment, hands_off=hands_off))
+
+
+def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
+    part, listener = f"sensor {name}", reader.listen()
+    reader.open()
+    try:
+        yield Finding(part, "opened", reader.source.name, fine=True)
+        ages_s, end_s = [], time.perf_counter() + LISTEN_S
+        blocks = []
+        while time.perf_counter() < end_s:
+            time.sleep(0.002)
+            block = listener.read(reader.source.n_channels)
+            if block.times_s.size:
+                ages_s.append(time.perf_counter() - block.times_s[-1])
+                blocks.append(block)
+    finally:
+        reader.close()
+    yield from _stream(part, reader, blocks, ages_s)
+
+
+def _stream(part: str, reader: Reader, blocks: list[SampleBlock], ages_s: list[float]) -> Iterator[Finding]:
+    times_s = np.concatenate([block.times_s for block in blocks]) if blocks else np.empty(0)
+    if times_s.size < 2:
+        yield Finding(part, "samples", f"{times_s.size} in {LISTEN_S:g} s", "a sensor that sends", False, device=True)
+        return
+    rate_hz, nominal_hz = (times_s.size - 1) / (times_s[-1] - times_s[0]), reader.source.rate_hz
+    fine = bool(abs(rate_hz / nominal_hz - 1) <= RATE_TOLERANCE)
+    yield Finding(part, "rate", f"{rate_hz:.1f} Hz", f"{nominal_hz:g} Hz", fine, device=True)
+    gap_s = float(np.diff(times_s).max())
+    yield Finding(part, "largest gap", f"{1e3 * gap_s:.1f} ms", f"at most {1e3 * MAX_GAP_S:g} ms", gap_s <= MAX_GAP_S)
+    age_s = float(np.median(ages_s))
+    limit = f"at most {1e3 * LATENCY_AT_MOST_S:g} ms"
+    yield Finding(part, "latency, median", f"{1e3 * age_s:.1f} ms", limit, age_s <= LATENCY_AT_MOST_S)
+    counted = {key: value for key, value in reader.facts().items() if value not in {None, 0}}
+    yield Finding(part, "counts", ", ".join(f"{key} {_short(value)}" for key, value in counted.items()))
+
+
+def _short(value: str | float | None) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _force(force: StreamedSensor) -> Iterator[Finding]:
+    force.open()
+    try:
+        time.sleep(LISTEN_S / 2)
+        _, forces_n = force.read()
+    finally:
+        force.close()
+    if not forces_n.size:
+        yield Finding("force", "samples", f"0 in {LISTEN_S / 2:g} s", "a sensor that sends", False, device=True)
+        return
+    known_n = forces_n[np.isfinite(forces_n)]
+    fine = known_n.size == forces_n.size
+    words = f"{known_n.size} of {forces_n.size}"
+    yield Finding("force", "samples in the calibrated range", words, "all of them", fine, device=True)
+    if known_n.size:
+        yield Finding("force", "mean, at rest", f"{known_n.mean():.4g} N")
+        yield Finding("force", "noise, sd", f"{known_n.std():.3g} N")
+
+
+def _gate(bench: BenchFile) -> Iterator[Finding]:
+    """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
+    bench.check_gate()
+    for words in bench.cautions:
+        yield Finding("output", "caution", words)
+
+
+def _tried(
+    output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
+    if output.limits is not None and output.load is not None:
+        output.limits.check_stated(output.load)
+    yield from guarded("output", partial(_output, output, limits, hands_off=hands_off))
+    if experiment is not None:
+        yield from guarded("output", partial(_strongest, output, experiment, bench))
+
+
+def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:
+    if limits is None and not output.driver.connected:
+        yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
+        return
+    if output.driver.connected and not hands_off:
+        yield Finding("output", "test tone", "not played: nobody said that hands are off", "--hands-off", fine=False)
+        return
+    try:
+        output.open()
+        yield Finding("output", "opened", output.name, fine=True)
+        tested = tone_of(output)
+        begin_s = time.perf_counter()
+        onset_s = output.play(tested)
+        time.sleep(tested.duration_s)
+        output.stop()
+    finally:
+        output.close()
+    yield Finding("output", "test tone", f"{tested.peak:.3g} V, {tested.duration_s:.3g} s", "within limits", fine=True)
+    yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
+    n_underruns = output.facts().get("n_underruns")
+    if n_underruns is not None:
+        yield Finding("output", "underruns", f"{n_underruns}", "0", n_underruns == 0, device=True)
+
+
+def tone_of(output: Guarded) -> Signal:
+    """A tone with ramps at a part of the voltage limit; for one bit, a thousand samples at the supply's voltage."""
+    n_channels, rate_hz = output.n_channels or 1, output.rate_hz or 48_000.0
+    if output.driver.one_bit:
+        bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)
+        return Signal(np.tile(bits, (n_channels, 1)) * output.full_scale_v, rate_hz, "V")
+    limit_v = output.limits.voltage_peak_v if output.limits is not None else 0.0
+    voltage_v = TONE_PART * min(limit_v, output.full_scale_v)
+    return tone(voltage_v, n_channels, rate_hz, TONE_S, TONE_RAMP_S)
+
+
+def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
+    """Each stimulus at its highest level against the output; none is played."""
+    for strongest in experiment.strongest(bank_of(experiment, bench.time_reversal)):
+        words, fine, device = f"level {strongest.level:g}", True, False
+        try:
+            output.check(with_ramps(strongest.signal, bench.output.ramp_s))
+        except TactometryError as error:
+            words, fine, device = f"{words} of {strongest.name}: {error}", False, error.exit_status == 3
+        yield Finding("output", f"strongest {strongest.name}", words, "within limits", fine, device)
