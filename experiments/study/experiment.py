@@ -10,7 +10,8 @@ import numpy as np
 from tactometry.arguments.require import at_most
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.observers.kinds import Population, population_of
+from tactometry.observers.observer import Observer
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import Part, session
@@ -60,6 +61,7 @@ class Experiment:
     cells: Mapping[Key, WiredCell]
     practice: Practice | None
     forms: Mapping[str, Questionnaire]
+    people: Population
 
     @property
     def task(self) -> Task:
@@ -114,8 +116,8 @@ class Experiment:
         """The model of what is felt of the first cell's stimulus."""
         return next(iter(self.cells.values())).sensation
 
-    def simulated_participant(self, participant: str, seed: int) -> SignalDetectionObserver:
-        return self.study.observer.participant(stream(seed, participant, "traits"))
+    def simulated_participant(self, participant: str, seed: int) -> Observer:
+        return self.people.participant(stream(seed, participant, "traits"))
 
     def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
         return SimulatedRig(
@@ -185,7 +187,8 @@ def _built(study: Study) -> Experiment:
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
     own(study.forms)  # those that nothing asks must be sound too
-    return Experiment(study, table, cells, practice_of(study.practice), forms)
+    people = population_of(study.observer, "observer")
+    return Experiment(study, table, cells, practice_of(study.practice), forms, people)
 
 
 def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:

@@ -11,7 +11,7 @@ from typing import Final
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.exclusion import Exclusion
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.observers.kinds import OBSERVERS, USUAL
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
@@ -82,7 +82,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[sensation.lag]`", KeyTable(FrictionLag)
     yield "`[sensation.polarity]`", KeyTable(Polarity, {"positive_share": 0.5})
     yield from ((f"`[sensation]`, `{kind}`", _felt(kind)) for kind in ("focus", "measured_focus", "hybrid"))
-    yield "`[observer]`", KeyTable(SignalDetectionObserver)
+    yield from _observers()
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)
     yield "`[analysis.exclusion]`", KeyTable(Exclusion)
@@ -136,6 +136,11 @@ def _tasks() -> Iterator[tuple[str, KeyTable]]:
         table = KeyTable(read.table, read.example, in_levels=_IN_LEVELS)
         if keys_of(table):
             yield kind, table
+
+
+def _observers() -> Iterator[tuple[str, KeyTable]]:
+    for kind, target in OBSERVERS.items():
+        yield "`[observer]`" if kind == USUAL else f'`[observer]`, `kind = "{kind}"`', KeyTable(resolve(target))
 
 
 def _felt(kind: str) -> KeyTable:

@@ -14,7 +14,6 @@ from tactometry.config.toml import LARGEST_FILE, located, table_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import read_file
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.safety.limits import Limits
 from tactometry.trials.cell_rules import STUDY
 from tactometry.trials.cells import cell
@@ -107,7 +106,7 @@ class Study:
     inquiries: dict[str, InquiryTable] = field(default_factory=dict)
     forms: dict[str, dict[str, Any]] = field(default_factory=dict)
     sensation: dict[str, Any] = field(default_factory=dict)
-    observer: SignalDetectionObserver = field(default_factory=SignalDetectionObserver)
+    observer: dict[str, Any] = field(default_factory=dict)
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
     texts: dict[str, str] = field(default_factory=dict)
     analysis: dict[str, Any] = field(default_factory=dict)

@@ -86,6 +86,6 @@ def test_a_finger_at_rest_is_at_chance(tmp_path):
     experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-20}), "study")
     sensation, condition = experiment.sensation(), experiment.conditions[0]
     signal = experiment.bank[condition.stimulus].at(46.0)
-    observer = experiment.study.observer
+    observer = experiment.people
     assert sensation.sensation_db(signal, Contact(1.5, 0.0)) == -np.inf
     assert observer.d_prime(-np.inf) == 0
