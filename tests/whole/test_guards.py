@@ -133,38 +133,41 @@ def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize(
-    ("file", "line"),
-    [
-        ("tactometry/rigs/bad.py", "import tactometry.stimuli.electrovibration"),
-        ("tactometry/bad.py", "from tactometry.experiments import bad"),
-        ("tactometry/bad.py", "from tactometry import cli"),
-        ("stimuli/bad.py", "from tactometry.analysis import bad"),
-        ("protocols/bad.py", "import tactometry.stimuli"),
-        ("analysis/bad.py", "import tactometry.experiments"),
-        ("experiments/bad.py", "from tactometry.cli import main"),
-        ("tactometry/rigs/bad.py", "from psychopy import visual"),
-        ("tactometry/rigs/bad.py", "import sounddevice"),
-        ("analysis/bad.py", "import matplotlib.pyplot"),
-        ("stimuli/bad.py", "import pingouin"),
-        ("analysis/bad.py", "import psignifit"),
-        ("protocols/bad.py", "from tactometry.safety import limits"),
-        ("protocols/bad.py", "import time"),
-        ("protocols/procedures/bad.py", "from tactometry.protocols import block"),
-        ("protocols/tasks/bad.py", "from tactometry.protocols.tasks import yes_no"),
-        ("experiments/study/bad.py", "from tactometry.experiments import bench"),
-    ],
+BAD = (
+    ("tactometry/rigs", "import tactometry.stimuli.electrovibration"),
+    ("tactometry", "from tactometry.experiments import part"),
+    ("tactometry", "from tactometry import cli"),
+    ("stimuli", "from tactometry.analysis import part"),
+    ("protocols", "import tactometry.stimuli"),
+    ("analysis", "import tactometry.experiments"),
+    ("experiments", "from tactometry.cli import main"),
+    ("tactometry/rigs", "from psychopy import visual"),
+    ("tactometry/rigs", "import sounddevice"),
+    ("analysis", "import matplotlib.pyplot"),
+    ("stimuli", "import pingouin"),
+    ("analysis", "import psignifit"),
 )
-def test_a_contract_refuses(copy: Path, file: str, line: str) -> None:
-    bad = copy / file
-    bad.write_text(line + "\n", encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
+    """What is said of a tree in which each bad line stands in a file of its own."""
+    files = [copy / folder / f"bad_{n}.py" for n, (folder, _) in enumerate(BAD)]
+    for file, (_, line) in zip(files, BAD, strict=True):
+        file.write_text(line + "\n", encoding="utf-8")
     try:
-        result = contracts(copy)
+        return contracts(copy)
     finally:
-        bad.unlink()
-    module = "tactometry." + file.removeprefix("tactometry/").removesuffix(".py").replace("/", ".")
-    assert result.returncode == 1
-    assert f"{module} -> {line.split()[1].partition('.')[0]}" in result.stdout
+        for file in files:
+            file.unlink()
+
+
+@pytest.mark.parametrize("n", range(len(BAD)), ids=[": ".join(bad) for bad in BAD])
+def test_a_contract_refuses(refused: "subprocess.CompletedProcess[str]", n: int) -> None:
+    folder, line = BAD[n]
+    module = "tactometry." + f"{folder}/bad_{n}".removeprefix("tactometry/").replace("/", ".")
+    assert refused.returncode == 1
+    assert f"{module} -> {line.split()[1].partition('.')[0]}" in refused.stdout
 
 
 def test_the_tree_keeps_its_contracts(copy: Path) -> None:
