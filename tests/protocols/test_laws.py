@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import get_args
 
 import catalogue
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from memory import Memory
+from soak import SOAK
 
 from tactometry.errors import Diverged, InvalidParameter
 from tactometry.protocols.procedures.procedure import Ending
@@ -18,6 +20,8 @@ from tactometry.session.request import Record
 from tactometry.session.run import replay, run
 
 seeds = st.integers(0, 2**32 - 1)
+N_SESSIONS = 20 if SOAK else 2
+"""Of each protocol."""
 per_stimulus = pytest.mark.parametrize("stimulus", catalogue.STIMULI.values(), ids=catalogue.STIMULI)
 in_volts = {name: stimulus for name, stimulus in catalogue.STIMULI.items() if stimulus.level_unit == "dB re 1 V"}
 per_voltage = pytest.mark.parametrize("stimulus", in_volts.values(), ids=in_volts)
@@ -181,7 +185,7 @@ def test_every_protocol_completes_on_every_rig(protocol, rig):
 
 @per_protocol
 @given(seed=seeds)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=N_SESSIONS)
 def test_a_session_replays_through_its_journal_lines(protocol, seed):
     memory = Memory()
     run(protocol(np.random.default_rng(seed)), catalogue.simulated(seed), memory)
@@ -195,7 +199,7 @@ def test_a_session_replays_through_its_journal_lines(protocol, seed):
 
 @per_protocol
 @given(seed=seeds, part=st.floats(0, 1))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=N_SESSIONS)
 def test_a_resumed_session_equals_the_uninterrupted_one(protocol, seed, part):
     whole = Memory()
     run(protocol(np.random.default_rng(seed)), catalogue.simulated(seed), whole)
@@ -205,17 +209,23 @@ def test_a_resumed_session_equals_the_uninterrupted_one(protocol, seed, part):
     assert resumed.entries == whole.entries
 
 
-@per_protocol
-def test_a_recording_that_was_cut_off_is_not_taken_for_whole(protocol):
+@cache
+def recorded(protocol):
+    """What a session of a protocol left, for tests that do not change it."""
     memory = Memory()
     run(protocol(np.random.default_rng(1)), catalogue.simulated(), memory)
+    return memory
+
+
+@per_protocol
+def test_a_recording_that_was_cut_off_is_not_taken_for_whole(protocol):
+    memory = recorded(protocol)
     with pytest.raises(Diverged, match=r"line \d+: the recording has ended"):
         replay(protocol(np.random.default_rng(1)), Replay(memory.entries[:-1]))
 
 
 @per_protocol
 def test_a_recording_that_goes_on_is_refused(protocol):
-    memory = Memory()
-    run(protocol(np.random.default_rng(1)), catalogue.simulated(), memory)
+    memory = recorded(protocol)
     with pytest.raises(Diverged, match=r"line \d+: the recording goes on with"):
         replay(protocol(np.random.default_rng(1)), Replay([*memory.entries, memory.entries[-1]]))
