@@ -1,7 +1,6 @@
 """A bench that notes when its output falls to zero."""
 
 import threading
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,18 +30,19 @@ class Noting:
     """A driver that notes when it was told to stop or close, and how many frames it had given by then."""
 
     def __init__(self, driver):
-        self._driver, self.n_given, self.told_s = driver, None, None
+        self._driver, self.n_given = driver, None
 
     def __getattr__(self, name):
         return getattr(self._driver, name)
 
     def _note(self):
         if self.n_given is None and self._driver._course is not None:
-            self.n_given, self.told_s = self._driver._course._at, time.perf_counter()
+            self.n_given = self._driver._course._at
 
     def stop(self):
-        self._note()
+        """Noted once it is told: on a busy machine the device may ask for blocks between a note and the stop."""
         self._driver.stop()
+        self._note()
 
     def close(self):
         self._note()
