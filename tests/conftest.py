@@ -171,14 +171,23 @@ class Watched:
         self._log.append("screen.close")
 
 
-class LoggedOutput:
-    """An output that is connected to a list."""
+class LoggedDriver:
+    """A driver of an output that is connected to a list."""
 
-    name, n_channels, rate_hz = "list", 1, 20_000.0
+    name, n_channels, rate_hz, full_scale_v = "list", 1, 20_000.0, 50.0
+    connected = one_bit = False
 
-    def __init__(self, log, limits):
+    def __init__(self, log):
         self._log = log
-        self.limits = limits
+
+    def facts(self):
+        return {}
+
+    def final(self, signal):
+        return signal
+
+    def n_gaps(self, longest_wait_s=0.0):
+        return None
 
     def open(self):
         self._log.append("output.open")
@@ -207,9 +216,10 @@ def watched(screen, log):
 
 @pytest.fixture
 def output(log):
+    from tactometry.devices.outputs.guarded import Guarded
     from tactometry.safety.limits import Limits
 
-    return LoggedOutput(log, Limits(voltage_peak_v=50.0))
+    return Guarded(LoggedDriver(log), Limits(voltage_peak_v=50.0))
 
 
 class Participant:

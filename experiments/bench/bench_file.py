@@ -13,7 +13,7 @@ from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSet
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.gain import Gain, stated
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.output import NullSettings
+from tactometry.devices.outputs.output import RAMP_S, NullSettings
 from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import StreamedSensor, streamed_force, streamed_position
@@ -24,8 +24,6 @@ from tactometry.safety.load import Load
 
 LONGEST_DELAY_S = 0.05
 """Of a sensor: half of the time after which a silent one is lost (unverified default)."""
-RAMP_S = 0.005
-"""Of a signal that does not begin and end at rest by itself (unverified default)."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.devices.outputs.output import Output
+from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Listener, Reader
 from tactometry.errors import DeviceFailed, InvalidParameter
 from tactometry.signal import Signal
@@ -69,7 +69,7 @@ class Learning:
     regularisation: float = 1e-6
 
 
-def learn(learning: Learning, output: Output, microphone: Microphone) -> Iterator[Responses]:
+def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Responses]:
     """The responses to one channel after the other, each of shape (1, 1, n_samples); both devices are open.
 
     Raises

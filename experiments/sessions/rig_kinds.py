@@ -42,7 +42,7 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
         click.echo(caution, err=True)
     bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
     for strongest in experiment.strongest(bank):
-        check_format(strongest.signal, devices.output)
+        check_format(strongest.signal, devices.output.driver)
     if devices.output.limits is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
     return Outfit(devices, bank, lambda: device_facts(bench, devices) | learnt)

@@ -174,9 +174,7 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
     """
     choices = tuple(choices)
     if isinstance(found, bool) or not isinstance(found, str | Real) or found not in choices:
-        names = [str(choice) for choice in choices]
-        hint = nearest(str(found), names)
-        raise InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
+        raise _no_choice(where, found, choices)
 
 
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
@@ -191,8 +189,9 @@ def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: sensor: found 'hnad', expected one of hand; did you mean 'hand'?
     """
-    one_of(where, name, choices)
-    return choices[str(name)]
+    if isinstance(name, str) and name in choices:
+        return choices[name]
+    raise _no_choice(where, name, choices)
 
 
 def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
@@ -335,6 +334,12 @@ def _first_wrong(
     oversized = isfinite(number) and (number > 0 or expected == "a finite number")
     at = f"{where}{list(place) if place else ''}"
     return InvalidParameter(f"{at}: found {number}, expected {sized if oversized else expected}")
+
+
+def _no_choice(where: str, found: object, choices: Iterable[object]) -> InvalidParameter:
+    names = [str(choice) for choice in choices]
+    hint = nearest(str(found), names)
+    return InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
 
 
 def _refused(owner: str, name: str, value: object, expected: str) -> InvalidParameter:

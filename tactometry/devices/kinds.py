@@ -7,7 +7,7 @@ from ..arguments.require import lookup
 from ..config.strict import build
 from ..target import resolve
 from .outputs.gain import Gain, SignalChain
-from .outputs.guarded import Driver
+from .outputs.output import Driver
 from .sensors.reader import Source
 
 OUTPUTS: Final = {

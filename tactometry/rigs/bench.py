@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from ..devices.outputs.guarded import Guarded
-from ..devices.outputs.output import Output
+from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
 from ..safety.limits import FORCE_PEAK_N, Limits
@@ -37,7 +37,7 @@ from ..signal import Stimulus
 from ..trials.trial import Tally, Trial, outcome, tally
 from . import adjustment
 from .closing import safely
-from .emitter import RAMP_S, Emitter
+from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_of
 from .experimenter.terminal import ExperimenterTerminal
 from .experimenter.trial_log import CLOCK, TrialLog
@@ -64,7 +64,7 @@ class Bench(LiveRig):
     def __init__(
         self,
         screen: Display,
-        output: Output,
+        output: Guarded,
         bank: Mapping[str, Stimulus],
         *,
         limits: Limits | None,
@@ -84,8 +84,7 @@ class Bench(LiveRig):
         pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
         self._desk = ExperimenterTerminal() if desk is None else desk
         self._attendant = Supervisor(screen, self._desk, log, self._emitter.mute, pausing)
-        if isinstance(output, Guarded):
-            output.tell(self._attendant.emitted)
+        output.tell(self._attendant.emitted)
         self._stage = Presenter(screen, self._attendant.attend)
         self._logbook = TrialLog(self._attendant, screen, self._clocks)
         self._tally = Tally()

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from typing import Final, TextIO
 
 from ..devices.outputs.guarded import Guarded, GuardedSignal
-from ..devices.outputs.output import NullOutput, Output
+from ..devices.outputs.output import RAMP_S, NullOutput
 from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
 from ..errors import InvalidParameter, Stopped
@@ -21,7 +21,7 @@ from ..session.request import Adjust, Choose, Enter, Fill, Play, Press, Question
 from ..signal import Stimulus
 from ..trials.trial import Tally, Trial, outcome, tally
 from .blind import Blind
-from .emitter import RAMP_S, Emitter
+from .emitter import Emitter
 from .experimenter.supervisor import SAFE, utc_of
 from .live_rig import LiveRig
 from .pages import layout
@@ -59,7 +59,7 @@ class Console(LiveRig):
         source: TextIO | None = None,
         output: TextIO | None = None,
         *,
-        device: Output | None = None,
+        device: Guarded | None = None,
         sensor: ForceSensor | None = None,
         position: PositionSensor | None = None,
         ramp_s: float = RAMP_S,
@@ -70,7 +70,7 @@ class Console(LiveRig):
         self._limits, self._texts = limits, replace(texts, stop="ctrl_c")
         self._source = sys.stdin if source is None else source
         self._output = sys.stdout if output is None else output
-        self._device = NullOutput(limits) if device is None else device
+        self._device = Guarded(NullOutput(), limits) if device is None else device
         self._sensor, self._position, self._release = sensor, position, Release(needed=release)
         self._emitter, self._stage = Emitter(bank, self._device, limits, ramp_s), Presenter(Blind())
         self._device_facts, self._log = device_facts, log
@@ -83,8 +83,7 @@ class Console(LiveRig):
 
     def _open(self) -> None:
         """Open the devices: what is open is closed if one of them cannot be opened."""
-        if isinstance(self._device, Guarded):
-            self._device.tell(self._emitted)
+        self._device.tell(self._emitted)
         with ExitStack() as opened:
             for part in (self._position, self._sensor, self._device):
                 if part is not None:

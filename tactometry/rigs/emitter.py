@@ -6,22 +6,20 @@ import time
 from collections.abc import Mapping
 
 from ..devices.deadline import BEGIN_WITHIN_S
-from ..devices.outputs.gaps import LONGEST_WORD_S, TellsGaps
+from ..devices.outputs.gaps import LONGEST_WORD_S
 from ..devices.outputs.guarded import Guarded
-from ..devices.outputs.output import NullOutput, Output, check_playable, with_ramps
-from ..errors import DeviceFailed, InvalidParameter, nearest
+from ..devices.outputs.output import RAMP_S
+from ..errors import DeviceFailed, InvalidParameter
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
-
-RAMP_S = 0.005
-"""Ramps of a signal that does not begin and end at rest by itself (unverified default)."""
+from .rendering import rendered
 
 
 class Emitter:
     """Renders stimuli of a bank, holds them against the limits of study and output, and plays them."""
 
     def __init__(
-        self, bank: Mapping[str, Stimulus], output: Output, limits: Limits | None, ramp_s: float = RAMP_S
+        self, bank: Mapping[str, Stimulus], output: Guarded, limits: Limits | None, ramp_s: float = RAMP_S
     ) -> None:
         self._bank, self._output, self._limits, self._ramp_s = bank, output, limits, ramp_s
         self._playing = threading.Lock()
@@ -37,17 +35,9 @@ class Emitter:
         LimitExceeded, DeviceFailed
             If a limit is missing or passed, or the output cannot play it.
         """
-        if name not in self._bank:
-            raise InvalidParameter(
-                f"stimulus: found {name!r}, expected one of {', '.join(self._bank)}{nearest(name, self._bank)}"
-            )
-        signal = with_ramps(self._bank[name].at(level), self._ramp_s)
-        if isinstance(self._output, Guarded):
-            self._output.check(signal)
-        else:
-            check_playable(signal, self._output)
-        if self._limits is not None:
-            self._limits.check(signal)
+        signal = rendered(self._bank, name, level, self._limits, self._ramp_s)
+        # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
+        self._output.check(signal)
         return signal
 
     def fitting(self, name: str, level: float | None, duration_s: float) -> Signal | None:
@@ -76,8 +66,7 @@ class Emitter:
     @property
     def emits(self) -> bool:
         """Whether anything comes of what is played: nothing does of a null output."""
-        output = self._output.driver if isinstance(self._output, Guarded) else self._output
-        return not isinstance(output, NullOutput)
+        return self._output.emits
 
     def delivered(self, level: float | None) -> float | None:
         """The level that reaches whoever touches: none where nothing is emitted."""
@@ -112,9 +101,7 @@ class Emitter:
 
     def n_gaps(self, signal: Signal | None, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         """Gaps in the signal that was emitted last; None where nothing was, or the output cannot tell."""
-        if signal is None or not isinstance(self._output, TellsGaps):
-            return None
-        return self._output.n_gaps(longest_wait_s)
+        return None if signal is None else self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
         """Zero now."""

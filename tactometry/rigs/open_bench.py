@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Mapping
 
-from ..devices.outputs.output import NullOutput, Output
+from ..devices.outputs.guarded import Guarded
+from ..devices.outputs.output import RAMP_S, NullOutput
 from ..devices.sensors.force_sensor import ForceSensor
 from ..devices.sensors.position_sensor import PositionSensor
 from ..safety.limits import Limits
 from ..session.event import EventLog
 from ..signal import Stimulus
 from .bench import Bench, Facts
-from .emitter import RAMP_S
 from .experimenter.terminal import ExperimenterTerminal
 from .texts import texts_in
 
@@ -22,7 +22,7 @@ def open_bench(
     language: str = "en",
     fullscreen: bool,
     size: tuple[int, int] | None = None,
-    output: Output | None = None,
+    output: Guarded | None = None,
     sensor: ForceSensor | None = None,
     position: PositionSensor | None = None,
     display_height_m: float | None = None,
@@ -46,8 +46,8 @@ def open_bench(
         One of `tactometry.rigs.texts.languages()`.
     fullscreen, size
         The window; `size` in pixels where it is not full screen.
-    output : Output, optional
-        Without one, a `NullOutput` with the study's limits: nothing reaches a finger.
+    output : Guarded, optional
+        Without one, a guarded `NullOutput` with the study's limits: nothing reaches a finger.
     sensor : ForceSensor, optional
         Without one, the force is not measured: its fields are None and every touch is valid.
     position : PositionSensor, optional
@@ -81,7 +81,7 @@ def open_bench(
         desk.tell(window.caution)
     return Bench(
         window,
-        NullOutput(limits) if output is None else output,
+        Guarded(NullOutput(), limits) if output is None else output,
         bank,
         limits=limits,
         texts=words,

@@ -1,5 +1,6 @@
 """A rig whose participant is simulated, in simulated time."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
@@ -33,6 +34,7 @@ from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .judgement import broken
 from .live_rig import LiveRig
+from .rendering import rendered
 
 
 class Sensation(Protocol):
@@ -80,14 +82,13 @@ class SimulatedRig(LiveRig):
     ) -> None:
         self._decisions = decisions
         self._by_stimulus = by_stimulus or {}
-        self._bank = bank
-        self._limits = limits
         self._sensation = sensation
         self._observer = observer
         self._finger = finger
         self._rng_of = rng_of
         self._now_s = 0.0
-        self._rendered: dict[tuple[str, float], Signal] = {}
+        # levels come again and again: each is rendered and checked once
+        self._rendered = functools.cache(lambda stimulus, level: rendered(bank, stimulus, level, limits))
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:
@@ -106,13 +107,7 @@ class SimulatedRig(LiveRig):
         pass
 
     def _signal(self, stimulus: str, level: float | None) -> Signal | None:
-        if level is None:
-            return None
-        if (stimulus, level) not in self._rendered:
-            self._rendered[stimulus, level] = self._bank[stimulus].at(level)
-        signal = self._rendered[stimulus, level]
-        self._limits.check(signal)
-        return signal
+        return None if level is None else self._rendered(stimulus, level)
 
     def _feel(self, stimulus: str, signal: Signal | None, contact: Contact) -> None:
         nothing = float("-inf")

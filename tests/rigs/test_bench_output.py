@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from tactometry.devices.outputs.file import FileSettings, read_signal
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.output import NullOutput, check_playable, with_ramps
+from tactometry.devices.outputs.output import NullOutput, with_ramps
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.rigs.emitter import Emitter
 from tactometry.safety.limits import Limits
@@ -45,12 +45,12 @@ def test_the_middle_is_untouched():
 @given(samples, st.floats(0.1, 100))
 def test_nothing_above_its_limit_is_playable(values, voltage_peak_v):
     signal = Signal(values, RATE_HZ, "V")
-    output = NullOutput(Limits(voltage_peak_v))
+    output = Guarded(NullOutput(), Limits(voltage_peak_v))
     if signal.peak > voltage_peak_v * (1 + 1e-9):
         with pytest.raises(LimitExceeded):
-            check_playable(signal, output)
+            output.check(signal)
     elif signal.peak <= voltage_peak_v:
-        check_playable(signal, output)
+        output.check(signal)
 
 
 @pytest.mark.parametrize("values", [[[0, 1, 1, 1]], [[1, 1, 1, 0]], [[0, 1, 1, 0], [1, 1, 1, 1]], [[0, 1, 1, -0.02]]])
@@ -69,24 +69,24 @@ ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
 
 
 @pytest.mark.parametrize(
-    ("output", "error", "message"),
+    ("driver", "limits", "error", "message"),
     [
-        (NullOutput(), LimitExceeded, "output 'null': found no limits, .*nothing was played"),
-        (NullOutput(Limits(0.9)), LimitExceeded, "nothing was played"),
-        (NullOutput(Limits(2.0), n_channels=1), DeviceFailed, "with n_channels 2, expected 1; .*nothing was"),
-        (NullOutput(Limits(2.0), rate_hz=500.0), DeviceFailed, "with rate_hz 1000, expected 500; state that rate_hz"),
-        (NullOutput(Limits(2.0), n_channels=3), DeviceFailed, "with n_channels 2, expected 3; name one outlet"),
-        (NullOutput(Limits(2.0), rate_hz=2000.0), DeviceFailed, "with rate_hz 1000, expected 2000; .*nothing was"),
+        (NullOutput(), None, LimitExceeded, "output 'null': found no limits, .*nothing was played"),
+        (NullOutput(), Limits(0.9), LimitExceeded, "nothing was played"),
+        (NullOutput(n_channels=1), Limits(2.0), DeviceFailed, "with n_channels 2, expected 1; .*nothing was"),
+        (NullOutput(rate_hz=500.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 500; state that rate_hz"),
+        (NullOutput(n_channels=3), Limits(2.0), DeviceFailed, "with n_channels 2, expected 3; name one outlet"),
+        (NullOutput(rate_hz=2000.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 2000; .*nothing was"),
     ],
 )
-def test_what_an_output_cannot_or_must_not_emit_is_refused(output, error, message):
+def test_what_an_output_cannot_or_must_not_emit_is_refused(driver, limits, error, message):
     with pytest.raises(error, match=message):
-        check_playable(ONE_VOLT, output)
+        Guarded(driver, limits).check(ONE_VOLT)
 
 
 def test_the_null_output_takes_any_channels_and_rate():
-    output = NullOutput(Limits(2.0))
-    check_playable(ONE_VOLT, output)
+    output = Guarded(NullOutput(), Limits(2.0))
+    output.check(ONE_VOLT)
     output.open()
     assert output.play(ONE_VOLT) > 0
     output.stop()

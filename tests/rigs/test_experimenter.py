@@ -299,7 +299,7 @@ def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
     terminal.types("r")
     waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
     assert bench.answer(PRESS).valid
-    assert kept.told == []
+    assert kept.told == [("stimulus", None)]
 
 
 @pytest.mark.parametrize("paused", [False, True], ids=["at once", "in a pause"])
@@ -327,7 +327,8 @@ def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watche
 def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
     touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).answer(PRESS)
     assert touched.valid
-    assert kept.told == [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
+    silent = "the force sensor is silent"
+    assert kept.told == [("pause", silent), ("resume", silent), ("stimulus", None)]
     terminal.shows("paused: the force sensor is silent")
 
 
@@ -351,7 +352,7 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
     waits_until(bench_with(), lambda: terminal.sees("found 's now', expected one of: p pause"))
     terminal.shows("found 'pasue', expected one of: p pause")
     terminal.shows("did you mean 'pause'?")
-    assert kept.told == []
+    assert kept.told == [("stimulus", None)]
 
 
 def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):

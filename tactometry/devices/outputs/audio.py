@@ -76,7 +76,6 @@ class AudioOutput:
         self.name = f"audio {settings.device}"
         self.n_channels: int = len(settings.channels)
         self.rate_hz: float = settings.rate_hz
-        self.limits = None
         self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._stream: Any = None

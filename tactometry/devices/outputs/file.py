@@ -13,6 +13,7 @@ from ...files.durable import read_file
 from ...files.samples import Npz, wav_of
 from ...signal import Signal
 from .gain import Gain, SignalChain
+from .gaps import LONGEST_WORD_S
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class FileOutput:
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
-        self.n_channels, self.rate_hz, self.limits = settings.n_channels, settings.rate_hz, None
+        self.n_channels, self.rate_hz = settings.n_channels, settings.rate_hz
         self._folder, self._format = Path(settings.folder), settings.format
         self._n_written = 0
 
@@ -79,6 +80,10 @@ class FileOutput:
             raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a new file") from None
         self._n_written += 1
         return onset_s
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
+        """A file does not tell."""
+        del longest_wait_s
 
     def stop(self) -> None:
         pass

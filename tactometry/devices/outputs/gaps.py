@@ -1,21 +1,9 @@
 """Gaps in what a device plays, from what its callback is told."""
 
 import math
-from typing import Protocol, runtime_checkable
 
 LONGEST_WORD_S = 0.1
 """A device that asks for no samples for so long plays none (unverified default)."""
-
-
-@runtime_checkable
-class TellsGaps(Protocol):
-    """An output that can tell whether it ran dry."""
-
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps since the last signal began, up to its end; None if it cannot tell after all.
-
-        It waits until the device has said whether there was one just now, `longest_wait_s` at most.
-        """
 
 
 class DryRuns:

@@ -4,38 +4,13 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from ...errors import LimitExceeded
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load
 from ...signal import Signal
-from .gaps import LONGEST_WORD_S, TellsGaps
-from .output import NullOutput, Output, check_playable
-
-
-class Driver(Output, Protocol):
-    """An output that can tell what it would emit; `connected` if that leaves the computer."""
-
-    @property
-    def connected(self) -> bool: ...
-
-    @property
-    def one_bit(self) -> bool:
-        """Whether it emits nothing but plus or minus one voltage, without ramps."""
-
-    @property
-    def full_scale_v(self) -> float:
-        """The largest voltage that it can put on the load."""
-
-    def final(self, signal: Signal) -> Signal:
-        """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
-
-        Raises `DeviceFailed` where the driver cannot emit the signal.
-        """
-
-    def facts(self) -> dict[str, str | int | float | None]:
-        """What the journal says of the device after it was opened, and of what went wrong since."""
+from .gaps import LONGEST_WORD_S
+from .output import Driver, NullOutput, check_format
 
 
 @dataclass(frozen=True)
@@ -160,7 +135,8 @@ class Guarded:
         return limits, self._checked[1]
 
     def _final(self, signal: Signal, limits: Limits) -> Signal:
-        check_playable(signal, self)
+        limits.check(signal)
+        check_format(signal, self.driver)
         final = self.driver.final(signal)
         limits.check(final)
         if self.load is not None:
@@ -168,8 +144,8 @@ class Guarded:
         return final
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps of the last signal; None where the driver cannot tell."""
-        return self.driver.n_gaps(longest_wait_s) if isinstance(self.driver, TellsGaps) else None
+        """Gaps of the last signal, as its driver tells them."""
+        return self.driver.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
         self.driver.stop()

@@ -20,6 +20,7 @@ from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, stated
+from .gaps import LONGEST_WORD_S
 
 FloatArray = NDArray[np.float64]
 
@@ -111,7 +112,6 @@ class NiOutput:
         self.name = f"ni {','.join(settings.channels)}"
         self.n_channels: int = len(settings.channels)
         self.rate_hz: float = settings.rate_hz
-        self.limits = None
         self.full_scale_v: float = gain.load_volts_per_unit
         self._settings, self._gain = settings, gain
         self._task: Any = None
@@ -138,6 +138,10 @@ class NiOutput:
         except Exception as error:
             raise _failed(self.name, error) from None
         return time.perf_counter()
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
+        """A device does not tell."""
+        del longest_wait_s
 
     def stop(self) -> None:
         within(CLOSE_WITHIN_S, self.name, self._silence)

@@ -1,4 +1,4 @@
-"""What makes samples into voltage: the seam of every output driver."""
+"""What makes samples into voltage: the seam of every output driver, which a rig reaches through its guard alone."""
 
 import math
 import time
@@ -8,24 +8,36 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from ...arguments.require import not_negative
-from ...errors import DeviceFailed, LimitExceeded
-from ...safety.limits import Limits
+from ...errors import DeviceFailed
 from ...signal import Signal
 from .gain import Gain, SignalChain
+from .gaps import LONGEST_WORD_S
 
+RAMP_S = 0.005
+"""Ramps of a signal that does not begin and end at rest by itself (unverified default)."""
 AT_REST_PART = 0.01
 """A signal that begins and ends below this part of its peak needs no ramp."""
 
 
-class Output(Protocol):
+class Driver(Protocol):
     """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
 
-    `n_channels` and `rate_hz` are None for a driver that takes any. `limits` are those of what is connected;
-    None means that nobody stated them, and then nothing is played.
+    `n_channels` and `rate_hz` are None for a driver that takes any; `connected` if what it emits leaves the computer.
     """
 
     @property
     def name(self) -> str: ...
+
+    @property
+    def connected(self) -> bool: ...
+
+    @property
+    def one_bit(self) -> bool:
+        """Whether it emits nothing but plus or minus one voltage, without ramps."""
+
+    @property
+    def full_scale_v(self) -> float:
+        """The largest voltage that it can put on the load."""
 
     @property
     def n_channels(self) -> int | None: ...
@@ -33,16 +45,28 @@ class Output(Protocol):
     @property
     def rate_hz(self) -> float | None: ...
 
-    @property
-    def limits(self) -> Limits | None: ...
+    def facts(self) -> dict[str, str | int | float | None]:
+        """What the journal says of the device after it was opened, and of what went wrong since."""
 
     def open(self) -> None:
         """Claim the device, at zero. Raises `DeviceFailed`."""
+
+    def final(self, signal: Signal) -> Signal:
+        """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
+
+        Raises `DeviceFailed` where the driver cannot emit the signal.
+        """
 
     def play(self, signal: Signal) -> float:
         """Begin to emit and return at once: the time of the first sample on `time.perf_counter`, s.
 
         The signal is finite: after its last sample the output is at zero without being told.
+        """
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
+        """Gaps since the last signal began, up to its end; None where the device cannot tell.
+
+        It waits until the device has said whether there was one just now, `longest_wait_s` at most.
         """
 
     def stop(self) -> None:
@@ -54,9 +78,8 @@ class Output(Protocol):
 
 @dataclass(frozen=True)
 class NullOutput:
-    """An output to which nothing is connected: any channels, any rate, the limits all the same."""
+    """A driver to which nothing is connected: any channels, any rate."""
 
-    limits: Limits | None = None
     name: str = "null"
     n_channels: int | None = None
     rate_hz: float | None = None
@@ -76,6 +99,9 @@ class NullOutput:
     def play(self, signal: Signal) -> float:
         del signal
         return time.perf_counter()
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
+        del longest_wait_s
 
     def stop(self) -> None:
         pass
@@ -98,32 +124,13 @@ class NullSettings:
         return SignalChain("null")
 
 
-def check_playable(signal: Signal, output: Output) -> None:
-    """Refuse what `output` cannot emit, or must not.
-
-    Raises
-    ------
-    LimitExceeded
-        If the output has no limits, or the signal passes one.
-    DeviceFailed
-        If the channels or the rate are not the output's.
-    """
-    if output.limits is None:
-        raise LimitExceeded(
-            f"output {output.name!r}: found no limits, expected those of what is connected; state them in "
-            "the bench or study file; nothing was played"
-        )
-    output.limits.check(signal)
-    check_format(signal, output)
-
-
 REMEDIES = {
     "n_channels": "name one outlet of the output for each channel of the stimulus",
     "rate_hz": "state that rate_hz in the study's [stimulus] (or its setup), or another one in [output]",
 }
 
 
-def check_format(signal: Signal, output: Output) -> None:
+def check_format(signal: Signal, output: Driver) -> None:
     """Refuse a signal that is not of the channels or the rate that `output` has.
 
     Raises

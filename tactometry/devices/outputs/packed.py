@@ -14,6 +14,7 @@ from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
 from .board_line import BoardLine, Sending, opened
 from .gain import Gain, SignalChain, stated
+from .gaps import LONGEST_WORD_S
 
 OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""
@@ -62,7 +63,6 @@ class PackedOutput:
         self.name = f"packed {settings.path}"
         self.n_channels: int = settings.n_channels
         self.rate_hz: float = settings.rate_hz
-        self.limits = None
         self.full_scale_v: float = gain.load_volts_per_unit
         self._path, self._gain = Path(settings.path), gain
         self._line: BoardLine | None = None
@@ -129,6 +129,10 @@ class PackedOutput:
             self._let_go()
         if sending.failure is not None:
             raise sending.failure
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
+        """A board does not tell."""
+        del longest_wait_s
 
     def stop(self) -> None:
         """Zero now, within twice `STOP_WITHIN_S`.

@@ -12,6 +12,7 @@ from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from PIL import Image
 from screens import all_pages
 
+from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.pages.page import KeyDown, Page
@@ -228,10 +229,10 @@ def test_bad_requests_play_nothing_and_close(bench, log, request_, error, messag
 
 
 def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
-    output.limits = None
+    unlimited = Guarded(output.driver, None)
     with (
         pytest.raises(LimitExceeded, match=r"output 'list': found no limits, .*nothing was played"),
-        Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(50.0), texts=texts_in("en", {}))) as bench,
+        Closing(Bench(watched, unlimited, {"tone": TONE}, limits=Limits(50.0), texts=texts_in("en", {}))) as bench,
     ):
         bench.answer(Play("tone", 1.0, 0.2))
     assert "play 1 V" not in log

@@ -1,0 +1,51 @@
+"""A stimulus by its name is the same on every rig: the nearest name where there is none, and the limits of the study."""
+
+import io
+
+import catalogue
+import pytest
+
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullOutput
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.blind import Blind
+from tactometry.rigs.console import Console
+from tactometry.rigs.rendering import rendered
+from tactometry.rigs.simulated import SimulatedRig
+from tactometry.rigs.texts import texts_in
+from tactometry.safety.limits import Limits
+from tactometry.session.request import Play
+
+BANK = {"tone": catalogue.AnyStimulus()["any"]}
+TIGHT = Limits(1e-6)
+
+
+def bench(limits):
+    output = Guarded(NullOutput(), Limits(1000.0))
+    return Bench(Blind(), output, BANK, limits=limits, texts=texts_in("en", {}))
+
+
+def console(limits):
+    return Console(BANK, limits, texts_in("en", {}), io.StringIO(), io.StringIO())
+
+
+def simulated(limits):
+    return SimulatedRig(BANK, limits, None, None, SimulatedFinger(), lambda n: None, {})
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_a_name_that_is_not_in_the_bank_is_refused_with_the_nearest_by_every_rig(rig_with):
+    with pytest.raises(InvalidParameter, match="stimulus: found 'tome', expected one of tone; did you mean 'tone'?"):
+        rig_with(Limits(1000.0)).answer(Play("tome", 20.0, 1.0))
+
+
+@pytest.mark.parametrize("rig_with", [bench, console, simulated])
+def test_every_rig_refuses_what_passes_a_limit_of_the_study(rig_with):
+    with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: .*nothing was played"):
+        rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))
+
+
+def test_a_signal_is_that_of_the_stimulus_at_the_level():
+    assert rendered(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()
