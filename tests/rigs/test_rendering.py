@@ -1,4 +1,4 @@
-"""A stimulus by its name is the same on every rig: the nearest name where there is none, and the limits of the study."""
+"""A stimulus by its name is the same on every rig: the nearest name where there is none, the limits of the study."""
 
 import io
 
