@@ -146,6 +146,14 @@ BAD = (
     ("analysis", "import matplotlib.pyplot"),
     ("stimuli", "import pingouin"),
     ("analysis", "import psignifit"),
+    ("tactometry/session", "import tactometry.rigs.bench"),
+    ("tactometry/session", "import tactometry.records.journal"),
+    ("tactometry/trials", "import tactometry.session.request"),
+    ("tactometry/arguments", "import tactometry.config.toml"),
+    ("tactometry/rigs/touch", "import tactometry.rigs.bench"),
+    ("tactometry/devices/sensors", "import tactometry.devices.outputs.audio"),
+    ("tactometry/rigs", "import tactometry.devices.outputs.audio"),
+    ("tactometry/rigs", "import tactometry.devices.sensors.lsl"),
 )
 
 
