@@ -1,99 +1,118 @@
 """Loops that must be loops, compiled."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...compiled import compiled, entry
+from .phases import Heights, Phases
+
 Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-compiled: Any = njit(cache=True)
+Bare = tuple[Any, ...]
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def turned(turns: Complex, i: int, amplitudes: Complex, piece: int) -> float:
+class Plan(NamedTuple):
+    """A driven linear system over time, for any heights.
+
+    The nodes that were asked for, the first node of each piece, and whether the circuit has a line and a slope among
+    its states, whose linear `form` is the voltage that pulls. Over each interval the states go on by ``maps[kinds[i]]``
+    and take up ``drives[kinds[i]]`` of the products of the circuit's states.
+    """
+
+    phases: Phases
+    wanted: NDArray[np.intp]
+    first: NDArray[np.intp]
+    has_line: bool
+    has_slope: bool
+    form: Real
+    kinds: NDArray[np.intp]
+    maps: Real
+    drives: Real
+
+
+class Sliding(NamedTuple):
+    """A finger in full slip: its pad, the coefficient of friction and the force that presses it."""
+
+    mass_kg: float
+    damping_n_s_per_m: float
+    stiffness_n_per_m: float
+    coefficient: float
+    force_n: float
+
+
+@compiled
+def turned(i: int, piece: int, heights: Heights, phases: Phases) -> float:
     """The sinusoids of a piece at node i."""
     total = 0.0
-    for k in range(turns.shape[1]):
-        total += (turns[i, k] * amplitudes[piece, k]).real
+    for k in range(phases.turns.shape[1]):
+        total += (phases.turns[i, k] * heights.amplitudes[piece, k]).real
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def answered(turns: Complex, i: int, responses: Complex, m: int, amplitudes: Complex, piece: int) -> float:
+@compiled
+def answered(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> float:
     """What relaxation m makes of the sinusoids of a piece at node i."""
     total = 0.0
-    for k in range(turns.shape[1]):
-        total += (turns[i, k] * responses[m, k] * amplitudes[piece, k]).real
+    for k in range(phases.turns.shape[1]):
+        total += (phases.turns[i, k] * phases.responses[m, k] * heights.amplitudes[piece, k]).real
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def enter(
-    new: int, i: int, offsets: Real, slopes: Real, amplitudes: Complex, turns: Complex,
-    spans: Real, end_decay: Real, end_line: Real, responses: Complex, free: Real,
-) -> None:  # fmt: skip
+@compiled
+def enter(new: int, i: int, heights: Heights, phases: Phases, free: Real) -> None:
     """Free decays at the start of a piece (node i), from those of the piece before it and the jump between them."""
-    old, jump = new - 1, offsets[new] + turned(turns, i, amplitudes, new)
+    old, jump = new - 1, heights.offsets[new] + turned(i, new, heights, phases)
     if old >= 0:
-        jump -= offsets[old] + slopes[old] * spans[old] + turned(turns, i, amplitudes, old)
+        jump -= heights.offsets[old] + heights.slopes[old] * phases.spans[old] + turned(i, old, heights, phases)
     for m in range(len(free)):
         if old >= 0:
-            free[m] = free[m] * end_decay[m, old] + slopes[old] * end_line[m, old]
-            free[m] += answered(turns, i, responses, m, amplitudes, old)
-        free[m] += jump - answered(turns, i, responses, m, amplitudes, new)
+            free[m] = free[m] * phases.end_decay[m, old] + heights.slopes[old] * phases.end_line[m, old]
+            free[m] += answered(m, i, old, heights, phases)
+        free[m] += jump - answered(m, i, new, heights, phases)
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def relax(
-    low: int, high: int, free: Real, slope: float, decay: Real, line: Real, responses: Complex, at: int, z: Real
-) -> None:
+@compiled
+def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Real, z: Real) -> None:
     """Relaxations at the nodes of a piece: free decay, line and sinusoids (rows of z from `at` on)."""
     for m in range(len(free)):
         start = free[m]
         for i in range(low, high):
-            z[m, i] = start * decay[m, i] + slope * line[m, i]
-        for k in range(responses.shape[1]):
-            h = responses[m, k]
+            z[m, i] = start * phases.decay[m, i] + slope * phases.line[m, i]
+        for k in range(phases.responses.shape[1]):
+            h = phases.responses[m, k]
             for i in range(low, high):
                 z[m, i] += h.real * z[at + 2 * k, i] - h.imag * z[at + 2 * k + 1, i]
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def states(
-    offsets: Real, slopes: Real, amplitudes: Complex, first: NDArray[np.intp], since: Real, decay: Real, line: Real,
-    spans: Real, end_decay: Real, end_line: Real, turns: Complex, responses: Complex, has_line: bool, has_slope: bool,
-) -> Real:  # fmt: skip
-    """States (n_states, n_nodes) of a circuit, in the order of `Circuit`.
-
-    Arguments are those of `driven.plan_of`: per piece its first node; per node the time since its piece started, decay
-    and line factor of each relaxation; per piece the same at its end; the turn of each sinusoid at each node and its
-    response. Each inner loop runs over the nodes of a piece.
-    """
-    n_relax, n_turns = len(decay), turns.shape[1]
-    slope_at = n_relax + (1 if has_line else 0)
-    at = slope_at + (1 if has_slope else 0)
-    z, free = np.empty((at + 2 * n_turns, len(since))), np.zeros(n_relax)
+@compiled
+def states(heights: Heights, plan: Plan) -> Real:
+    """States (n_states, n_nodes) of a circuit, in the order of `Circuit`; each inner loop runs over a piece's nodes."""
+    phases, first = plan.phases, plan.first
+    n_relax, n_turns = len(phases.decay), phases.turns.shape[1]
+    slope_at = n_relax + (1 if plan.has_line else 0)
+    at = slope_at + (1 if plan.has_slope else 0)
+    z, free = np.empty((at + 2 * n_turns, len(phases.since))), np.zeros(n_relax)
     for p in range(len(first) - 1):
-        low, high, slope = first[p], first[p + 1], slopes[p]
+        low, high, slope = first[p], first[p + 1], heights.slopes[p]
         for k in range(n_turns):
             for i in range(low, high):
-                turn = turns[i, k] * amplitudes[p, k]
+                turn = phases.turns[i, k] * heights.amplitudes[p, k]
                 z[at + 2 * k, i], z[at + 2 * k + 1, i] = turn.real, turn.imag
-        enter(p, low, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
-        relax(low, high, free, slope, decay, line, responses, at, z)
-        if has_line:
+        enter(p, low, heights, phases, free)
+        relax(low, high, slope, phases, at, free, z)
+        if plan.has_line:
             for i in range(low, high):
-                z[n_relax, i] = offsets[p] + slope * since[i]
-        if has_slope:
+                z[n_relax, i] = heights.offsets[p] + slope * phases.since[i]
+        if plan.has_slope:
             z[slope_at, low:high] = slope
     return z
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def march(z: Real, newton: float, kinds: NDArray[np.intp], maps: Real, drives: Real) -> Real:
+@compiled
+def march(z: Real, newton: float, plan: Plan) -> Real:
     """``x_(i+1) = map x_i + newton drive P(z_i)`` from 0, (n, n_nodes): P the products of z, upper triangle."""
+    kinds, maps, drives = plan.kinds, plan.maps, plan.drives
     n, n_nodes = maps.shape[1], z.shape[1]
     path = np.zeros((n, n_nodes))
     for row in range(n):
@@ -112,61 +131,62 @@ def march(z: Real, newton: float, kinds: NDArray[np.intp], maps: Real, drives: R
     return path
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def respond(
-    newton: float, offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
-    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
-    kinds: NDArray[np.intp], maps: Real, drives: Real,
-) -> Real:  # fmt: skip
-    """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear `form` of the circuit's states."""
-    z = states(
-        offsets, slopes, amplitudes, first, since, decay, line, spans, end_decay, end_line, turns, responses,
-        has_line, has_slope,
-    )  # fmt: skip
-    path: Real = march(z, newton, kinds, maps, drives)
-    return path[:, wanted]
+def respond(newton: float, heights: Heights, plan: Plan) -> Real:
+    """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear form of the circuit's states."""
+    return _respond(newton, tuple(heights), _bare(plan))
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def slide(
-    newton: float, mu: float, force_n: float, mass_kg: float, damping_n_s_per_m: float, stiffness_n_per_m: float,
-    offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
-    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
-    kinds: NDArray[np.intp], maps: Real, drives: Real,
-) -> Real:  # fmt: skip
+def slide(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
     """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
-    z = states(
-        offsets, slopes, amplitudes, first, since, decay, line, spans, end_decay, end_line, turns, responses,
-        has_line, has_slope,
-    )  # fmt: skip
-    path, rows = march(z, mu * newton, kinds, maps, drives), np.empty((5, len(wanted)))
-    for j in range(len(wanted)):
-        i, output = wanted[j], 0.0
-        for q in range(len(form)):
-            output += form[q] * z[q, i]
-        attraction, x, speed = newton * output * output, path[0, i], path[1, i]
-        rows[0, j], rows[1, j] = attraction, mu * force_n + mu * attraction
-        rows[2, j], rows[3, j] = mu * force_n / stiffness_n_per_m + x, speed
-        rows[4, j] = (mu * attraction - damping_n_s_per_m * speed - stiffness_n_per_m * x) / mass_kg
+    return _slide(newton, tuple(finger), tuple(heights), _bare(plan))
+
+
+def slide_many(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
+    """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
+    return _slide_many(newton, tuple(finger), tuple(heights), _bare(plan))
+
+
+def _bare(plan: Plan) -> Bare:
+    return (tuple(plan.phases), *plan[1:])
+
+
+@compiled
+def _plan(bare: Bare) -> Plan:
+    return Plan(Phases(*bare[0]), *bare[1:])
+
+
+@entry
+def _respond(newton: float, heights: Bare, plan: Bare) -> Real:
+    whole = _plan(plan)
+    return march(states(Heights(*heights), whole), newton, whole)[:, whole.wanted]
+
+
+@entry
+def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Real:
+    return _slid(newton, Sliding(*finger), Heights(*heights), _plan(plan))
+
+
+@entry
+def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Real:
+    offsets, slopes, amplitudes = heights
+    whole = _plan(plan)
+    rows = np.empty((5, len(offsets), len(whole.wanted)))
+    for s in range(len(offsets)):
+        rows[:, s] = _slid(newton, Sliding(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole)
     return rows
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def slide_many(
-    newton: float, mu: float, force_n: float, mass_kg: float, damping_n_s_per_m: float, stiffness_n_per_m: float,
-    offsets: Real, slopes: Real, amplitudes: Complex, wanted: NDArray[np.intp],
-    first: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, has_line: bool, has_slope: bool, form: Real,
-    kinds: NDArray[np.intp], maps: Real, drives: Real,
-) -> Real:  # fmt: skip
-    """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
-    rows = np.empty((5, len(offsets), len(wanted)))
-    for s in range(len(offsets)):
-        rows[:, s] = slide(
-            newton, mu, force_n, mass_kg, damping_n_s_per_m, stiffness_n_per_m, offsets[s], slopes[s], amplitudes[s],
-            wanted, first, since, decay, line, spans, end_decay, end_line, turns, responses, has_line, has_slope, form,
-            kinds, maps, drives,
-        )  # fmt: skip
+@compiled
+def _slid(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
+    m, c, k, mu, force_n = finger
+    z = states(heights, plan)
+    path, rows = march(z, mu * newton, plan), np.empty((5, len(plan.wanted)))
+    for j in range(len(plan.wanted)):
+        i, output = plan.wanted[j], 0.0
+        for q in range(len(plan.form)):
+            output += plan.form[q] * z[q, i]
+        attraction, x, speed = newton * output * output, path[0, i], path[1, i]
+        rows[0, j], rows[1, j] = attraction, mu * force_n + mu * attraction
+        rows[2, j], rows[3, j] = mu * force_n / k + x, speed
+        rows[4, j] = (mu * attraction - c * speed - k * x) / m
     return rows

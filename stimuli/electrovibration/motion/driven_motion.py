@@ -1,12 +1,13 @@
 """Motion of a linear system under the force of a voltage in pieces: planned once, then run for any voltage.
 
-A relaxation that has decayed (40 time constants after the start of a piece: 4e-18) follows its input and is left
+A relaxation that has decayed (`phases.DECAYED` time constants after the start of a piece) follows its input and is left
 out of the lift, which bounds every exponent.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,15 +16,18 @@ from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ..attraction.force import ForceForm
-from ..skin.relaxation import Relaxations, phi1
+from ..skin.relaxation import Relaxations
 from ..waveforms.pieces import Pieces
 from .circuit import Circuit
 from .lift import LinearSystem, flow, pairs
+from .phases import Heights, heights, moving, nodes_of, phases
+
+if TYPE_CHECKING:
+    from .compiled_loops import Plan
 
 Real = NDArray[np.float64]
 Kind = tuple[float, tuple[bool, ...]]
 """Length of an interval and which relaxations move in it."""
-DECAYED = 40.0
 CYCLES_MAX = 1e7
 """The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
 
@@ -33,12 +37,11 @@ def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike
     from .compiled_loops import respond
 
     plan = plan_of(Timing(pieces, t_s), form.relaxations, system)
-    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
-    return np.asarray(respond(form.newton_per_v2, *heights, *plan), dtype=np.float64)
+    return respond(form.newton_per_v2, heights(pieces), plan)
 
 
-def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex128]]:
-    """Offsets, slopes and amplitudes with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
+def stacked(stimuli: Sequence[Pieces]) -> Heights:
+    """Heights with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
 
     Raises
     ------
@@ -56,11 +59,7 @@ def stacked(stimuli: Sequence[Pieces]) -> tuple[Real, Real, NDArray[np.complex12
                 f"stimuli[{place}]: found other starts, frequencies or an other end than the first stimulus has, "
                 "expected the same; solve it by itself"
             )
-    return (
-        np.array([pieces.offsets_v for pieces in stimuli]),
-        np.array([pieces.slopes_v_per_s for pieces in stimuli]),
-        np.array([pieces.harmonics_v for pieces in stimuli]),
-    )
+    return Heights(*map(np.array, zip(*map(heights, stimuli), strict=True)))
 
 
 def check_times(t: Real, pieces: Pieces) -> None:
@@ -91,24 +90,23 @@ class Timing:
         return hash(self._key)
 
 
-Plan = tuple[object, ...]
-"""The arguments of `respond` that do not depend on heights, from the nodes that were asked for on."""
-
-
 @lru_cache(maxsize=256)
-def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> Plan:
+def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "Plan":
     """The plan of a timing, made once: nodes, decays, turns and exponentials."""
+    from .compiled_loops import Plan
+
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
-    _check_resolved(system, float(np.diff(nodes).max(initial=0.0)))
+    lengths = np.diff(nodes)
+    _check_resolved(system, float(lengths.max(initial=0.0)))
     shared = phases(timing.pieces, relaxations, nodes)
-    rates = np.array(relaxations.rates_per_s)
-    moves = (shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9))[:-1]
-    groups, kinds = _kinds(np.diff(nodes), moves)
+    groups, kinds = _kinds(lengths, moving(shared.since, relaxations)[:-1])
     first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))
-    whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, (True,) * rates.size)
-    rest = (whole.has_line, whole.has_slope, whole.output(), kinds, *_maps(whole, system, groups))
-    return (np.searchsorted(nodes, timing.t_s), first, shared.since, *shared.factors, *rest)
+    all_moving = (True,) * len(relaxations.rates_per_s)
+    whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
+    maps, drives = _maps(whole, system, groups)
+    wanted = np.searchsorted(nodes, timing.t_s)
+    return Plan(shared, wanted, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
 
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
@@ -130,46 +128,6 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
     return maps, drives.reshape(len(flows), n, -1)
 
 
-@dataclass(frozen=True, eq=False)
-class Phases:
-    """Where each node lies: the piece that holds, the time since its start, and what depends on time alone."""
-
-    piece: NDArray[np.intp]
-    since: Real
-    factors: tuple[object, ...]
-
-    @property
-    def arrays(self) -> tuple[object, ...]:
-        """Piece, since, decays and lines at nodes, spans, decays and lines over pieces, turns, responses."""
-        return (self.piece, self.since, *self.factors)
-
-
-def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
-    """The phases of nodes (n_nodes,) within the pieces."""
-    piece = pieces.index(nodes)
-    since = nodes - pieces.starts_s[piece]
-    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
-    spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
-    turns = np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz))
-    at_nodes = (np.exp(-rates * since), since * phi1(rates * since))
-    at_ends = (spans, np.exp(-rates * spans), spans * phi1(rates * spans))
-    return Phases(piece, since, (*at_nodes, *at_ends, turns, _responses(relaxations, pieces)))
-
-
-def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
-    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
-    nodes = np.unique(np.concatenate([[0.0], _nodes(pieces, relaxations), t_s]))
-    return np.asarray(nodes[nodes <= t_s[-1]])
-
-
-def _nodes(pieces: Pieces, relaxations: Relaxations) -> Real:
-    """Starts of pieces, and the times at which relaxations have decayed in pieces that are longer."""
-    rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
-    decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
-    ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
-    return np.concatenate([pieces.starts_s, decayed[decayed < ends]])
-
-
 def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray[np.intp]]:
     """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
     scale = 10.0 ** np.floor(np.log10(lengths))
@@ -178,11 +136,6 @@ def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray
     kinds = kinds.ravel()
     means = np.bincount(kinds, lengths) / np.bincount(kinds)
     return [(float(means[k]), tuple(bool(m) for m in moves[i])) for k, i in enumerate(first)], kinds
-
-
-def _responses(relaxations: Relaxations, pieces: Pieces) -> NDArray[np.complex128]:
-    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
-    return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))
 
 
 def _padded(products: Real, circuit: Circuit) -> Real:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,10 @@ from .driven_motion import Timing, plan_of, stacked
 from .friction import CoulombFriction
 from .lift import LinearSystem
 from .pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
+from .phases import heights
+
+if TYPE_CHECKING:
+    from .compiled_loops import Sliding
 
 
 @dataclass(frozen=True)
@@ -57,11 +62,6 @@ class Finger:
     @property
     def natural_frequency_hz(self) -> float:
         return float(np.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
-
-    @property
-    def constants(self) -> tuple[float, float, float]:
-        """Mass (kg), damping (N s/m) and stiffness (N/m)."""
-        return self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m
 
     @cached_property
     def system(self) -> LinearSystem:
@@ -111,10 +111,9 @@ def sliding(
     t = require.array("sliding.t_s", t_s)
     require.of_kind("sliding", Pieces, pieces=pieces)
     _check_kinds("sliding", form, finger, friction)
-    mu = friction.coefficient_at(force_n)
+    pressed = _loaded(finger, friction, force_n)
     plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
-    heights = pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v
-    return Motion(t, *slide(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
+    return Motion(t, *slide(form.newton_per_v2, pressed, heights(pieces), plan))
 
 
 def sliding_many(
@@ -139,10 +138,17 @@ def sliding_many(
 
     t = require.array("sliding_many.t_s", t_s)
     _check_kinds("sliding_many", form, finger, friction)
-    mu, heights = friction.coefficient_at(force_n), stacked(stimuli)
-    timing = Timing(stimuli[0], t, has_slope=bool(heights[1].any()))
+    pressed, voltages = _loaded(finger, friction, force_n), stacked(stimuli)
+    timing = Timing(stimuli[0], t, has_slope=bool(voltages.slopes.any()))
     plan = plan_of(timing, form.relaxations, finger.system)
-    return Motion(t, *slide_many(form.newton_per_v2, mu, force_n, *finger.constants, *heights, *plan))
+    return Motion(t, *slide_many(form.newton_per_v2, pressed, voltages, plan))
+
+
+def _loaded(finger: Finger, friction: CoulombFriction, force_n: float) -> "Sliding":
+    from .compiled_loops import Sliding
+
+    pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
+    return Sliding(*pad, friction.coefficient_at(force_n), force_n)
 
 
 def _check_kinds(owner: str, form: object, finger: object, friction: object) -> None:

@@ -1,26 +1,86 @@
 """Stick and slip between events as power series, compiled: exact flow, events at the roots of polynomials."""
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .compiled_loops import answered, enter
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-compiled: Any = njit(cache=True)
+from ...compiled import compiled, entry
+from .compiled_loops import Bare, answered, enter
+from .phases import Complex, Heights, Phases, Real
 
 DEGREE = 20
 REACH = 1.5
 """Longest step in units of the fastest rate: 1.5^21/21! = 1e-16 is left out."""
 N_LOOKS = 16
 N_AT_ONCE = 100
+Pair = tuple[int, int]
 TOO_MANY, CHATTER, TOO_LONG = 1, 2, 3
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+class Layers(NamedTuple):
+    """The circuit, its response to the sinusoids, and the force of a square volt of its output."""
+
+    gains: Real
+    dc_gain: float
+    rates: Real
+    omegas: Real
+    responses: Complex
+    newton_per_v2: float
+
+
+class Steps(NamedTuple):
+    """The time from each node to the next, and which relaxations still move there.
+
+    `longest` (2, n_nodes) are the longest steps of a stuck finger, which only the voltage moves, and of one that slips.
+    """
+
+    lengths: Real
+    moves: NDArray[np.bool_]
+    longest: Real
+
+
+class Contact(NamedTuple):
+    """A finger, its friction, the force that presses it, and its motion ``speed + acceleration t`` over the screen."""
+
+    mass_kg: float
+    damping_n_s_per_m: float
+    stiffness_n_per_m: float
+    static: float
+    kinetic: float
+    gated: bool
+    force_n: float
+    speed_m_per_s: float
+    acceleration_m_per_s2: float
+
+
+class Circuit(NamedTuple):
+    """The circuit at one instant, changed in place: value and slope of the line, sinusoids, relaxations."""
+
+    line: Real
+    turns: Complex
+    relaxed: Real
+
+
+class Series(NamedTuple):
+    """Coefficients in powers of time over a step, changed in place."""
+
+    relaxed: Real
+    force: Real
+    push: Real
+    stretch: Real
+
+
+class Skin(NamedTuple):
+    """Deflection of the skin and its rate, the direction of slip (0: stuck), and the time."""
+
+    stretch_m: float
+    rate_m_per_s: float
+    direction: float
+    time_s: float
+
+
+@compiled
 def _value(c: Real, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, -1, -1):
@@ -28,7 +88,7 @@ def _value(c: Real, x: float) -> float:
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+@compiled
 def _slope(c: Real, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, 0, -1):
@@ -36,7 +96,7 @@ def _slope(c: Real, x: float) -> float:
     return total
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
+@compiled
 def _falls(c: Real) -> float:
     """The first place in (0, 1] where the polynomial falls below 0, seen from `N_LOOKS` places; 2 if nowhere."""
     low = 0.0
@@ -54,17 +114,17 @@ def _falls(c: Real) -> float:
     return 2.0
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _force_series(
-    y: Real, turns: Complex, level: float, slope: float, rates: Real, gains: Real, moves: NDArray[np.bool_],
-    dc_gain: float, omegas: Real, responses: Complex, h: float, newton: float, states: Real, force: Real,
-) -> None:  # fmt: skip
-    """Coefficients of the relaxations (`states`, in place) and of the force in powers of time over `h`."""
+@compiled
+def _force_series(circuit: Circuit, layers: Layers, moves: NDArray[np.bool_], h: float, series: Series) -> None:
+    """Coefficients of the relaxations and of the force in powers of time over `h`."""
+    gains, dc_gain, rates, omegas, responses, _ = layers
+    level, slope, states = circuit.line[0], circuit.line[1], series.relaxed
     n_relax, n_turns = len(gains), len(omegas)
-    voltage, rise, turned = np.zeros(DEGREE + 1), np.zeros(DEGREE + 1), turns.copy()
+    voltage, rise, turned = np.zeros(DEGREE + 1), np.zeros(DEGREE + 1), circuit.turns.copy()
     voltage[0], voltage[1], rise[0] = dc_gain * level, dc_gain * slope * h, slope * h
     for m in range(n_relax):
-        states[m, 0] = y[m] if moves[m] else slope / rates[m]
+        # one that has decayed follows what drives it
+        states[m, 0] = circuit.relaxed[m] if moves[m] else slope / rates[m]
         states[m, 1:] = 0.0
     for n in range(DEGREE + 1):
         for k in range(n_turns):
@@ -80,151 +140,223 @@ def _force_series(
                 if moves[m]:
                     states[m, n + 1] = (rise[n] - h * rates[m] * states[m, n]) / (n + 1)
     for m in range(n_relax):
-        voltage += gains[m] * states[m]
+        for n in range(DEGREE + 1):
+            voltage[n] += gains[m] * states[m, n]
+    _square(voltage, layers.newton_per_v2, series.force)
+
+
+@compiled
+def _square(c: Real, factor: float, out: Real) -> None:
     for n in range(DEGREE + 1):
         total = 0.0
         for j in range(n + 1):
-            total += voltage[j] * voltage[n - j]
-        force[n] = newton * total
+            total += c[j] * c[n - j]
+        out[n] = factor * total
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _slip_series(s: float, rate: float, push: Real, h: float, m: float, c: float, k: float, out: Real) -> None:
-    """``m s'' + c s' + k s = push`` from ``s, s' = rate`` in powers of time over `h`."""
-    out[0], out[1] = s, rate * h
+@compiled
+def _push_series(skin: Skin, contact: Contact, series: Series) -> None:
+    """What drives a skin that slips: friction, and the inertia of a finger that speeds up."""
+    friction = skin.direction * contact.kinetic
+    push, force = series.push, series.force
+    for n in range(DEGREE + 1):
+        push[n] = friction * force[n]
+    push[0] += friction * contact.force_n + contact.mass_kg * contact.acceleration_m_per_s2
+
+
+@compiled
+def _slip_series(skin: Skin, contact: Contact, h: float, series: Series) -> None:
+    """``m s'' + c s' + k s = push`` from ``s, s'`` in powers of time over `h`."""
+    m, c, k = contact.mass_kg, contact.damping_n_s_per_m, contact.stiffness_n_per_m
+    push, out = series.push, series.stretch
+    out[0], out[1] = skin.stretch_m, skin.rate_m_per_s * h
     for n in range(DEGREE - 1):
         pull = push[n] * h * h - c * h * (n + 1) * out[n + 1] - k * h * h * out[n]
         out[n + 2] = pull / (m * (n + 1) * (n + 2))
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _stick_series(s: float, speed: float, acceleration: float, h: float, out: Real) -> None:
+@compiled
+def _stick_series(skin: Skin, contact: Contact, h: float, series: Series) -> None:
+    """The skin goes with the finger."""
+    out = series.stretch
     out[:] = 0.0
-    out[0], out[1], out[2] = s, speed * h, acceleration * h * h / 2
+    out[0], out[1], out[2] = skin.stretch_m, skin.rate_m_per_s * h, contact.acceleration_m_per_s2 * h * h / 2
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _breaks_loose(stretch: Real, speed: float, acceleration: float, h: float, c: float, k: float, limit: Real) -> float:
+@compiled
+def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: Real, limit: Real) -> float:
     """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
-    asked = k * stretch
-    asked[0] += c * speed
-    asked[1] += c * acceleration * h
-    place: float = min(_falls(limit - asked), _falls(limit + asked))
-    return place
+    asked = contact.stiffness_n_per_m * stretch
+    asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
+    asked[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
+    return min(_falls(limit - asked), _falls(limit + asked))
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _comes_to_rest(stretch: Real, speed: float, acceleration: float, h: float, direction: float) -> float:
+@compiled
+def _comes_to_rest(skin: Skin, contact: Contact, h: float, stretch: Real) -> float:
     """Where the skin is as fast as the finger that slips over it, in units of `h`."""
-    ahead = np.zeros(DEGREE + 1)
-    ahead[0], ahead[1] = direction * speed, direction * acceleration * h
+    ahead, direction = np.zeros(DEGREE + 1), skin.direction
+    ahead[0], ahead[1] = direction * _speed(contact, skin.time_s), direction * contact.acceleration_m_per_s2 * h
     for n in range(DEGREE):
         ahead[n] -= direction * (n + 1) * stretch[n + 1] / h
-    place: float = _falls(ahead)
-    return place
+    return _falls(ahead)
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def _strongest(force: Real, force_n: float, static: float, kinetic: float, gated: bool) -> Real:
+@compiled
+def _strongest(contact: Contact, force: Real) -> Real:
     """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
-    loaded, bare = static * force, np.zeros(DEGREE + 1)
-    loaded[0] += static * force_n
-    if not gated:
-        return loaded
-    slipping = kinetic * force
-    slipping[0] += kinetic * force_n
-    bare[0] = static * force_n
-    return bare if bare[0] >= slipping[0] else slipping
+    coefficient = contact.kinetic if contact.gated else contact.static
+    loaded = coefficient * force
+    loaded[0] += coefficient * contact.force_n
+    bare_n = contact.static * contact.force_n
+    if contact.gated and bare_n >= loaded[0]:
+        loaded[:] = 0.0
+        loaded[0] = bare_n
+    return loaded
 
 
-@compiled  # type: ignore[untyped-decorator]  # pragma: no cover
-def flow(  # noqa: PLR0912, PLR0915
-    offsets: Real, slopes: Real, amplitudes: Complex, newton: float,
-    piece: NDArray[np.intp], since: Real, decay: Real, line: Real, spans: Real, end_decay: Real, end_line: Real,
-    turns: Complex, responses: Complex, gains: Real, dc_gain: float,
-    rates: Real, omegas: Real, lengths: Real, moves: NDArray[np.bool_], longest: Real,
-    finger: Real, friction: Real, travel: Real, gated: bool, n_events_max: int, n_steps_max: int,
-) -> tuple[Real, Real, int, float]:  # fmt: skip
-    """States at the nodes and the events.
+@compiled
+def _speed(contact: Contact, time: float) -> float:
+    return contact.speed_m_per_s + contact.acceleration_m_per_s2 * time
 
-    `finger` is (mass, damping, stiffness), `friction` (static, kinetic, normal force), `travel` (speed,
-    acceleration, stretch at time 0), `longest` (2, n_nodes) the longest steps of a stuck finger, which only the voltage
-    moves, and of one that slips. Rows of the first result: stretch, its rate, its second derivative, lateral
-    force, electrostatic force, direction of slip (0: stuck); rows of the second: time of an event, direction after.
-    The last two are a failure (`TOO_MANY` events, `CHATTER`: that many at one instant, or `TOO_LONG`: more than
-    `n_steps_max` steps) and its time.
+
+@compiled
+def _asked(skin: Skin, contact: Contact) -> float:
+    """The friction that holds the skin to the finger."""
+    return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
+
+
+@compiled
+def _changed(skin: Skin, contact: Contact) -> Skin:
+    """From slip to stick, or from stick to slip where friction pulls: there the skin is as fast as the finger."""
+    direction = 0.0 if skin.direction != 0 else (1.0 if _asked(skin, contact) > 0 else -1.0)
+    return Skin(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
+
+
+@compiled
+def _row(skin: Skin, contact: Contact, series: Series) -> tuple[float, float, float, float, float, float]:
+    """A row of the first result of `flow`."""
+    s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
+    if direction == 0:
+        return s, rate, contact.acceleration_m_per_s2, _asked(skin, contact), force, direction
+    second = (series.push[0] - contact.damping_n_s_per_m * rate - contact.stiffness_n_per_m * s) / contact.mass_kg
+    return s, rate, second, direction * contact.kinetic * (contact.force_n + force), force, direction
+
+
+@compiled
+def _settle(i: int, free: Real, heights: Heights, phases: Phases, circuit: Circuit) -> None:
+    """The circuit at node i, from the free decays at the start of its piece."""
+    piece = phases.piece[i]
+    slope = heights.slopes[piece]
+    circuit.line[0], circuit.line[1] = heights.offsets[piece] + slope * phases.since[i], slope
+    for k in range(len(circuit.turns)):
+        circuit.turns[k] = phases.turns[i, k] * heights.amplitudes[piece, k]
+    for m in range(len(free)):
+        circuit.relaxed[m] = free[m] * phases.decay[m, i] + slope * phases.line[m, i]
+        circuit.relaxed[m] += answered(m, i, piece, heights, phases)
+
+
+@compiled
+def _go_on(circuit: Circuit, layers: Layers, series: Series, reached: float, passed: float) -> None:
+    """The circuit behind `reached` of a step, which is the time `passed`."""
+    for m in range(len(layers.gains)):
+        circuit.relaxed[m] = _value(series.relaxed[m], reached)
+    for k in range(len(layers.omegas)):
+        circuit.turns[k] *= np.exp(1j * layers.omegas[k] * passed)
+    circuit.line[0] += circuit.line[1] * passed
+
+
+@compiled
+def _next_event(skin: Skin, contact: Contact, h: float, series: Series, limit: Real) -> float:
+    """The series of the skin over a step, and where in units of `h` its next event is; 2 if it has none."""
+    if skin.direction == 0:
+        _stick_series(skin, contact, h, series)
+        return _breaks_loose(skin, contact, h, series.stretch, limit)
+    _slip_series(skin, contact, h, series)
+    return _comes_to_rest(skin, contact, h, series.stretch)
+
+
+@compiled
+def _empty(layers: Layers) -> tuple[Circuit, Series]:
+    """Room for the circuit and its series."""
+    n, width = len(layers.gains), DEGREE + 1
+    circuit = Circuit(np.zeros(2), np.zeros(len(layers.omegas), np.complex128), np.zeros(n))
+    return circuit, Series(np.zeros((n, width)), np.zeros(width), np.zeros(width), np.zeros(width))
+
+
+def flow(
+    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
+) -> tuple[Real, Real, int, float]:
+    """States at the nodes and the events, of a finger that sticks at time 0 with a stretch of `start`.
+
+    Rows of the first result: stretch, its rate, its second derivative, lateral force, electrostatic force, direction
+    of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:
+    `TOO_MANY` events, `CHATTER` (that many at one instant), or `TOO_LONG`; `most` events and steps are made.
     """
-    m, c, k = finger
-    static, kinetic, force_n = friction
-    n_nodes, n_relax, n_turns = len(piece), len(gains), len(omegas)
-    out, events = np.zeros((n_nodes, 6)), np.empty((n_events_max, 2))
-    free, y, states = np.zeros(n_relax), np.zeros(n_relax), np.zeros((n_relax, DEGREE + 1))
-    force, stretch, push = np.zeros(DEGREE + 1), np.zeros(DEGREE + 1), np.zeros(DEGREE + 1)
-    s, rate, direction = travel[2], travel[0], 0.0
-    held, n_events, n_here, n_steps, time = -1, 0, 0, 0, 0.0
-    for i in range(n_nodes):
-        now = piece[i]
-        while held < now:
+    return _entered(tuple(heights), tuple(phases), tuple(layers), tuple(steps), tuple(contact), start, most)
+
+
+@entry
+def _entered(
+    heights: Bare, phases: Bare, layers: Bare, steps: Bare, contact: Bare, start: float, most: Pair
+) -> tuple[Real, Real, int, float]:
+    time = Heights(*heights), Phases(*phases), Layers(*layers), Steps(*steps)
+    return _flow(*time, Contact(*contact), start, most)
+
+
+@compiled
+def _flow(
+    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
+) -> tuple[Real, Real, int, float]:
+    out, events = np.zeros((len(phases.piece), 6)), np.empty((most[0], 2))
+    piece, lengths, longest, moves = phases.piece, steps.lengths, steps.longest, steps.moves
+    (circuit, series), free = _empty(layers), np.zeros(len(layers.gains))
+    skin, held, n_events, n_here, n_steps = Skin(start, contact.speed_m_per_s, 0.0, 0.0), -1, 0, 0, 0
+    for i in range(len(phases.piece)):
+        while held < piece[i]:
             held += 1
-            enter(held, i, offsets, slopes, amplitudes, turns, spans, end_decay, end_line, responses, free)
-        turn = turns[i] * amplitudes[now]
-        for r in range(n_relax):
-            y[r] = free[r] * decay[r, i] + slopes[now] * line[r, i]
-            y[r] += answered(turns, i, responses, r, amplitudes, now)
-        level = offsets[now] + slopes[now] * since[i]
-        rest, first = lengths[i] if i < len(lengths) else 0.0, True
-        while first or rest > 0:
-            h = min(rest, longest[0 if direction == 0 else 1, i])
-            n_steps += 1
-            unit = max(h, 1e-300)
-            here = travel[0] + travel[1] * time
-            _force_series(
-                y, turn, level, slopes[now], rates, gains, moves[i], dc_gain, omegas, responses, unit, newton,
-                states, force,
-            )  # fmt: skip
-            limit = _strongest(force, force_n, static, kinetic, gated)
-            if direction == 0:
-                asked = k * s + c * here
-                rate = here
-                if abs(asked) > limit[0] * (1 + 1e-14) and n_events < n_events_max:
-                    direction = np.sign(asked)
-                    events[n_events] = time, direction
+            enter(held, i, heights, phases, free)
+        _settle(i, free, heights, phases, circuit)
+        rest, told = lengths[i] if i < len(lengths) else 0.0, False
+        while rest > 0 or not told:
+            h = min(rest, longest[0 if skin.direction == 0 else 1, i])
+            unit, n_steps = max(h, 1e-300), n_steps + 1
+            _force_series(circuit, layers, moves[i], unit, series)
+            limit = _strongest(contact, series.force)
+            if skin.direction == 0:
+                skin = Skin(skin.stretch_m, _speed(contact, skin.time_s), 0.0, skin.time_s)
+                if abs(_asked(skin, contact)) > limit[0] * (1 + 1e-14) and n_events < most[0]:
+                    skin = _changed(skin, contact)
+                    events[n_events] = skin.time_s, skin.direction
                     n_events, n_here = n_events + 1, n_here + 1
                     continue  # a step of one that slips may be shorter
-            push[:] = direction * kinetic * force
-            push[0] += direction * kinetic * force_n + m * travel[1]
-            if first:
-                slipping = (push[0] - c * rate - k * s) / m
-                lateral = direction * kinetic * (force_n + force[0]) if direction != 0 else k * s + c * here
-                out[i] = s, rate, travel[1] if direction == 0 else slipping, lateral, force[0], direction
-                first = False
+            _push_series(skin, contact, series)
+            if not told:
+                out[i], told = _row(skin, contact, series), True
             if rest <= 0:
                 break
-            if direction == 0:
-                _stick_series(s, here, travel[1], unit, stretch)
-                place = _breaks_loose(stretch, here, travel[1], unit, c, k, limit)
-            else:
-                _slip_series(s, rate, push, unit, m, c, k, stretch)
-                place = _comes_to_rest(stretch, here, travel[1], unit, direction)
+            place = _next_event(skin, contact, unit, series, limit)
             reached = min(place, 1.0)
             passed = reached * h
-            s, rate = _value(stretch, reached), _slope(stretch, reached) / unit
-            for r in range(n_relax):
-                y[r] = _value(states[r], reached)
-            for q in range(n_turns):
-                turn[q] *= np.exp(1j * omegas[q] * passed)
-            level += slopes[now] * passed
+            _go_on(circuit, layers, series, reached, passed)
             rest = rest - passed if place <= 1 else (0.0 if h >= rest else rest - h)
-            n_here = n_here if passed <= 1e-14 * time else 0
-            time += passed
-            if place <= 1 and n_events < n_events_max:
-                here = travel[0] + travel[1] * time
-                rate = here
-                direction = 0.0 if direction != 0 else (1.0 if k * s + c * here > 0 else -1.0)
-                events[n_events] = time, direction
+            n_here = n_here if passed <= 1e-14 * skin.time_s else 0
+            rate = _slope(series.stretch, reached) / unit
+            skin = Skin(_value(series.stretch, reached), rate, skin.direction, skin.time_s + passed)
+            if place <= 1 and n_events < most[0]:
+                skin = _changed(skin, contact)
+                events[n_events] = skin.time_s, skin.direction
                 n_events, n_here = n_events + 1, n_here + 1
-            if n_events == n_events_max or n_here > N_AT_ONCE:
-                return out, events, TOO_MANY if n_events == n_events_max else CHATTER, time
-            if n_steps > n_steps_max:
-                return out, events, TOO_LONG, time
-    return out, events[:n_events], 0, time
+            failure = _failure(n_events, n_here, n_steps, most)
+            if failure:
+                return out, events, failure, skin.time_s
+    return out, events[:n_events], 0, skin.time_s
+
+
+@compiled
+def _failure(n_events: int, n_here: int, n_steps: int, most: Pair) -> int:
+    if n_events == most[0]:
+        return TOO_MANY
+    if n_here > N_AT_ONCE:
+        return CHATTER
+    return TOO_LONG if n_steps > most[1] else 0

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +13,13 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ..attraction.force import ForceForm
-from ..skin.relaxation import Relaxations
 from ..waveforms.pieces import Pieces
-from .driven_motion import DECAYED, Timing, check_times, nodes_of, phases
+from .driven_motion import Timing, check_times
 from .finger import Finger
+from .phases import Phases, heights, moving, nodes_of, phases
+
+if TYPE_CHECKING:
+    from . import power_series
 
 Real = NDArray[np.float64]
 
@@ -120,19 +124,12 @@ def stick_slip(
     t = np.asarray(t_s, dtype=np.float64)
     require.not_negative("stick_slip", force_n=force_n)
     require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
-    wanted, arrays = _plan(Timing(pieces, t), form.relaxations, finger)
+    wanted, shared, layers, steps = _plan(Timing(pieces, t), form, finger)
+    pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
+    moved = travel.speed_m_per_s, travel.acceleration_m_per_s2
+    contact = power_series.Contact(*pad, friction.static, friction.kinetic, friction.gated, force_n, *moved)
     states, events, failure, time_s = power_series.flow(
-        pieces.offsets_v,
-        pieces.slopes_v_per_s,
-        pieces.harmonics_v,
-        form.newton_per_v2,
-        *arrays,
-        np.array([finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m]),
-        np.array([friction.static, friction.kinetic, force_n]),
-        np.array([travel.speed_m_per_s, travel.acceleration_m_per_s2, travel.stretch_m]),
-        friction.gated,
-        n_events_max,
-        N_STEPS_MAX,
+        heights(pieces), shared, layers, steps, contact, travel.stretch_m, (n_events_max, N_STEPS_MAX)
     )
     if failure == power_series.TOO_LONG:
         raise InvalidParameter(
@@ -151,20 +148,24 @@ def stick_slip(
 
 
 @lru_cache(maxsize=64)
-def _plan(timing: Timing, relaxations: Relaxations, finger: Finger) -> tuple[NDArray[np.intp], tuple[object, ...]]:
+def _plan(
+    timing: Timing, form: ForceForm, finger: Finger
+) -> "tuple[NDArray[np.intp], Phases, power_series.Layers, power_series.Steps]":
+    """What does not depend on heights: the nodes that were asked for, their phases, the circuit, the longest steps."""
+    from . import power_series
+
     check_times(timing.t_s, timing.pieces)
+    relaxations = form.relaxations
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     shared = phases(timing.pieces, relaxations, nodes)
-    rates = np.array(relaxations.rates_per_s)
-    moves = shared.since[:, None] * rates[None, :] < DECAYED * (1 - 1e-9)
-    omegas = 2 * pi * timing.pieces.frequencies_hz
+    rates, omegas = np.array(relaxations.rates_per_s), 2 * pi * timing.pieces.frequencies_hz
+    gains, moves = np.array(relaxations.gains), moving(shared.since, relaxations)
+    # the force goes with the square of the voltage, so that its rates are doubled
     electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
     fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
-    from .power_series import REACH
-
-    longest = np.divide(REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
-    arrays = (*shared.arrays, np.array(relaxations.gains), relaxations.dc_gain)
-    return np.searchsorted(nodes, timing.t_s), (*arrays, rates, omegas, np.diff(nodes), moves, longest)
+    longest = np.divide(power_series.REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
+    layers = power_series.Layers(gains, relaxations.dc_gain, rates, omegas, shared.responses, form.newton_per_v2)
+    return np.searchsorted(nodes, timing.t_s), shared, layers, power_series.Steps(np.diff(nodes), moves, longest)
 
 
 def _fastest_rad_per_s(finger: Finger) -> float:

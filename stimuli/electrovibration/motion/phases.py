@@ -1,0 +1,88 @@
+"""Nodes of time within the pieces of a voltage, and what of its answer depends on time alone."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..skin.relaxation import Relaxations, phi1
+from ..waveforms.pieces import Pieces
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+DECAYED = 40.0
+"""Time constants after which a relaxation follows its input: what is left of it is 4e-18."""
+
+
+class Heights(NamedTuple):
+    """What of a voltage is not time: per piece its value and slope, and its sinusoids (n_pieces, n_turns).
+
+    Those of many voltages have a first axis.
+    """
+
+    offsets: Real
+    slopes: Real
+    amplitudes: Complex
+
+
+class Phases(NamedTuple):
+    """Where each node lies, and the factors of a circuit that its time gives.
+
+    Per node the piece that holds it and the time since that started; decay and line factor of each relaxation there,
+    (n_relax, n_nodes); the same at the ends of the pieces, with their lengths; the turn of each sinusoid at each node,
+    (n_nodes, n_turns), and what each relaxation answers to it, (n_relax, n_turns).
+    """
+
+    piece: NDArray[np.intp]
+    since: Real
+    decay: Real
+    line: Real
+    spans: Real
+    end_decay: Real
+    end_line: Real
+    turns: Complex
+    responses: Complex
+
+
+def heights(pieces: Pieces) -> Heights:
+    """The heights of one voltage."""
+    return Heights(pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v)
+
+
+def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
+    """The phases of nodes (n_nodes,) within the pieces."""
+    piece = pieces.index(nodes)
+    since = nodes - pieces.starts_s[piece]
+    rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
+    spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
+    return Phases(
+        piece,
+        since,
+        decay=np.exp(-rates * since),
+        line=since * phi1(rates * since),
+        spans=spans,
+        end_decay=np.exp(-rates * spans),
+        end_line=spans * phi1(rates * spans),
+        turns=np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz)),
+        responses=_responses(relaxations, pieces),
+    )
+
+
+def moving(since: Real, relaxations: Relaxations) -> NDArray[np.bool_]:
+    """(n_nodes, n_relax): which relaxations still move behind a node; at the node that ends a decay it is over."""
+    return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
+
+
+def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
+    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
+    rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
+    decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
+    ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
+    nodes = np.unique(np.concatenate([[0.0], pieces.starts_s, decayed[decayed < ends], t_s]))
+    return np.asarray(nodes[nodes <= t_s[-1]])
+
+
+def _responses(relaxations: Relaxations, pieces: Pieces) -> Complex:
+    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
+    return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))
