@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -149,7 +150,9 @@ def issues(command: list[str]) -> dict:
 )
 def test_the_validator_of_bids_finds_no_error_and_only_the_warnings_that_the_docs_name(exported):
     program = shutil.which("bids-validator-deno", path=PATHS)
-    found = issues([str(program), str(exported / "bids"), "--json"])["issues"]
+    with tempfile.TemporaryDirectory() as folder:  # of the disk: Deno reads no folder below /dev
+        copy = shutil.copytree(exported / "bids", Path(folder) / "bids")
+        found = issues([str(program), str(copy), "--json"])["issues"]
     said = {(issue["severity"], issue["code"], issue.get("subCode")) for issue in found}
     assert said <= {("warning", "SIDECAR_KEY_RECOMMENDED", key) for key in BEYOND_BEHAVIOUR.split()}
 
