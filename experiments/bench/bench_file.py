@@ -11,7 +11,7 @@ from tactometry.config.strict import build
 from tactometry.config.toml import located, read_table
 from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
 from tactometry.devices.measured import Measured
-from tactometry.devices.outputs.gain import Gain, stated
+from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import RAMP_S, NullSettings
 from tactometry.devices.sensors.force_calibration import ForceCalibration
@@ -66,7 +66,7 @@ class OutputPart:
 
     def __post_init__(self) -> None:
         if self.settings.connected:
-            stated(self.gain, "OutputPart.gain")
+            required_gain(self.gain, "OutputPart.gain")
         if not 0 <= self.ramp_s <= 1:
             raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
 

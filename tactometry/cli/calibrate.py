@@ -58,10 +58,10 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.calibration import fit_gain, gain_toml
 
-    from ..devices.outputs.gain import measured_anew, stated
+    from ..devices.outputs.gain import measured_anew, required_gain
 
     bench = load_bench(bench_path)
-    before = stated(bench.output.gain, "output.gain")
+    before = required_gain(bench.output.gain, "output.gain")
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     units = _parts(parts)
     volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, new, units, tone_s))

@@ -57,12 +57,16 @@ class ClockMap:
         """
         if not (math.isfinite(device_s) and math.isfinite(arrival_s)):
             raise InvalidParameter(f"ClockMap: found times {device_s} and {arrival_s}, expected finite numbers")
-        now, difference_s = math.floor(arrival_s / BIN_S), arrival_s - device_s
-        older = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
-        if older and older[-1][0] == now:
-            return ClockMap((*older[:-1], (now, min(older[-1][1], difference_s))), self.floor_s)
-        past_s = (past_s for n, past_s in self.smallest_s if n <= now - N_BINS)
-        return ClockMap((*older, (now, difference_s)), min(self.floor_s + DRIFT * BIN_S, *past_s, math.inf))
+        now = math.floor(arrival_s / BIN_S)
+        difference_s = arrival_s - device_s
+        kept = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
+        if kept and kept[-1][0] == now:
+            smallest_s = min(kept[-1][1], difference_s)
+            return ClockMap((*kept[:-1], (now, smallest_s)), self.floor_s)
+        # a new bin: those that leave the window live on in the floor, which forgets them at the rate of `DRIFT`
+        leaving_s = (smallest_s for n, smallest_s in self.smallest_s if n <= now - N_BINS)
+        floor_s = min(self.floor_s + DRIFT * BIN_S, *leaving_s, math.inf)
+        return ClockMap((*kept, (now, difference_s)), floor_s)
 
     def ours_s(self, device_s: float) -> float:
         """A device time on our clock.
@@ -103,7 +107,10 @@ within 2%; mend the device, or what the bench file says of its rate
         if len(slopes) < N_BINS - 1:
             return
         gained_s = min(self.floor_s, self.smallest_s[0][1]) - self.smallest_s[-1][1]
-        if (slopes[-2] < -RATE_TOLERANCE and gained_s > GAINED_S) or slopes[1] > SLOWEST:
+        # the last but one and the second of the sorted slopes: one bin may do something else
+        runs_fast = slopes[-2] < -RATE_TOLERANCE and gained_s > GAINED_S
+        runs_slow = slopes[1] > SLOWEST
+        if runs_fast or runs_slow:
             raise DeviceFailed(
                 f"{name}: found a clock that runs {1 - median(slopes):.3g} times as fast as this computer's, expected "
                 f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"

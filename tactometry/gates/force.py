@@ -121,14 +121,16 @@ def compliance(
     """
     positive("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
     times, forces = _trace(times_s, forces_n)
-    in_band = np.abs(_running_mean(times, forces, window_s) - target_n) <= tolerance * target_n
+    off_target_n = np.abs(_running_mean(times, forces, window_s) - target_n)
+    in_band = off_target_n <= tolerance * target_n
     return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
 
 
 def _running_mean(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
-    first = np.minimum(first, behind - 1)
+    first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
+    # reduceat sums from each edge to the next: every second sum is a window's; the 0 lets the last edge be the end
     edges = np.column_stack([first, behind]).ravel()
     sums = np.add.reduceat(np.append(forces_n, 0.0), edges)[::2]
     return np.asarray(sums / (behind - first), dtype=np.float64)

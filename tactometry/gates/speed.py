@@ -94,7 +94,8 @@ class SpeedGate:
         moved = replace(self, samples=self._window(sample_time_s, position_m))
         if not moved.holds(moved.speed_m_per_s):
             return replace(moved, since_s=None)
-        return replace(moved, since_s=sample_time_s if self.since_s is None else self.since_s)
+        since_s = sample_time_s if self.since_s is None else self.since_s
+        return replace(moved, since_s=since_s)
 
     def _window(self, sample_time_s: float, position_m: float) -> tuple[tuple[float, float], ...]:
         if not self.samples or not 0 < sample_time_s - self.samples[-1][0] <= self.max_gap_s:
@@ -143,10 +144,13 @@ def motion(
     """
     gate = SpeedGate(target_m_per_s, tolerance, window_s=window_s)
     times, positions = _path(times_s, positions_m)
-    first = np.searchsorted(times, times - window_s / 2 * (1 + 1e-9), side="left")
-    last = np.searchsorted(times, times + window_s / 2 * (1 + 1e-9), side="right") - 1
+    half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
+    first = np.searchsorted(times, times - half_s, side="left")
+    last = np.searchsorted(times, times + half_s, side="right") - 1
+    # a sample alone in its window has no speed: with the one before it, and the first of all with the one after
     alone = first == last
-    first, last = np.where(alone, np.maximum(first - 1, 0), first), np.where(alone & (first == 0), 1, last)
+    last = np.where(alone & (first == 0), 1, last)
+    first = np.where(alone, np.maximum(first - 1, 0), first)
     speeds = np.abs(positions[last] - positions[first]) / (times[last] - times[first])
     mean_m_per_s = float(np.abs(np.diff(positions)).sum() / (times[-1] - times[0]))
     in_band = np.abs(speeds - gate.target_m_per_s) <= tolerance * gate.target_m_per_s * (1 + 1e-12)

@@ -77,7 +77,8 @@ class Limits:
     charge_session_c: float | None = None
 
     def __post_init__(self) -> None:
-        positive("Limits", **{k: v for k, v in vars(self).items() if v is not None or k not in OPTIONAL})
+        stated = {name: value for name, value in vars(self).items() if value is not None or name not in OPTIONAL}
+        positive("Limits", **stated)
         if self.duty is not None and self.duty > 1:
             raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
 
@@ -110,14 +111,14 @@ class Limits:
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
-            found_a = load.current_peak_a(signal)
-            _hold("current_peak_a", "a peak of", found_a, self.current_peak_a, "A", "lower the level or its slopes")
+            peak_a = load.current_peak_a(signal)
+            _hold("current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or its slopes")
         if self.charge_peak_c is not None:
-            found_c = load.charge_peak_c(signal)
-            _hold("charge_peak_c", "a peak of", found_c, self.charge_peak_c, "C", "lower the level or shorten it")
+            peak_c = load.charge_peak_c(signal)
+            _hold("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or shorten it")
         if self.displacement_peak_m is not None:
-            found_m = load.displacement_peak_m(signal)
-            _hold("displacement_peak_m", "up to", found_m, self.displacement_peak_m, "m", "lower the level")
+            peak_m = load.displacement_peak_m(signal)
+            _hold("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_stated(self, load: Load) -> None:
         """Refuse a load whose limits nobody stated.
@@ -192,12 +193,12 @@ class Limits:
         (100.0, 1.0, 0.001)
         """
         smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
-        stated = [(each.duty, each.duty_window_s) for each in (self, other) if each.duty is not None]
-        if not stated:
+        duties = [(limits.duty, limits.duty_window_s) for limits in (self, other) if limits.duty is not None]
+        if not duties:
             return replace(self, **smallest)
-        longest_s = max(window_s for _, window_s in stated)
+        longest_s = max(window_s for _, window_s in duties)
         # by a ratio of windows, so that a duty over one window stays the number that was stated
-        duty = min(duty * (window_s / longest_s) for duty, window_s in stated)
+        duty = min(duty * (window_s / longest_s) for duty, window_s in duties)
         return replace(self, **smallest, duty=duty, duty_window_s=longest_s)
 
 
@@ -228,6 +229,7 @@ class Exposure:
         """With another signal; what ended more than `window_s` before its end is forgotten."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
+        # a new signal ends what still plays: no time counts twice
         intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
         return replace(self, intervals_s=kept_s, charge_c=self.charge_c + charge_c)
@@ -238,11 +240,13 @@ class Exposure:
         >>> Exposure(0.0, ((0.0, 3.0), (5.0, 8.0))).cure(9.0, 2.0, window_s=10.0, most_s=5.0)
         'wait 2.0 s'
         """
-        to_forget_s = self.stopped(begin_s).played_s + duration_s - most_s
-        for a, b in self.stopped(begin_s).intervals_s:
+        played = self.stopped(begin_s)
+        to_forget_s = played.played_s + duration_s - most_s
+        for a, b in played.intervals_s:  # the oldest leaves the window first
             if to_forget_s <= b - a:
+                # the window ends with the signal and begins where enough is behind it
                 wait_s = a + to_forget_s + window_s - duration_s - begin_s
-                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"
+                return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"  # rounded up, or it would be refused again
             to_forget_s -= b - a
         return "shorten the signal"
 
@@ -269,7 +273,7 @@ def _smaller(one: float | None, other: float | None) -> float | None:
 
 def _hold(name: str, what: str, found: float, limit: float, unit: str, cure: str) -> None:
     """Refuse what is above its limit, and what is no number."""
-    if not found <= limit * (1 + ROUNDING):
+    if not found <= limit * (1 + ROUNDING):  # not `found > limit`, which a NaN passes
         raise LimitExceeded(
             f"limits.{name}: found {what} {found:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "
             "nothing was played"

@@ -59,6 +59,7 @@ class Load:
     def current_peak_a(self, signal: Signal) -> float:
         """Largest abs(C dv/dt + v/R) on any channel, A."""
         before, after, slope = _lines(signal)
+        # along a straight line the current is one too: its largest value is at an end
         ends = [self.capacitance_f * slope + v / self.leak_resistance_ohm for v in (before, after)]
         return float(np.max(np.abs(ends), initial=0.0))
 
@@ -97,11 +98,14 @@ class Load:
         if math.isinf(self.leak_resistance_ohm):
             return at_samples
         before, after, slope = _lines(signal)
+        # the current C dv/dt + v/R is 0 there
         turning_v = -self.capacitance_f * slope * self.leak_resistance_ohm
         inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)
         per_slope = np.divide(1.0, slope, out=np.zeros_like(slope), where=inside)
+        # back from the sample: the integral of v/R along a straight line is that of v dv / (slope R)
         leaked = (after**2 - turning_v**2) * per_slope / (2 * self.leak_resistance_ohm)
-        return np.where(inside, at_samples - self.capacitance_f * (after - turning_v) - leaked, at_samples)
+        at_turning = at_samples - self.capacitance_f * (after - turning_v) - leaked
+        return np.where(inside, at_turning, at_samples)
 
 
 def _lines(signal: Signal) -> tuple[FloatArray, FloatArray, FloatArray]:

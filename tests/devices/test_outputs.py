@@ -19,7 +19,7 @@ from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.file import FileSettings, read_signal
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.ni import NiSettings, started, task_of
+from tactometry.devices.outputs.ni import NiSettings, start_task, task_of
 from tactometry.devices.outputs.packed import PackedSettings
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.safety.limits import Limits
@@ -383,7 +383,7 @@ def test_the_calls_fit_the_signatures_of_the_library(task):
     import nidaqmx
     from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior
 
-    started(task_of(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
+    start_task(task_of(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
     timing = task.timing.cfg_samp_clk_timing.call_args.kwargs
     assert (timing["sample_mode"], timing["samps_per_chan"]) == (AcquisitionType.FINITE, 3)
     assert inspect.signature(nidaqmx.task.Timing.cfg_samp_clk_timing).parameters.keys() >= timing.keys()

@@ -16,7 +16,7 @@ from ..clock_map import ClockMap
 from ..deadline import CLOSE_WITHIN_S, within
 from ..sensors.reader import SampleBlock
 from .frame_feed import FrameFeed
-from .gain import Gain, SignalChain, stated
+from .gain import Gain, SignalChain, required_gain
 from .gaps import LONGEST_WORD_S, DryRuns
 from .volume import system_volume
 
@@ -60,7 +60,7 @@ class AudioSettings:
             )
 
     def driver(self, gain: Gain | None) -> "AudioOutput":
-        return AudioOutput(self, stated(gain, "output.gain"))
+        return AudioOutput(self, required_gain(gain, "output.gain"))
 
     def chain(self) -> SignalChain:
         return SignalChain(f"audio {self.device}, {self.sample_format}", system_volume(self.device))
@@ -110,11 +110,13 @@ class AudioOutput:
         try:
             self._stream = sounddevice.OutputStream(
                 device=settings.device,
+                # PortAudio opens the outlets from the first on; those that are not named get zeros
                 channels=max(settings.channels) + 1,
                 samplerate=settings.rate_hz,
                 dtype=settings.sample_format,
                 blocksize=round(settings.block_s * settings.rate_hz),
                 latency=settings.latency_s,
+                # what leaves is what `final` gave to the guard, to the last bit
                 dither_off=True,
                 clip_off=True,
                 callback=self._fill,
@@ -140,6 +142,7 @@ class AudioOutput:
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
             return np.trunc(units * FULL_SCALE[kind.name]).astype(kind)
+        # to the nearest, which may lie further from zero: then one step back
         numbers = units.astype(kind)
         return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
 
@@ -176,14 +179,17 @@ class AudioOutput:
         return frames
 
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
-        now_s, course = time.perf_counter(), self._course
-        lead_s, block_s = max(0.0, times.outputBufferDacTime - times.currentTime), n_frames / self.rate_hz
-        gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, told=bool(status.output_underflow))
+        now_s = time.perf_counter()
+        course = self._course  # read once: `play` puts another in its place while this runs in PortAudio's thread
+        lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
+        block_s = n_frames / self.rate_hz
+        underflow = bool(status.output_underflow)
+        gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, underflow=underflow)
         if course is not None and gap_s is not None:
             course.n_gaps += course.is_torn_by(gap_s, self.rate_hz)
         self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
         self._n_frames += n_frames
-        out[:] = 0
+        out[:] = 0  # before and after a signal, and behind its last frame
         if course is None or course.finished:
             return
         if not course.begun.is_set():
@@ -283,8 +289,8 @@ class AudioInput:
         self._n_frames += len(frames)
         self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
         self._clocks.check(self.name)
-        shift_s = self._clocks.ours_s(0.0)
-        return SampleBlock(count_s + shift_s, frames.astype(np.float64) / FULL_SCALE["int32"])
+        offset_s = self._clocks.ours_s(0.0)
+        return SampleBlock(count_s + offset_s, frames.astype(np.float64) / FULL_SCALE["int32"])
 
     def close(self) -> None:
         stream, self._stream = self._stream, None
@@ -318,13 +324,13 @@ def _named(owner: str, device: str) -> None:
 def _check_own(sounddevice: Any, device: str) -> None:
     """Refuse a device that other programs play to as well; one that is not there is refused as it is opened."""
     try:
-        found = sounddevice.query_devices(device, "output")
-        interface = str(sounddevice.query_hostapis(found["hostapi"])["name"])
+        card = sounddevice.query_devices(device, "output")
+        interface = str(sounddevice.query_hostapis(card["hostapi"])["name"])
     except (sounddevice.PortAudioError, ValueError):
         return
-    if found["name"] in SHARED or interface.startswith(SHARED_INTERFACES):
+    if card["name"] in SHARED or interface.startswith(SHARED_INTERFACES):
         raise DeviceFailed(
-            f"output audio: found {found['name']!r} ({interface}), where other programs may play too and change the "
+            f"output audio: found {card['name']!r} ({interface}), where other programs may play too and change the "
             "volume, expected a card of its own, or shared = true in [output]; nothing was played"
         )
 
@@ -349,8 +355,8 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
         )
     except sounddevice.PortAudioError:
         known = ""
-    found = f"the devices are {known}" if known else "there is no output device"
+    devices = f"the devices are {known}" if known else "there is no output device"
     return (
         f"output audio: cannot open {settings.device} with {wanted} "
-        f"({' '.join(str(error).split())}); {found}; nothing was played"
+        f"({' '.join(str(error).split())}); {devices}; nothing was played"
     )

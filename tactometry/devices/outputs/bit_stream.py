@@ -64,7 +64,9 @@ def encode(signal: Signal) -> bytes:
     (50, '0302', [[30.0, -30.0], [30.0, 30.0]])
     """
     voltage_v = signal.peak
-    if signal.unit != "V" or not np.all(np.abs(signal.samples) == voltage_v) or (signal.samples.size and not voltage_v):
+    one_size = np.all(np.abs(signal.samples) == voltage_v)
+    is_zero = signal.samples.size > 0 and voltage_v == 0  # zeros are of one size too, and have no sign
+    if signal.unit != "V" or not one_size or is_zero:
         raise InvalidParameter(
             "packed stream: found samples of more than one size, expected +V and -V alone (a one-bit signal in volt, "
             "without ramps)"

@@ -35,15 +35,15 @@ class BoardLine:
         """
         end_s, sent = time.monotonic() + within_s, 0
         while sent < len(stream) and not until.is_set():
-            taken = self._written(memoryview(stream)[sent:])
-            sent += taken
-            if taken == 0:
+            n_taken = self._write_some(memoryview(stream)[sent:])
+            sent += n_taken
+            if n_taken == 0:
                 if time.monotonic() > end_s:
                     break
                 self._wait()
         return sent
 
-    def _written(self, rest: memoryview) -> int:
+    def _write_some(self, rest: memoryview) -> int:
         try:
             return os.write(self._file, rest)
         except BlockingIOError:
@@ -60,7 +60,7 @@ class BoardLine:
     def was_read(self, within_s: float) -> bool:
         """Whether a pipe is empty within a time: its reader has all that was written."""
         end_s = time.monotonic() + within_s
-        while self._is_pipe and _waiting(self._file) > 0:
+        while self._is_pipe and _n_unread(self._file) > 0:
             if time.monotonic() > end_s:
                 return False
             time.sleep(LOOK_S / 5)
@@ -73,6 +73,7 @@ class BoardLine:
         with contextlib.ExitStack() as last_first, contextlib.suppress(OSError):
             own_end = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK)
             last_first.callback(os.close, own_end)
+            # an empty pipe that may still be written to raises BlockingIOError, which is the way out
             while os.read(own_end, 2**16):
                 pass
 
@@ -118,7 +119,7 @@ class Sending:
         return self.n_sent == len(self._stream)
 
 
-def opened(path: Path, within_s: float) -> BoardLine:
+def open_line(path: Path, within_s: float) -> BoardLine:
     """A line for appending; a pipe that nobody reads is waited for.
 
     Raises
@@ -126,13 +127,17 @@ def opened(path: Path, within_s: float) -> BoardLine:
     DeviceFailed
         If it cannot be written, or nobody reads it within `within_s`.
     """
-    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    # without O_NONBLOCK the opening of a pipe that nobody reads blocks; O_NOCTTY: a serial node does not become the
+    # terminal whose hang-up ends this process; Windows knows neither
+    not_blocking = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | not_blocking
     end_s = time.monotonic() + within_s
     while True:
         try:
             return BoardLine(path, os.open(path, flags, 0o666))
         except OSError as error:
-            if not (error.errno == errno.ENXIO and path.is_fifo()):
+            nobody_reads = error.errno == errno.ENXIO and path.is_fifo()
+            if not nobody_reads:
                 raise DeviceFailed(
                     f"{path}: cannot open the board ({error.strerror}), expected a device, a pipe or a file that may "
                     "be written; nothing was played"
@@ -145,7 +150,7 @@ def opened(path: Path, within_s: float) -> BoardLine:
         time.sleep(LOOK_S)
 
 
-def _waiting(pipe: int) -> int:
+def _n_unread(pipe: int) -> int:
     """Bytes of a pipe that its reader has not read."""
     import fcntl
     import termios

@@ -56,7 +56,7 @@ class FrameFeed:
         >>> short.take(2).ravel().tolist()
         [8.0, 4.0]
         """
-        stopping = self._stopping
+        stopping = self._stopping  # read once: the thread that plays may set it meanwhile
         n_taken = min(n_frames, self._n_fade) if stopping else n_frames
         piece = self._frames[self._at : self._at + n_taken]
         self._at = len(self._frames) if stopping else self._at + n_taken
@@ -66,5 +66,6 @@ class FrameFeed:
 
 
 def _fading(piece: NDArray[Any]) -> NDArray[Any]:
-    falling = piece * (1 - np.arange(len(piece)) / len(piece))[:, None]
-    return np.asarray(np.trunc(falling) if piece.dtype.kind == "i" else falling).astype(piece.dtype)
+    envelope = 1 - np.arange(len(piece)) / len(piece)
+    falling: NDArray[Any] = piece * envelope[:, None]
+    return falling.astype(piece.dtype)  # whole numbers are cut towards zero

@@ -108,7 +108,9 @@ class Gain:
 
     def _check_volume(self, what: str, system_volume: float | None) -> None:
         known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
-        if len(known) == 1 or max(known, default=0.0) - min(known, default=0.0) > VOLUME_TOLERANCE:
+        apart = max(known, default=0.0) - min(known, default=0.0)
+        # one volume alone tells nothing of the other: a server came or went since the gain was measured
+        if len(known) == 1 or apart > VOLUME_TOLERANCE:
             raise DeviceFailed(
                 f"{what}.system_volume: found a gain of {_volume(self.system_volume)}, expected one of "
                 f"{_volume(system_volume)}, as it is now; set it back, or {MEASURE}"
@@ -123,6 +125,7 @@ class Gain:
             If one is beyond -1..1, where the device would clip.
         """
         units = signal.samples / self.load_volts_per_unit
+        # 1e-12: the last digits of the division are no excess, and are cut off below
         if np.max(np.abs(units), initial=0.0) > 1 + 1e-12:
             raise DeviceFailed(
                 f"output: found a peak of {signal.peak:.6g} V, expected at most {self.load_volts_per_unit:.6g} V, what "
@@ -142,7 +145,7 @@ def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
     )
 
 
-def stated(gain: Gain | None, what: str) -> Gain:
+def required_gain(gain: Gain | None, what: str) -> Gain:
     """The gain of an output that leads to an amplifier, which nobody may leave out.
 
     Raises

@@ -1,4 +1,4 @@
-"""Gaps in what a device plays, from what its callback is told."""
+"""Gaps in what a device plays, from what its callback hears."""
 
 import math
 
@@ -16,10 +16,10 @@ class DryRuns:
     Examples
     --------
     >>> dry = DryRuns(least_lead_s=0.02)
-    >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, told=False)
-    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, told=False)
+    >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
+    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False)
     1.06
-    >>> dry.after(now_s=1.4, lead_s=0.01, block_s=0.01, told=True), dry.n_gaps
+    >>> dry.after(now_s=1.4, lead_s=0.01, block_s=0.01, underflow=True), dry.n_gaps
     (None, 1)
     """
 
@@ -30,12 +30,12 @@ class DryRuns:
         self._least_lead_s = least_lead_s
         self._was_dry = False
 
-    def after(self, *, now_s: float, lead_s: float, block_s: float, told: bool) -> float | None:
+    def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
         """When the gap before this block began, which leaves the device `lead_s` from now; None where there was none.
 
         A device tells of one gap with several blocks in a row.
         """
-        is_dry = told or now_s > self.dry_s
+        is_dry = underflow or now_s > self.dry_s
         began_s = min(self.dry_s, now_s) if is_dry and not self._was_dry else None
         self.n_gaps += began_s is not None
         self._was_dry = is_dry

@@ -86,9 +86,9 @@ class Guarded:
         """Count on from what was emitted before: `before` is on the clock of this guard."""
         self._before = before
 
-    def tell(self, told: Callable[["GuardedSignal"], None]) -> None:
-        """Call `told` with whatever is emitted from now on, as it begins, in the thread that plays."""
-        self._tell = told
+    def tell(self, hear: Callable[["GuardedSignal"], None]) -> None:
+        """Call `hear` with whatever is emitted from now on, as it begins, in the thread that plays."""
+        self._tell = hear
 
     def open(self) -> None:
         """Claim the device, if its limits are stated.
@@ -116,6 +116,7 @@ class Guarded:
         limits.check_exposure(self._exposure, self.clock(), final.duration_s, charge_c)
         onset_s = self.driver.play(signal)
         with self._counting:
+            # the clock anew: a driver may let the signal before fall to zero first
             self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
         if self.emits:
             self._tell(GuardedSignal(onset_s, final.duration_s, charge_c))
@@ -135,6 +136,7 @@ class Guarded:
         return limits, self._checked[1]
 
     def _final(self, signal: Signal, limits: Limits) -> Signal:
+        # twice: what was asked for, and what rounding and clipping make of it
         limits.check(signal)
         check_format(signal, self.driver)
         final = self.driver.final(signal)

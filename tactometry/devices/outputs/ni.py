@@ -19,7 +19,7 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from ..deadline import CLOSE_WITHIN_S, within
-from .gain import Gain, SignalChain, stated
+from .gain import Gain, SignalChain, required_gain
 from .gaps import LONGEST_WORD_S
 
 FloatArray = NDArray[np.float64]
@@ -44,7 +44,7 @@ class NiSettings:
             )
 
     def driver(self, gain: Gain | None) -> "NiOutput":
-        return NiOutput(self, stated(gain, "output.gain"))
+        return NiOutput(self, required_gain(gain, "output.gain"))
 
     def chain(self) -> SignalChain:
         first, *others = self.channels
@@ -93,11 +93,13 @@ def task_of(settings: NiSettings, gain: Gain, signal: Signal) -> NiTask:
     ([[5.0, -10.0, 0.0]], 3, 'Dev1/ao0')
     """
     volts = gain.to_units(signal) * gain.volts_per_unit
-    if np.max(np.abs(volts), initial=0.0) > settings.range_v:
+    peak_v = np.max(np.abs(volts), initial=0.0)
+    if peak_v > settings.range_v:
         raise DeviceFailed(
-            f"output ni: found {np.max(np.abs(volts)):.6g} V at the connector, expected at most the range of "
+            f"output ni: found {peak_v:.6g} V at the connector, expected at most the range of "
             f"{settings.range_v:g} V; nothing was played"
         )
+    # the connector keeps the last value of a generation
     ended = np.pad(volts, ((0, 0), (0, 1)))
     return NiTask(",".join(settings.channels), -settings.range_v, settings.range_v, settings.rate_hz, ended)
 
@@ -134,7 +136,7 @@ class NiOutput:
         self._end_task()
         task = task_of(self._settings, self._gain, signal)
         try:
-            self._task = started(task, self._settings)
+            self._task = start_task(task, self._settings)
         except Exception as error:
             raise _failed(self.name, error) from None
         return time.perf_counter()
@@ -165,6 +167,7 @@ class NiOutput:
         try:
             with _library().Task() as task:
                 _add_channels(task, ",".join(self._settings.channels), self._settings)
+                # nidaqmx takes a number for one channel, a list for several
                 zeros: Any = [0.0] * self.n_channels if self.n_channels > 1 else 0.0
                 task.write(zeros, auto_start=True)
         except DeviceFailed:
@@ -173,7 +176,7 @@ class NiOutput:
             raise _failed(self.name, error) from None
 
 
-def started(task: NiTask, settings: NiSettings) -> Any:
+def start_task(task: NiTask, settings: NiSettings) -> Any:
     """A task of the driver that has begun to play."""
     from nidaqmx.constants import AcquisitionType
 
@@ -185,7 +188,7 @@ def started(task: NiTask, settings: NiSettings) -> Any:
         )
         running.write(task.volts if len(task.volts) > 1 else task.volts[0], auto_start=False)
         running.start()
-    except BaseException:
+    except BaseException:  # Ctrl-C too: a task that is left open keeps its channels reserved
         running.close()
         raise
     return running

@@ -138,8 +138,8 @@ def check_format(signal: Signal, output: Driver) -> None:
     DeviceFailed
         If it is not.
     """
-    found = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
-    for name, value in found.items():
+    of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
+    for name, value in of_signal.items():
         expected = getattr(output, name)
         if expected is not None and value != expected:
             raise DeviceFailed(
@@ -170,8 +170,10 @@ def with_ramps(signal: Signal, ramp_s: float) -> Signal:
     not_negative("with_ramps", ramp_s=ramp_s)
     n_samples = signal.samples.shape[1]
     n_ramp = min(round(ramp_s * signal.rate_hz), n_samples // 2)
-    ends = np.abs(signal.samples[:, [0, -1]]) if n_samples else np.zeros(1)
-    if np.max(ends) <= AT_REST_PART * signal.peak or n_ramp == 0:
+    if n_ramp == 0:
+        return signal
+    ends = np.abs(signal.samples[:, [0, -1]])
+    if np.max(ends) <= AT_REST_PART * signal.peak:
         return signal
     rise = 0.5 - 0.5 * np.cos(np.pi * np.arange(n_ramp) / n_ramp)
     envelope = np.ones(n_samples)

@@ -12,8 +12,8 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
-from .board_line import BoardLine, Sending, opened
-from .gain import Gain, SignalChain, stated
+from .board_line import BoardLine, Sending, open_line
+from .gain import Gain, SignalChain, required_gain
 from .gaps import LONGEST_WORD_S
 
 OPEN_WITHIN_S: Final = 5.0
@@ -42,7 +42,7 @@ class PackedSettings:
         positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
 
     def driver(self, gain: Gain | None) -> "PackedOutput":
-        return PackedOutput(self, stated(gain, "output.gain"))
+        return PackedOutput(self, required_gain(gain, "output.gain"))
 
     def chain(self) -> SignalChain:
         return SignalChain(f"packed {self.path}")
@@ -83,7 +83,7 @@ class PackedOutput:
         DeviceFailed
             If it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
         """
-        self._line = opened(self._path, OPEN_WITHIN_S)
+        self._line = open_line(self._path, OPEN_WITHIN_S)
         self._is_open = True
         self.stop()
 
@@ -94,6 +94,7 @@ class PackedOutput:
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
         supply_v = self._gain.load_volts_per_unit
+        # a signal of no samples is "stop" and has no voltage; 1e-9: the supply is a product, the level may be another
         if signal.samples.size and abs(signal.peak - supply_v) > 1e-9 * supply_v:
             raise DeviceFailed(
                 f"output {self.name!r}: found a signal of {signal.peak:.6g} V, expected the {supply_v:.6g} V of the "
@@ -108,12 +109,13 @@ class PackedOutput:
         return self._kept[1]
 
     def play(self, signal: Signal) -> float:
-        self.final(signal)
+        self.final(signal)  # for what it refuses
         if not self._is_open:
             raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
         with self._turn:
             self._finish()
-            self._line = self._line or opened(self._path, AGAIN_WITHIN_S)
+            # a stop that the board did not read has let its line go
+            self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
             self._sending = Sending(self._line, self._encoded(signal), signal.duration_s + SEND_BESIDE_S)
         return onset_s

@@ -19,8 +19,9 @@ def system_volume(device: str) -> float | None:
     if device not in SERVERS:
         return None
     with contextlib.suppress(OSError, subprocess.SubprocessError, ValueError, KeyError, IndexError):
-        default = _asked("info")["default_sink_name"]
-        [sink] = [sink for sink in _asked("list", "sinks") if sink["name"] == default]
+        default = _pactl("info")["default_sink_name"]
+        # none or several of the name: a ValueError, and the volume is not known
+        [sink] = [sink for sink in _pactl("list", "sinks") if sink["name"] == default]
         return _volume_of(sink)
     return None
 
@@ -37,7 +38,7 @@ def _volume_of(sink: Any) -> float:
     return 0.0 if sink["mute"] else float(loudest) / 65_536
 
 
-def _asked(*what: str) -> Any:
-    command = ["pactl", "--format=json", *what]
-    said = subprocess.run(command, capture_output=True, text=True, timeout=ASKED_WITHIN_S, check=True)
-    return json.loads(said.stdout)
+def _pactl(*arguments: str) -> Any:
+    command = ["pactl", "--format=json", *arguments]
+    answer = subprocess.run(command, capture_output=True, text=True, timeout=ASKED_WITHIN_S, check=True)
+    return json.loads(answer.stdout)

@@ -47,12 +47,14 @@ related to this computer's"
 
     def after(self, times_s: NDArray[np.float64], arrival_s: float) -> "Arrivals":
         """With a block of at least one sample."""
-        age_s = arrival_s - float(times_s.max())
+        age_s = arrival_s - float(times_s.max())  # of the newest: a block is late if all of it is
         since_s = arrival_s if self.late_since_s is None else self.late_since_s
         late_since_s = since_s if age_s > LATE_S else None
-        steps_s = np.diff(times_s, prepend=times_s[0] if self.last_s is None else self.last_s)
+        late_for_s = 0.0 if late_since_s is None else arrival_s - late_since_s
+        before_s = times_s[0] if self.last_s is None else self.last_s
+        steps_s = np.diff(times_s, prepend=before_s)
         n_steps_back = self.n_steps_back + int(np.count_nonzero(steps_s < 0))
-        fault = _fault(times_s, age_s, 0.0 if late_since_s is None else arrival_s - late_since_s)
+        fault = _fault(times_s, age_s, late_for_s)
         return Arrivals(float(times_s[-1]), late_since_s, n_steps_back, fault)
 
 

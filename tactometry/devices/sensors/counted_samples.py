@@ -57,6 +57,7 @@ class CountedSamples:
             If the device's clock does not run as ours.
         """
         new = [(self._device_s(ticks), values) for counter, ticks, values in samples if self._is_new(counter, ticks)]
+        # all of the block first, so that its least delayed sample stamps the others too
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
         self._clocks.check(self._name)
@@ -72,6 +73,7 @@ class CountedSamples:
         if self._best is None:
             self._best = offset_s, device_s
         elif offset_s < self._best[0] - STANDS_S:
+            # it fell for the whole block: the time of standing begins behind its newest sample
             self._best = offset_s, newest_s
         self._is_settled = device_s - self._best[1] >= self._settling_s
         return self._is_settled
@@ -79,12 +81,15 @@ class CountedSamples:
     def _stamp_s(self, device_s: float) -> float:
         stamp_s = self._clocks.ours_s(device_s)
         if self._last is not None:
-            elapsed_s = device_s - self._last[0]
-            expected_s = self._last[1] + elapsed_s
+            last_device_s, last_stamp_s = self._last
+            elapsed_s = device_s - last_device_s
+            expected_s = last_stamp_s + elapsed_s
             if abs(stamp_s - expected_s) <= STEP_S:
-                stamp_s = min(max(stamp_s, expected_s - SLEW * elapsed_s), expected_s + SLEW * elapsed_s)
-            elif stamp_s < expected_s and stamp_s - self._last[1] <= STEP_S:
-                stamp_s = min(stamp_s, self._last[1] - self._tick_s)
+                bend_s = SLEW * elapsed_s
+                stamp_s = min(max(stamp_s, expected_s - bend_s), expected_s + bend_s)
+            elif stamp_s < expected_s and stamp_s - last_stamp_s <= STEP_S:
+                # a gate would take this step back for an ordinary interval: before the last stamp it begins anew
+                stamp_s = min(stamp_s, last_stamp_s - self._tick_s)
         self._last = (device_s, stamp_s)
         return stamp_s
 
@@ -92,11 +97,12 @@ class CountedSamples:
         """Whether a sample is later than those before; a counter that jumps far back is a device that started again."""
         anew, self._may_begin_anew = self._may_begin_anew, False
         if self._counter is not None:
-            n_behind, n_missing = (self._counter - counter) % 2**32, (counter - self._counter - 1) % 2**32
+            n_behind = (self._counter - counter) % 2**32
+            n_missing = (counter - self._counter - 1) % 2**32
             if n_behind < REPEATED_AMONG and not anew:
                 self.n_duplicates += 1
                 return False
-            if n_missing > 2**31:
+            if n_missing > 2**31:  # more than half round the counter: it went back
                 self._begin(ticks)
             else:
                 self.n_lost += n_missing

@@ -110,7 +110,8 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
     slope = np.polynomial.Polynomial(polynomial).deriv().trim()
     roots = np.asarray(slope.roots(), complex)
     turns = (roots.imag == 0) & (roots.real > low) & (roots.real < high)
-    if np.any(turns) or not np.any(slope.coef):
+    is_flat = not np.any(slope.coef)  # a constant has no slope, hence no root that would tell
+    if np.any(turns) or is_flat:
         raise InvalidParameter(
             f"ForceCalibration.polynomial: found {polynomial}, which gives one force for several counts from "
             f"{low:g} to {high:g}, expected it to rise or fall there; state count_low and count_high as measured"

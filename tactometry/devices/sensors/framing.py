@@ -88,22 +88,27 @@ class Framing:
 
     def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
         """Take in bytes: the new state, and the frames that are whole by now."""
-        stream, at, n_skipped, frames = self.rest + data, 0, self.n_skipped, []
+        stream = self.rest + data
+        at, n_skipped, frames = 0, self.n_skipped, []
         n_frame = frame_bytes(self.n_channels)
-        while (found := self._candidate(stream, at)) + n_frame <= len(stream):
-            frame = _decode(stream[found : found + n_frame])
-            n_skipped += found - at + (frame is None)
-            at = found + (1 if frame is None else n_frame)
-            if frame is not None:
+        while (begin := self._candidate(stream, at)) + n_frame <= len(stream):
+            n_skipped += begin - at
+            frame = _decode(stream[begin : begin + n_frame])
+            if frame is None:
+                # what looked like an opening may lie in another frame, or a frame in it: only its first byte is gone
+                at = begin + 1
+                n_skipped += 1
+            else:
+                at = begin + n_frame
                 frames.append(frame)
-        return Framing(self.n_channels, stream[found:], n_skipped + found - at), frames
+        return Framing(self.n_channels, stream[begin:], n_skipped + begin - at), frames
 
     def _candidate(self, stream: bytes, at: int) -> int:
         """Where the next frame may begin: at its opening bytes, or at what is left of the stream of them."""
         opening = SYNC + bytes([self.n_channels, 0])
-        found = stream.find(opening, at)
-        if found >= 0:
-            return found
+        begin = stream.find(opening, at)
+        if begin >= 0:
+            return begin
         kept = next((n for n in (3, 2, 1) if stream.endswith(opening[:n])), 0)
         return max(at, len(stream) - kept)
 

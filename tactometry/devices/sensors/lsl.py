@@ -75,11 +75,12 @@ class LslSource:
         pylsl = _library()
         info = self._found(pylsl)
         self._check(info)
+        # recover=False: an outlet that dies is to raise, else liblsl waits for it in silence
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
         try:
             inlet.open_stream(timeout=LONGEST_SEARCH_S)
             self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
-            inlet.flush()
+            inlet.flush()  # what has waited is not of now
         except (pylsl.util.LostError, pylsl.util.TimeoutError) as error:
             raise DeviceFailed(f"{self.name}: the outlet does not answer ({error}), expected one that runs") from None
         self._offset_s = _offset_s(pylsl)
@@ -91,10 +92,11 @@ class LslSource:
         self._searched = True
         if not pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s):
             raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected its outlet to run")
-        found = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
-        wanted = [info for info in found if self._source_id in (None, info.source_id())]
+        # again: the first search ends with the first outlet that answers
+        outlets = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
+        wanted = [info for info in outlets if self._source_id in (None, info.source_id())]
         if len(wanted) != 1:
-            ids = ", ".join(sorted(repr(info.source_id()) for info in found))
+            ids = ", ".join(sorted(repr(info.source_id()) for info in outlets))
             one = "one" if self._source_id is None else f"one with {self._source_id!r}"
             raise DeviceFailed(
                 f"{self.name}: found outlets of this name with the source ids {ids}, expected {one}; state source_id "
@@ -103,8 +105,8 @@ class LslSource:
         return wanted[0]
 
     def _check(self, info: Any) -> None:
-        found = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
-        for name, value in found.items():
+        of_outlet = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
+        for name, value in of_outlet.items():
             expected = getattr(self._settings, name)
             if value != expected:
                 raise DeviceFailed(

@@ -88,10 +88,12 @@ class Listener:
 
     def read(self, n_channels: int) -> SampleBlock:
         """All samples since the last call, in order; never waits."""
+        # as many as there are now: the reader's thread may add to them meanwhile
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
             return SampleBlock(np.empty(0), np.empty((0, n_channels)))
-        return SampleBlock(np.concatenate([b.times_s for b in blocks]), np.concatenate([b.values for b in blocks]))
+        times_s = np.concatenate([block.times_s for block in blocks])
+        return SampleBlock(times_s, np.concatenate([block.values for block in blocks]))
 
 
 class Reader:
@@ -133,11 +135,12 @@ class Reader:
 
         It ends when the function that is returned is called.
         """
+        # a new tuple, never a list that grows: the reader's thread goes through the old one undisturbed
         self._hearers = (*self._hearers, hear)
         return lambda: self._forget(hear)
 
     def _forget(self, hear: Callable[[SampleBlock], None]) -> None:
-        self._hearers = tuple(each for each in self._hearers if each is not hear)
+        self._hearers = tuple(other for other in self._hearers if other is not hear)
 
     def open(self) -> None:
         """Begin to read; the second of two that share a reader changes nothing.
@@ -200,12 +203,13 @@ class Reader:
             return
         self._n_samples += block.times_s.size
         self._failure = None
+        # a copy only where stamps move: listeners share the block
         self._say(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
     def _say(self, block: SampleBlock | None) -> None:
-        said = SampleBlock(np.empty(0), np.empty((0, self.source.n_channels))) if block is None else block
+        nothing = SampleBlock(np.empty(0), np.empty((0, self.source.n_channels)))
         for hear in self._hearers:
-            hear(said)
+            hear(nothing if block is None else block)
 
     def _find_again(self) -> None:
         next_s = now_s() + RETRY_S

@@ -54,8 +54,10 @@ class RecordedSource:
 
     def receive(self) -> SampleBlock | None:
         time.sleep(STEP_S)
-        first, self._n_read = self._n_read, int(np.searchsorted(self._times_s, now_s(), side="right"))
-        return SampleBlock(self._times_s[first : self._n_read], self._values[first : self._n_read])
+        first = self._n_read
+        self._n_read = int(np.searchsorted(self._times_s, now_s(), side="right"))
+        new = slice(first, self._n_read)
+        return SampleBlock(self._times_s[new], self._values[new])
 
     def close(self) -> None:
         pass

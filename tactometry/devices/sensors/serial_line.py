@@ -69,7 +69,7 @@ class SerialSource:
         serial = _library()
         try:
             data = _available(self._line, self._framing.n_missing)
-        except (serial.SerialException, OSError, TypeError) as error:
+        except (serial.SerialException, OSError, TypeError) as error:  # TypeError: pyserial's, of a line without a file
             raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
         arrival_s = now_s()
         self._framing, frames = self._framing.after(data)

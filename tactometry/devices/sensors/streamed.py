@@ -38,7 +38,7 @@ class StreamedSensor:
         if not self._is_open:
             self._reader.open()
             self._is_open = True
-            self.read()
+            self.read()  # a shared reader may have run before: what it took then is not of this opening
 
     def read(self) -> tuple[FloatArray, FloatArray]:
         block = self._listener.read(self._reader.source.n_channels)

@@ -19,10 +19,15 @@ from ...errors import DeviceFailed
 from .reader import SampleBlock, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
+# names of the kernel's header linux/input.h: EV_SYN, EV_REL, EV_ABS
 SYNC, RELATIVE, ABSOLUTE = 0, 2, 3
+# ABS_X and ABS_Y, ABS_MT_POSITION_X and _Y, ABS_MT_PRESSURE
 AXES: Final = {(ABSOLUTE, 0): 0, (ABSOLUTE, 1): 1, (ABSOLUTE, 53): 0, (ABSOLUTE, 54): 1, (ABSOLUTE, 58): 2}
+# REL_X, REL_Y
 STEPS: Final = {(RELATIVE, 0): 0, (RELATIVE, 1): 1}
+# ABS_MT_TRACKING_ID: at least 0 when a finger lands, -1 when it lifts
 TRACKING: Final = (ABSOLUTE, 57)
+# EVIOCSCLOCKID, and CLOCK_MONOTONIC, which `time.perf_counter` reads on Linux
 SET_CLOCK, MONOTONIC = 0x400445A0, 1
 HELD_S = 0.01
 """A finger that rests sends nothing; its place is said again this often."""
@@ -119,9 +124,12 @@ class TouchSource:
         samples = []
         for seconds, microseconds, kind, code, value in EVENT.iter_unpack(stream[:whole]):
             self._finger = self._finger.after(kind, code, value)
-            self._reported = self._finger if kind == SYNC else self._reported
-            if kind == SYNC and self._finger.touching:
-                samples.append((seconds + 1e-6 * microseconds if self._stamped else arrival_s, self._finger.values))
+            if kind != SYNC:  # between two reports a place is half old, half new
+                continue
+            self._reported = self._finger
+            if self._finger.touching:
+                stamp_s = seconds + 1e-6 * microseconds if self._stamped else arrival_s
+                samples.append((stamp_s, self._finger.values))
         if not samples:
             return None
         return SampleBlock(np.array([time_s for time_s, _ in samples]), np.array([values for _, values in samples]))

@@ -94,7 +94,7 @@ class UdpSource:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
             self._socket.settimeout(SAY_S)
             self._socket.connect((self._settings.address, self._settings.port))
-            self._heard_s = now_s() - SILENT_S
+            self._heard_s = now_s() - SILENT_S  # so that the first `receive` asks at once
         except OSError as error:
             self.close()
             raise DeviceFailed(
@@ -110,16 +110,16 @@ class UdpSource:
                 self._samples.may_begin_anew()
                 self._heard_s = now_s()
             datagram = self._socket.recv(65_536)
-        except (TimeoutError, ConnectionRefusedError):
+        except (TimeoutError, ConnectionRefusedError):  # refused: nobody is at the port, as while a sensor starts
             return None
         except OSError as error:
             raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
         return self._block(records(datagram), now_s())
 
-    def _block(self, found: list[UdpRecord], arrival_s: float) -> SampleBlock | None:
+    def _block(self, received: list[UdpRecord], arrival_s: float) -> SampleBlock | None:
         self._heard_s = arrival_s
-        sound = [(each.sequence, each.sensor_sequence, each.values) for each in found if each.status == 0]
-        self._n_refused += len(found) - len(sound) if found else 1
+        sound = [(record.sequence, record.sensor_sequence, record.values) for record in received if record.status == 0]
+        self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another form is one
         return self._samples.block(sound, arrival_s) if sound else None
 
     def close(self) -> None:
