@@ -196,11 +196,7 @@ def played_signals(folder):
 
 @pytest.mark.parametrize(
     "number",
-    [
-        signal.SIGTERM,
-        pytest.param(signal.SIGHUP, marks=pytest.mark.soak),
-        [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
-    ],
+    [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
 def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):
     """In the middle of a stimulus of 20 s that a real sound server hears; test_audio.py kills a smaller program."""
