@@ -155,7 +155,7 @@ def together(rule: QuestPlus, levels: Callable[..., np.ndarray] | None = None, n
     """All observers of a QUEST+ rule at once; or of levels in an order of their own, by their indices."""
     prior = rule.begin().posterior
     _, rest = prior.shape
-    yes = np.exp(np.stack([rule.grid.log_chance(level, 1) for level in rule.levels]))
+    yes = np.exp(np.stack([rule.grid.log_likelihood(level, 1) for level in rule.levels]))
     losses, thresholds, at = losses_of(rule, yes), np.repeat(rule.grid.thresholds, rest), np.asarray(rule.levels)
 
     def some(task: Task, truths_db: np.ndarray, rng: np.random.Generator) -> np.ndarray:

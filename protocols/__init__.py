@@ -1,72 +1,34 @@
 """What is asked, and when: procedures, tasks, blocks and their order."""
 
-from .bayesian.outcome_model import FunctionModel, OutcomeModel, TableModel
-from .bayesian.parameter_grid import ParameterGrid
-from .bayesian.quest import Quest
-from .bayesian.quest_plus import QuestPlus
-from .bayesian.settings import PsiSettings, QuestPlusSettings, psi
-from .bayesian.shared_quest_plus import SharedQuestPlus, SharedTrack
-from .block import Block
-from .block_state import BlockOptions
-from .order import counterbalanced, williams_square
-from .procedures.constant_stimuli import ConstantStimuli
-from .procedures.method_of_limits import MethodOfLimits
-from .procedures.procedure import Ending, Procedure
-from .procedures.shared_learning import Sharing, answered
-from .procedures.staircase import Staircase
-from .procedures.weighted_staircase import WeightedStaircase
-from .session import Inquiry, session
-from .tasks.adjustment import AdjustmentTask
-from .tasks.comparison import Comparison
-from .tasks.forced_choice import ForcedChoice
-from .tasks.localisation import Localisation
-from .tasks.magnitude import Magnitude
-from .tasks.measurement import Measurement
-from .tasks.preference import Preference
-from .tasks.rating import Rating
-from .tasks.same_different import SameDifferent
-from .tasks.touch import Pressing, Sliding
-from .tasks.yes_no import YesNo
-from .track import Condition, Track
-
-__all__ = [
-    "AdjustmentTask",
-    "Block",
-    "BlockOptions",
-    "Comparison",
-    "Condition",
-    "ConstantStimuli",
-    "Ending",
-    "ForcedChoice",
-    "FunctionModel",
-    "Inquiry",
-    "Localisation",
-    "Magnitude",
-    "Measurement",
-    "MethodOfLimits",
-    "OutcomeModel",
-    "ParameterGrid",
-    "Preference",
-    "Pressing",
-    "Procedure",
-    "PsiSettings",
-    "Quest",
-    "QuestPlus",
-    "QuestPlusSettings",
-    "Rating",
-    "SameDifferent",
-    "SharedQuestPlus",
-    "SharedTrack",
-    "Sharing",
-    "Sliding",
-    "Staircase",
-    "TableModel",
-    "Track",
-    "WeightedStaircase",
-    "YesNo",
-    "answered",
-    "counterbalanced",
-    "psi",
-    "session",
-    "williams_square",
-]
+from .bayesian.outcome_model import (
+    FunctionModel as FunctionModel,
+    OutcomeModel as OutcomeModel,
+    TableModel as TableModel,
+)
+from .bayesian.parameter_grid import ParameterGrid as ParameterGrid
+from .bayesian.quest import Quest as Quest
+from .bayesian.quest_plus import QuestPlus as QuestPlus
+from .bayesian.settings import PsiSettings as PsiSettings, QuestPlusSettings as QuestPlusSettings, psi as psi
+from .bayesian.shared_quest_plus import SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
+from .block import Block as Block
+from .block_state import BlockOptions as BlockOptions
+from .order import counterbalanced as counterbalanced, williams_square as williams_square
+from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
+from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
+from .procedures.procedure import Ending as Ending, Procedure as Procedure
+from .procedures.shared_learning import Sharing as Sharing, answered as answered
+from .procedures.staircase import Staircase as Staircase
+from .procedures.weighted_staircase import WeightedStaircase as WeightedStaircase
+from .session import Inquiry as Inquiry, session as session
+from .tasks.adjustment import AdjustmentTask as AdjustmentTask
+from .tasks.comparison import Comparison as Comparison
+from .tasks.forced_choice import ForcedChoice as ForcedChoice
+from .tasks.localisation import Localisation as Localisation
+from .tasks.magnitude import Magnitude as Magnitude
+from .tasks.measurement import Measurement as Measurement
+from .tasks.preference import Preference as Preference
+from .tasks.rating import Rating as Rating
+from .tasks.same_different import SameDifferent as SameDifferent
+from .tasks.touch import Pressing as Pressing, Sliding as Sliding
+from .tasks.yes_no import YesNo as YesNo
+from .track import Condition as Condition, Track as Track

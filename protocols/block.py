@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tactometry.arguments.require import of_kind
+from tactometry.arguments.require import of_kind, some
 from tactometry.errors import InvalidParameter, counted
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
@@ -50,8 +50,7 @@ class Block:
         of_kind("Block", BlockOptions, options=self.options)
         if not isinstance(self.tracks, Sequence) or not all(isinstance(track, Track) for track in self.tracks):
             raise InvalidParameter(f"Block.tracks: found {self.tracks!r:.60}, expected tracks")
-        if not self.tracks:
-            raise InvalidParameter("Block.tracks: found no track, expected at least one")
+        some("Block.tracks", self.tracks)
 
     @property
     def catch_rate(self) -> float:

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol, Self, TypeVar, get_args, runtime_checkable
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 
 from tactometry.arguments.require import given, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter
 
-from .procedures.procedure import Procedure
+from .procedures.procedure import FixedOrder
 from .procedures.shared_learning import answered
 from .tasks.task import TrialOutcome
 from .track import Track
@@ -66,15 +66,6 @@ class BlockOptions:
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
         whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **given({"rest_after": self.rest_after}))
         positive("BlockOptions", **given({"rest_s": self.rest_s, "longest_s": self.longest_s}))
-
-
-@runtime_checkable
-class FixedOrder(Procedure, Protocol):
-    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
-
-    def skipped(self) -> Self: ...
-
-    def told(self, response: int | bool) -> Self: ...
 
 
 @dataclass(frozen=True)

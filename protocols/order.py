@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from tactometry.arguments.require import of_kind, one_of, whole
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter
 
 T = TypeVar("T")
 
@@ -113,10 +113,7 @@ class Crossing(Generic[T]):
 
     def __post_init__(self) -> None:
         for name, rule in self.rules.items():
-            if rule not in ORDERS:
-                raise InvalidParameter(
-                    f"plan.orders: found {rule!r}, expected one of {', '.join(ORDERS)}{nearest(rule, ORDERS)}"
-                )
+            one_of("plan.orders", rule, ORDERS)
             sizes = self._sizes(name)
             if rule in ("williams", "complete") and len(sizes) > 1:
                 raise InvalidParameter(

@@ -3,9 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from tactometry.arguments.require import one_of, some
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import located, read_table
@@ -42,11 +44,7 @@ class DisplayTable:
                 raise InvalidParameter(
                     f"DisplayTable.{name}: found {getattr(self, name)}, expected at least 320 pixels"
                 )
-        if self.language not in languages():
-            raise InvalidParameter(
-                f"DisplayTable.language: found {self.language!r}, expected one of {', '.join(languages())}"
-                f"{nearest(self.language, languages())}"
-            )
+        one_of("DisplayTable.language", self.language, languages())
         if self.height_m is not None and not 0 < self.height_m < 10:
             raise InvalidParameter(f"DisplayTable.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
 
@@ -109,8 +107,7 @@ class PositionPart:
     zero_counts: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.channels:
-            raise InvalidParameter("PositionPart.channels: found none, expected at least one")
+        some("PositionPart.channels", self.channels)
         if self.zero_counts and len(self.zero_counts) != len(self.channels):
             raise InvalidParameter(
                 f"PositionPart.zero_counts: found {len(self.zero_counts)}, expected one for each channel, or none"
@@ -310,14 +307,6 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     return BenchFile(**{key: _PARTS[key](table[key], key) for key in table})
 
 
-def _screen(table: dict[str, Any], path: str) -> DisplayTable:
-    return build(DisplayTable, table, path)
-
-
-def _limits(table: dict[str, Any], path: str) -> Limits:
-    return build(Limits, table, path)
-
-
 def _output(table: dict[str, Any], path: str) -> OutputPart:
     own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
     kept = {key: table[key] for key in ("ramp_s", "ungated") if key in table}
@@ -348,22 +337,14 @@ def _force(table: dict[str, Any], path: str) -> ForcePart:
     return build(ForcePart, own, path, calibration=calibration)
 
 
-def _position(table: dict[str, Any], path: str) -> PositionPart:
-    return build(PositionPart, table, path)
-
-
-def _time_reversal(table: dict[str, Any], path: str) -> Learnt:
-    return build(Learnt, table, path)
-
-
 _PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
-    "screen": _screen,
+    "screen": partial(build, DisplayTable),
     "output": _output,
-    "limits": _limits,
+    "limits": partial(build, Limits),
     "sensors": _sensors,
     "force": _force,
-    "position": _position,
-    "time_reversal": _time_reversal,
+    "position": partial(build, PositionPart),
+    "time_reversal": partial(build, Learnt),
 }
 
 

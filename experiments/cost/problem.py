@@ -4,6 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+Real = NDArray[np.float64]
 OURS = "tactometry"
 
 
@@ -46,3 +50,13 @@ class Problem:
     error: Callable[[Any, Any], float]
     rungs: tuple[Rung, ...]
     price: str = "computing time (s)"
+
+
+def part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
+    """An rms error in decibels, as a part of the amplitude."""
+    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
+
+
+def over_largest(found: Real, reference: Real) -> float:
+    """The largest error, over the largest value."""
+    return float(np.abs(found - reference).max() / np.abs(reference).max())

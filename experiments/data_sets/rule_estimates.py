@@ -1,7 +1,7 @@
 """The estimates of a study's own rule: its procedure is told the answers of a block again, as the table has them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,9 @@ from tactometry.protocols.procedures.procedure import Procedure
 from tactometry.protocols.procedures.shared_learning import answered
 from tactometry.trials.cells import cell
 
-from ..study.cells import tables
-from ..study.procedure_table import ReadyProcedure, rule_of
-from ..study.study_file import Study, parse
+from ..study.cells import Wiring, tables
+from ..study.procedure_table import ReadyProcedure
+from ..study.study_file import parse
 
 
 def replay_of(path: Path) -> Replay | None:
@@ -26,7 +26,7 @@ def replay_of(path: Path) -> Replay | None:
     if not study.is_file():
         return None
     try:
-        return _Replay(parse(read_file(study, "the study that ran"), str(study)))
+        return _Replay(Wiring(parse(read_file(study, "the study that ran"), str(study))))
     except TactometryError:
         return None
 
@@ -35,18 +35,17 @@ def replay_of(path: Path) -> Replay | None:
 class _Replay:
     """The rules of a study; what several blocks share is built once."""
 
-    study: Study
-    rules: dict[str, ReadyProcedure] = field(default_factory=dict)
+    wiring: Wiring
 
     def __call__(self, block: pd.DataFrame) -> Mapping[str, RuleEstimate]:
         names = [str(name) for name in dict.fromkeys(block["track"])]
-        rule = self._rule(block)
-        if rule is None:
+        ready = self._rule(block)
+        if ready is None:
             return dict.fromkeys(names, _absent("these are not trials of the study.toml beside the table"))
-        if rule.rule.unreplayed:
-            return dict.fromkeys(names, _absent(rule.rule.unreplayed))
+        if ready.rule.unreplayed:
+            return dict.fromkeys(names, _absent(ready.rule.unreplayed))
         try:
-            procedures = _told(rule, block, names)
+            procedures = _told(ready, block, names)
         except InvalidParameter as refusal:
             return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
         estimates = (procedure.estimate for procedure in procedures)
@@ -54,21 +53,15 @@ class _Replay:
 
     def _rule(self, block: pd.DataFrame) -> ReadyProcedure | None:
         """That of the first cell, which is the rule of the block; None if it is no block of this study."""
-        first, levels = block.iloc[0], self.study.factors
+        study, first = self.wiring.study, block.iloc[0]
         factors: dict[str, float | str] = {}
-        for name in levels:
-            known = [level for level in levels[name] if name in first and cell(level) == _text(first[name])]
+        for name, levels in study.factors.items():
+            known = [level for level in levels if name in first and cell(level) == _text(first[name])]
             if not known:
                 return None
             factors[name] = known[0]
-        rule = self._built(tables(self.study, factors)["procedure"])
-        return rule if set(block["procedure"]) == {rule.rule.name} else None
-
-    def _built(self, table: Mapping[str, Any]) -> ReadyProcedure:
-        key = repr(table)
-        if key not in self.rules:
-            self.rules[key] = rule_of(table)
-        return self.rules[key]
+        ready = self.wiring.procedure(tables(study, factors)["procedure"])
+        return ready if set(block["procedure"]) == {ready.rule.name} else None
 
 
 def _absent(why: str) -> RuleEstimate:
@@ -80,9 +73,9 @@ def _text(value: Any) -> str:
     return value if isinstance(value, str) else cell(float(value))
 
 
-def _told(rule: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
+def _told(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     """The tracks' procedures after all answers of the block."""
-    procedures = rule.for_tracks(names, np.random.default_rng(0))
+    procedures = ready.for_tracks(names, np.random.default_rng(0))
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
         procedures = answered(procedures, names.index(str(track)), int(yes), float(level))
     return procedures

@@ -5,18 +5,16 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 from .plate_modes import largest
 
 F_MAX_HZ = 4e3
 PLATE = Plate(0.2, 0.14, 1e-3, 70e9, 0.3, 2500.0, "SFSF")
 FEWER, FINEST = (19, 17, 15, 13, 11, 9), 4
 N_SCANNED = 400
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

@@ -4,20 +4,18 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal import drive, impulse_responses
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 
 F_MAX_HZ, DURATION_S = 10e3, 4e-3
 FOCI_M = ((0.121, 0.093), (0.06, 0.15), (0.2, 0.05), (0.17, 0.13))
 RATES_HZ = (25e3, 100e3, 400e3, 1.6e6)
 SEARCH_HZ, FINE_HZ, N_NEWTON = 200e3, 12.8e6, 5
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

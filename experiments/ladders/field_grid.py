@@ -3,18 +3,16 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import Modes, modes_of, values
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 
 F_MAX_HZ = 20e3
 POINTS_PER_M = (200, 400, 800, 1600, 3200)
 N_POINTS = 4000
 GOLDEN = 0.6180339887498949
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

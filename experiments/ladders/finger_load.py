@@ -3,21 +3,19 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal import Finger, PlateLoad, PointForce, Screen, loaded_responses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, over_largest
 
 F_MAX_HZ, COARSEST_HZ, DURATION_S = 4e3, 8e3, 4e-3
 FACTORS = (1, 4, 16, 64)
 FINEST = 512
 HEARD_M, AT_M = (0.121, 0.093), (0.1, 0.1)
 SCREEN = Screen(A4_SCREEN, (PointForce(0.03, 0.02), PointForce(0.25, 0.19)), Attenuation(3.5e-3))
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:
@@ -30,7 +28,7 @@ def problem() -> Problem:
         "correction sampled at 4.1 MHz",
         reference=lambda: (_exponentials(load), 1e-9),
         independent=lambda: (_corrected(load, FINEST), 2e-5),
-        error=lambda found, reference: float(np.abs(found - reference).max() / np.abs(reference).max()),
+        error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_corrected, load, k)) for k in FACTORS),
     )
 

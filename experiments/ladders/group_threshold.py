@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, part_of_the_amplitude
 
 MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0
 LEVELS_DB, N_TRIALS = np.linspace(2.0, 38.0, 10), 16
 FUNCTION = PsychometricFunction("gumbel", MEAN_DB, 10.0, 0.5, 0.02)
 N_PARTICIPANTS, N_GROUPS = (4, 16, 64, 256), 30
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:
@@ -27,14 +26,10 @@ def problem() -> Problem:
         "a fit to answers without scatter",
         reference=lambda: (np.array([MEAN_DB]), 0.0),
         independent=lambda: (_without_scatter_db(), 0.02),
-        error=_part_of_the_amplitude,
+        error=part_of_the_amplitude,
         rungs=tuple(Rung(f"{n} participants", partial(_means_db, n), float(n)) for n in N_PARTICIPANTS),
         price="participants, 160 trials each",
     )
-
-
-def _part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
-    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
 
 
 def _means_db(n_participants: int) -> Real:

@@ -7,13 +7,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, part_of_the_amplitude
 
 LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
 WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02
@@ -21,7 +20,6 @@ N_TRIALS, N_RUNS, TRIAL_S = (24, 96, 384), 30, 4.0
 LEVELS_DB = tuple(np.arange(LOW_DB, HIGH_DB + 1, 2).tolist())
 CONSTANT_DB = (8.0, 12.0, 16.0, 20.0, 24.0, 28.0)
 FUNCTION = PsychometricFunction("gumbel", MIDDLE_DB, WIDTH_DB, GUESS_RATE, LAPSE_RATE)
-Real = NDArray[np.float64]
 Run = tuple[Any, list[tuple[float, bool]]]
 """A finished procedure, and the levels with their answers."""
 
@@ -44,7 +42,7 @@ def problem() -> Problem:
         "target levels by the root of the function, written out",
         reference=lambda: (np.zeros(1), 0.0),
         independent=lambda: (_targets_db() - [FUNCTION.level(method.target) for method in METHODS.values()], 1e-9),
-        error=_part_of_the_amplitude,
+        error=part_of_the_amplitude,
         rungs=tuple(
             Rung(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
             for name, method in METHODS.items()
@@ -52,10 +50,6 @@ def problem() -> Problem:
         ),
         price="time of a participant (min), 4 s a trial",
     )
-
-
-def _part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
-    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
 
 
 def _errors_db(method: Method, n_trials: int) -> Real:

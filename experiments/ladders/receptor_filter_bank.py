@@ -5,17 +5,15 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.perception import Components, components
 from tactometry.stimuli.perception.channels import channel_levels_db
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4
 RATES_HZ = (1_000, 4_000, 16_000, 64_000)
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
@@ -15,13 +14,12 @@ from tactometry.stimuli.electrovibration import (
 )
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 from ..scenes import path_of
 
 ACCURACIES = (1e-1, 1e-2, 1e-3, 1e-4)
 OUTPUTS = ("t_s", "electrostatic_force_n")
 N_TIMES, STEPS_BETWEEN = 8001, 40
-Real = NDArray[np.float64]
 Course = tuple[Real, Real]
 
 

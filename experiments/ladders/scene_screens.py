@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.signal import Signal
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
@@ -26,7 +25,7 @@ from tactometry.stimuli.time_reversal import (
     loaded_responses,
 )
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 from ..scenes import path_of
 
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
@@ -35,7 +34,6 @@ FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
 HIGHER = (1.5, 2.5, 3.0)
 """Highest modes of the physics in time, over the band. What lies above a frequency f follows with 1/f, its inertia with
 1/f^3: three numbers of modes tell what all of them do."""
-Real = NDArray[np.float64]
 
 
 def thin_screen() -> Problem:

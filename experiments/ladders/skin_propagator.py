@@ -3,18 +3,16 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.electrovibration import Sine, Skin, electrostatic_force_n, electrostatic_force_n_at
 from tactometry.stimuli.electrovibration.attraction.closed_form import sine_voltage_v
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, over_largest
 
 FREQUENCY_HZ, DURATION_S, COARSEST_HZ = 240.0, 0.1, 5_000
 FACTORS = (1, 4, 16, 64, 256)
 AREA_M2 = 1e-4
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:
@@ -27,7 +25,7 @@ def problem() -> Problem:
         "closed form of a sine",
         reference=lambda: (_exact(times_s), 1e-12),
         independent=lambda: (_closed_form(times_s), 1e-12),
-        error=lambda found, reference: float(np.abs(found - reference).max() / reference.max()),
+        error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_sampled, k)) for k in FACTORS),
     )
 

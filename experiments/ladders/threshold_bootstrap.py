@@ -9,14 +9,13 @@ from scipy.special import comb, ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit_many
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 from .threshold_fit import threshold_prior, width_prior
 
 LEVELS, N_YES, N_TRIALS, RATE = np.array([-1.0, 0.0, 1.0]), np.array([3, 6, 10]), 12, 0.02
 GAP, RANGE, SPREAD = 1.0, 2.0, 2 * ndtri(0.95)
 N_RESAMPLES, N_INTERVALS, INTERVAL = (50, 200, 800, 3200), 30, 0.95
 THRESHOLDS, LOG_WIDTHS = np.linspace(-2.0, 2.0, 101)[1:-1], np.linspace(0.0, np.log(6.0), 241)[1:-1]
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

@@ -4,19 +4,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
 N_SETS, RANGE, GAP = 16, 6.0, 1.0
 SHAPE: Any = {"shape": "normal", "guess_rate": 0.5}
 N_FINEST, N_COARSER = (281, 241, 24), (201, 161, 16)
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

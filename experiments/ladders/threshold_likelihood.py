@@ -3,19 +3,17 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 from .threshold_fit import LEVELS, N_CORRECT, N_TRIALS
 
 GUESS, LAPSE = 0.5, 0.02
 FALL = 1.9207294103470607
 """Half of the 95 % point of chi-square with one degree of freedom."""
 LOG_WIDTHS, FARTHEST, GRID = (0.0, 3.5), 3.5, (801, 701)
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:

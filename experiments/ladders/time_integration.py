@@ -3,18 +3,16 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, over_largest
 
 F_MAX_HZ, TONE_HZ, COARSEST_HZ, DURATION_S = 10e3, 4e3, 40e3, 5e-3
 FACTORS = (1, 4, 16, 64)
 OMEGA_RAD_PER_S = 2 * np.pi * TONE_HZ
-Real = NDArray[np.float64]
 
 
 def problem() -> Problem:
@@ -27,13 +25,9 @@ def problem() -> Problem:
         "powers of the exponential of mode and tone",
         reference=lambda: (closed_form(modes), 1e-11),
         independent=lambda: (_exponentials(modes), 1e-10),
-        error=largest,
+        error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, modes, k)) for k in FACTORS),
     )
-
-
-def largest(found: Real, reference: Real) -> float:
-    return float(np.abs(found - reference).max() / np.abs(reference).max())
 
 
 def times_s(factor: int) -> Real:

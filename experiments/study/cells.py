@@ -101,7 +101,7 @@ class Wiring:
     """Wires the cells of a study; what several cells share is built once."""
 
     def __init__(self, study: Study) -> None:
-        self._study = study
+        self.study = study
         self._sensations: dict[str, Sensation] = {}
         self._procedures: dict[str, ReadyProcedure] = {}
 
@@ -113,7 +113,7 @@ class Wiring:
         InvalidParameter
             If a table holds what its kind does not know, or a factor changes nothing.
         """
-        of = tables(self._study, factors)
+        of = tables(self.study, factors)
         kind: StimulusKind = kind_of(of["stimulus"], "stimulus", STIMULI)
         stimulus_class, touch_class = resolve(kind.stimulus), kind_of(of["touch"], "touch", TOUCHES)
         if kind.stands and touch_class is Sliding:
@@ -128,14 +128,14 @@ class Wiring:
             touch_class, {**without(of["touch"], "kind"), **of_touch}, "touch", duration_s=stimulus.duration_s
         )
         speed_m_per_s = touch.speed_m_per_s if isinstance(touch, Sliding) else None
-        named = {**of_stimulus, **{name: level for name, level in factors.items() if name in self._study.variants}}
+        named = {**of_stimulus, **{name: level for name, level in factors.items() if name in self.study.variants}}
         name = ", ".join([of["stimulus"]["kind"], *(f"{key}={cell_text(level)}" for key, level in named.items())])
         condition = Condition(dict(factors), name, stimulus.level_unit, touch, speed_m_per_s)
         return WiredCell(
-            condition, stimulus, self._procedure(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
+            condition, stimulus, self.procedure(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
         )
 
-    def _procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
+    def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
         """Built once: the tables of QUEST+ take longer than all the rest of a study."""
         key = repr(table)
         if key not in self._procedures:
@@ -152,7 +152,7 @@ class Wiring:
     def _check_effect(
         self, factors: Factors, of: Mapping[str, Mapping[str, Any]], stimulus_class: Any, touch_class: Any
     ) -> None:
-        known = [*stimulus_class.__dataclass_fields__, *touch_class.__dataclass_fields__, *self._study.variants]
+        known = [*stimulus_class.__dataclass_fields__, *touch_class.__dataclass_fields__, *self.study.variants]
         for name in factors:
             if name not in known:
                 raise InvalidParameter(

@@ -38,15 +38,13 @@ OF_EXAMPLE = (
 
 @dataclass(frozen=True)
 class KeyTable:
-    """A table of a file: the class that reads it, fields that no file sets, and values that it takes.
+    """A table of a file: the class that reads it, and values that it takes.
 
     Parameters
     ----------
     reads : type
     example : mapping
         A table that is valid, with its required keys at least.
-    hidden : tuple of str
-        Fields that hold state.
     given : mapping
         Fields that come from elsewhere.
     made : callable
@@ -57,7 +55,6 @@ class KeyTable:
 
     reads: type
     example: Mapping[str, object] = field(default_factory=dict)
-    hidden: tuple[str, ...] = ()
     given: Mapping[str, object] = field(default_factory=dict)
     made: Callable[[Any], object] = field(default=lambda built: built)
     in_levels: tuple[str, ...] = ()
@@ -86,7 +83,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
     (Key(name='n_intervals', holds='a whole number', unit='', within='2, 3 or 4', otherwise='2'),)
     """
     hints = typing.get_type_hints(table.reads)
-    fields = settable(table.reads, (*table.hidden, *table.given))
+    fields = settable(table.reads, table.given)
     found = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
     return tuple(sorted(found, key=lambda key: not key.required))
 
@@ -128,7 +125,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 def _expected(table: KeyTable, name: str, probe: object) -> str:
     """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
     try:
-        table.made(build(table.reads, {**table.example, name: probe}, ASKED, table.hidden, **table.given))
+        table.made(build(table.reads, {**table.example, name: probe}, ASKED, (), **table.given))
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
         own = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)

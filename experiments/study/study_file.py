@@ -7,7 +7,7 @@ from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import given, positive, repeated
+from tactometry.arguments.require import given, one_of, positive, repeated
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, located, table_of
@@ -75,8 +75,7 @@ class InquiryTable:
     shuffled: bool = False
 
     def __post_init__(self) -> None:
-        if self.after not in ("block", "session"):
-            raise InvalidParameter(f"InquiryTable.after: found {self.after!r}, expected one of block, session")
+        one_of("InquiryTable.after", self.after, ("block", "session"))
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from tactometry.arguments.require import one_of
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.observers.decisions import Decision
@@ -34,9 +35,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     """
     if name in study.forms:
         return own({name: study.forms[name]})[name]
-    known = (*study.forms, *shipped())
-    if name not in known:
-        raise InvalidParameter(f"{path}: found {name!r}, expected one of {', '.join(known)}{nearest(name, known)}")
+    one_of(path, name, (*study.forms, *shipped()))
     return load(name)
 
 

@@ -1,4 +1,4 @@
-"""What a Bayesian procedure needs of a model of answers: its parameters, and the chance of each outcome at a level."""
+"""What a Bayesian procedure needs of a model of answers: parameters, and the probability of each outcome at a level."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -9,33 +9,33 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import numbers, of_kind, whole
+from tactometry.arguments.require import numbers, of_kind, some, whole
 from tactometry.errors import InvalidParameter
 
 Array = NDArray[np.float64]
 
 
-class Chances(Protocol):
-    """The chances of a model at the candidate levels, made ready for products with weights."""
+class Likelihoods(Protocol):
+    """Probabilities of the outcomes at the candidate levels, made ready for products with weights."""
 
     def total(self, weights: Array) -> Array:
-        """Sum over cells of chance times weight, (n_outcomes, n_levels)."""
+        """Sum over cells of probability times weight, (n_outcomes, n_levels)."""
         ...
 
     def joint(self, weights: Array) -> Array:
-        """Sum of chance times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
+        """Sum of probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
         ...
 
     def certainty(self, weights: Array) -> Array:
         """Sum over cells of weight times the sum over outcomes of p log p, (n_levels,)."""
         ...
 
-    def log_chance(self, index: int, outcome: int) -> Array | None:
+    def log_likelihood(self, index: int, outcome: int) -> Array | None:
         """log P(outcome) at the candidate of this index, (n_cells,), where a table holds it."""
         ...
 
     def prepare(self) -> None:
-        """Compute now what `certainty` and `log_chance` need, so that no trial waits for it."""
+        """Compute now what `certainty` and `log_likelihood` need, so that no trial waits for it."""
         ...
 
 
@@ -52,11 +52,11 @@ class OutcomeModel(Protocol):
     @property
     def n_outcomes(self) -> int: ...
 
-    def log_chance(self, level: float, outcome: int) -> Array:
+    def log_likelihood(self, level: float, outcome: int) -> Array:
         """log P(outcome) at a level, (n_cells,)."""
         ...
 
-    def chances(self, levels: Sequence[float]) -> Chances: ...
+    def likelihoods(self, levels: Sequence[float]) -> Likelihoods: ...
 
 
 def size(model: OutcomeModel) -> tuple[int, int]:
@@ -75,8 +75,8 @@ def p_log_p(p: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class DenseChances:
-    """Chances in one table, (n_outcomes, n_levels, n_first, n_rest)."""
+class DenseLikelihoods:
+    """Likelihoods in one table, (n_outcomes, n_levels, n_first, n_rest)."""
 
     table: Array
 
@@ -93,11 +93,11 @@ class DenseChances:
     def cost(self) -> Array:
         """Sum over outcomes of p log p, (n_levels, n_cells)."""
         cost = np.zeros((self.table.shape[1], math.prod(self.table.shape[2:])))
-        for chances in self.table:
-            cost += p_log_p(chances.reshape(cost.shape))
+        for probabilities in self.table:
+            cost += p_log_p(probabilities.reshape(cost.shape))
         return cost
 
-    def log_chance(self, index: int, outcome: int) -> Array | None:
+    def log_likelihood(self, index: int, outcome: int) -> Array | None:
         del index, outcome
         return None
 
@@ -121,17 +121,17 @@ class FunctionModel:
         How many answers there are, at least 2; they are told to the procedure as 0, 1, ...
     log_probability : callable
         ``log_probability(level, outcome, **parameters)``: the level a float, the parameters arrays that broadcast
-        against each other; gives log P(outcome), -inf where it is impossible. The chances of all outcomes add up to 1.
+        against each other; gives log P(outcome), -inf where it is impossible. Those of all outcomes add up to 1.
 
     Raises
     ------
     InvalidParameter
-        If a grid is empty or not finite, there are fewer than two outcomes, or at a level the chances do not add up
-        to 1.
+        If a grid is empty or not finite, there are fewer than two outcomes, or at a level the probabilities do not add
+        up to 1.
 
     >>> def coin(level, outcome, *, bias):
     ...     return np.log(np.where(outcome == 1, bias, 1 - bias))
-    >>> FunctionModel({"bias": (0.25, 0.75)}, 2, coin).log_chance(0.0, 1).round(3)
+    >>> FunctionModel({"bias": (0.25, 0.75)}, 2, coin).log_likelihood(0.0, 1).round(3)
     array([-1.386, -0.288])
     """
 
@@ -144,20 +144,20 @@ class FunctionModel:
         of_kind("FunctionModel", Callable, log_probability=self.log_probability)
         _check_parameters("FunctionModel", self.parameters)
 
-    def log_chance(self, level: float, outcome: int) -> Array:
+    def log_likelihood(self, level: float, outcome: int) -> Array:
         axes = dict(zip(self.parameters, np.ix_(*map(np.asarray, self.parameters.values())), strict=True))
         shape = tuple(len(values) for values in self.parameters.values())
         log_p = np.asarray(self.log_probability(level, outcome, **axes), dtype=np.float64)
         return np.broadcast_to(log_p, shape).ravel()
 
-    def chances(self, levels: Sequence[float]) -> DenseChances:
+    def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
         first, rest = size(self)
         table = np.empty((self.n_outcomes, len(levels), first, rest))
         for n, level in enumerate(levels):
             for outcome in range(self.n_outcomes):
-                table[outcome, n] = np.exp(self.log_chance(level, outcome)).reshape(first, rest)
+                table[outcome, n] = np.exp(self.log_likelihood(level, outcome)).reshape(first, rest)
             _check_sum(table[:, n].sum(axis=0), level)
-        return DenseChances(table)
+        return DenseLikelihoods(table)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,15 +173,15 @@ class TableModel:
     table : array, (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last)
         Probabilities; over outcomes they add up to 1.
 
-    A level between two of the table has the chances on the straight line between theirs; one beyond is refused.
+    A level between two of the table has the probabilities on the straight line between theirs; one beyond is refused.
 
     Raises
     ------
     InvalidParameter
-        If the table's shape is another, a chance is no probability, or levels do not rise.
+        If the table's shape is another, a value is no probability, or levels do not rise.
 
     >>> model = TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2]))
-    >>> np.exp(model.log_chance(0.5, 1))
+    >>> np.exp(model.log_likelihood(0.5, 1))
     array([0.25, 0.75])
     """
 
@@ -210,7 +210,7 @@ class TableModel:
     def n_outcomes(self) -> int:
         return int(self.table.shape[0])
 
-    def log_chance(self, level: float, outcome: int) -> Array:
+    def log_likelihood(self, level: float, outcome: int) -> Array:
         if not self.levels[0] <= level <= self.levels[-1]:
             raise InvalidParameter(
                 f"TableModel: found the level {level:g}, expected one from {self.levels[0]:g} to {self.levels[-1]:g}, "
@@ -218,23 +218,21 @@ class TableModel:
             )
         place = float(np.interp(level, self.levels, range(len(self.levels))))
         low, part = math.floor(place), place % 1
-        chances = (1 - part) * self.table[outcome, low] + part * self.table[outcome, math.ceil(place)]
+        probabilities = (1 - part) * self.table[outcome, low] + part * self.table[outcome, math.ceil(place)]
         with np.errstate(divide="ignore"):
-            return np.asarray(np.log(chances).ravel(), dtype=np.float64)
+            return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
 
-    def chances(self, levels: Sequence[float]) -> DenseChances:
-        rows = [[np.exp(self.log_chance(level, r)) for level in levels] for r in range(self.n_outcomes)]
-        return DenseChances(np.array(rows).reshape(self.n_outcomes, len(levels), *size(self)))
+    def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
+        rows = [[np.exp(self.log_likelihood(level, r)) for level in levels] for r in range(self.n_outcomes)]
+        return DenseLikelihoods(np.array(rows).reshape(self.n_outcomes, len(levels), *size(self)))
 
 
 def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -> None:
     of_kind(owner, Mapping, parameters=parameters)
-    if not parameters:
-        raise InvalidParameter(f"{owner}.parameters: found no parameter, expected at least one")
+    some(f"{owner}.parameters", parameters)
     for name, values in parameters.items():
         numbers(f"{owner}.parameters[{name!r}]", values)
-        if not values:
-            raise InvalidParameter(f"{owner}.parameters[{name!r}]: found no number, expected at least one")
+        some(f"{owner}.parameters[{name!r}]", values)
 
 
 def _check_sum(total: Array, level: float) -> None:

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tactometry.arguments.require import numbers, repeated
+from tactometry.arguments.require import numbers, repeated, some
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
-from .outcome_model import p_log_p
+from .outcome_model import Array, p_log_p
 
-Array = NDArray[np.float64]
 EQUAL = 1e-13
 """Distances that differ by less, relative to the greatest, are one."""
 NARROWEST = 1e-100
@@ -96,7 +94,7 @@ class ParameterGrid:
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(x) - np.log(t))
 
-    def log_chances(self, distances: Array, outcome: int) -> Array:
+    def log_likelihood_at(self, distances: Array, outcome: int) -> Array:
         """log P(outcome) at distances from the threshold, (*shape of the distances, n_widths, n_rates): a logarithm of
         a sum of positive terms, or a sum of logarithms where the floor is 0."""
         shape, (guess, lapse) = shape_named(self.shape), self.rates
@@ -110,22 +108,21 @@ class ParameterGrid:
             mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]
         return np.asarray(mixed, dtype=np.float64)
 
-    def log_chance(self, level: float, outcome: int) -> Array:
+    def log_likelihood(self, level: float, outcome: int) -> Array:
         """log P(outcome) at a level, (n_cells,)."""
-        return self.log_chances(self.distances([level])[0], outcome).ravel()
+        return self.log_likelihood_at(self.distances([level])[0], outcome).ravel()
 
     def certainty(self, distances: Array) -> Array:
         """Sum over answers of p log p, (*shape of the distances, n_widths, n_rates)."""
-        return np.asarray(sum(p_log_p(np.exp(self.log_chances(distances, answer))) for answer in (0, 1)))
+        return np.asarray(sum(p_log_p(np.exp(self.log_likelihood_at(distances, answer))) for answer in (0, 1)))
 
-    def chances(self, levels: Sequence[float]) -> "MixtureChances":
-        return MixtureChances(self, tuple(levels))
+    def likelihoods(self, levels: Sequence[float]) -> "MixtureLikelihoods":
+        return MixtureLikelihoods(self, tuple(levels))
 
 
 def _check(name: str, values: tuple[float, ...], low: float, high: float) -> None:
     numbers(f"ParameterGrid.{name}", values)
-    if not values:
-        raise InvalidParameter(f"ParameterGrid.{name}: found no value, expected at least one")
+    some(f"ParameterGrid.{name}", values)
     for n, value in enumerate(values):
         if not low < value < high:
             where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
@@ -138,7 +135,7 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
 
 
 @dataclass(frozen=True, eq=False)
-class MixtureChances:
+class MixtureLikelihoods:
     """P(1) = g + (1 - g - l) S: all sums over guess and lapse rates are taken before the product with S."""
 
     grid: ParameterGrid
@@ -176,7 +173,7 @@ class MixtureChances:
     def steps(self) -> Array | None:
         """All distances from the highest level's to the lowest one's, where levels and thresholds have equal steps.
 
-        A chance then depends on the distance only, and blocks of neighbouring thresholds are views of one table
+        A probability then depends on the distance only, and blocks of neighbouring thresholds are views of one table
         (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
         """
         return _diagonal(self.grid.distances(self.levels))
@@ -186,10 +183,10 @@ class MixtureChances:
         """log P of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
         if self.steps is None:
             return None
-        no, yes = (self.grid.log_chances(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))
+        no, yes = (self.grid.log_likelihood_at(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))
         return no, yes
 
-    def log_chance(self, index: int, outcome: int) -> Array | None:
+    def log_likelihood(self, index: int, outcome: int) -> Array | None:
         if self.log_tables is None:
             return None
         first = len(self.levels) - 1 - index

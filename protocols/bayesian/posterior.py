@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.require import numbers, of_kind
 from tactometry.errors import InvalidParameter
 
 from ..procedures.procedure import Ending
+from .outcome_model import Array
 
-Array = NDArray[np.float64]
 HIGHEST = 1 + 1e-9
 """How much the weight of an end must pass all others to count as the highest."""
 
@@ -50,9 +49,9 @@ class Posterior:
         """Nat; a weight of zero adds nothing."""
         return -float(self.weights @ np.maximum(self.log_weights, LOWEST))
 
-    def after(self, log_chances: Array) -> Self | None:
-        """After an answer with these log chances, (n_cells,); None if no cell allows it."""
-        return type(self).of(self.log_weights + log_chances)
+    def after(self, log_likelihood: Array) -> Self | None:
+        """After an answer with these log likelihoods, (n_cells,); None if no cell allows it."""
+        return type(self).of(self.log_weights + log_likelihood)
 
 
 def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:

@@ -6,17 +6,16 @@ from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.require import below_1, finite, one_of, positive
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
+from .outcome_model import Array
 from .parameter_grid import NARROWEST, ParameterGrid
 from .posterior import Posterior
 from .weighing import WeighingRule, WeighingRun
 
-Array = NDArray[np.float64]
 Placing = Literal["quantile", "mean", "mode"]
 N_STEPS = 1_000_000
 """Of the finest grid: a trial then takes about a tenth of a second."""
@@ -114,8 +113,8 @@ class Quest(WeighingRule):
     def point(self) -> str:
         return f"at a chance of {self.target:.2f}"
 
-    def log_chance(self, level: float, outcome: int) -> Array:
-        return self.grid.log_chance(level, outcome)
+    def log_likelihood(self, level: float, outcome: int) -> Array:
+        return self.grid.log_likelihood(level, outcome)
 
     @property
     def lapse_rate(self) -> float:

@@ -7,16 +7,14 @@ from math import prod
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.require import at_most, numbers, of_kind, one_of
 from tactometry.errors import InvalidParameter
 
-from .outcome_model import Chances, OutcomeModel, p_log_p, size
+from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
 from .posterior import Posterior, log_prior
 from .weighing import WeighingRule, WeighingRun
 
-Array = NDArray[np.float64]
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
 MOST_CHANCES = 100_000_000
@@ -87,8 +85,8 @@ class QuestPlus(WeighingRule):
         self._check_stop()
         # the first trial waits for neither the tables nor its level
         if self.aim == "parameters" and self.criterion == "entropy":
-            self.chances.prepare()
-        _ = self.level, self.log_chance(self.levels[0], 0)
+            self.likelihoods.prepare()
+        _ = self.level, self.log_likelihood(self.levels[0], 0)
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -103,8 +101,8 @@ class QuestPlus(WeighingRule):
         return QuestPlusRun(self, state=self.prior_state)
 
     @cached_property
-    def chances(self) -> Chances:
-        return self.grid.chances(self.levels)
+    def likelihoods(self) -> Likelihoods:
+        return self.grid.likelihoods(self.levels)
 
     @cached_property
     def prior_state(self) -> Posterior:
@@ -120,9 +118,9 @@ class QuestPlus(WeighingRule):
     def point(self) -> str:
         return "of the half point of its functions"
 
-    def log_chance(self, level: float, outcome: int) -> Array:
-        tabled = self.chances.log_chance(self.levels.index(level), outcome) if level in self.levels else None
-        return self.grid.log_chance(level, outcome) if tabled is None else tabled
+    def log_likelihood(self, level: float, outcome: int) -> Array:
+        tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None
+        return self.grid.log_likelihood(level, outcome) if tabled is None else tabled
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,11 +166,11 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
         if self.rule.criterion == "variance":
             return self._variance()
-        chances, weights = self.rule.chances, self.state.weights
-        spread = _sum_p_log_p(chances.total(weights))
+        likelihoods, weights = self.rule.likelihoods, self.state.weights
+        spread = _sum_p_log_p(likelihoods.total(weights))
         if self.rule.aim == "threshold":
-            return np.asarray(spread - _sum_p_log_p(chances.joint(weights)).sum(axis=1), dtype=np.float64)
-        return spread - chances.certainty(weights) + self.state.entropy
+            return np.asarray(spread - _sum_p_log_p(likelihoods.joint(weights)).sum(axis=1), dtype=np.float64)
+        return spread - likelihoods.certainty(weights) + self.state.entropy
 
     def _variance(self) -> Array:
         """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
@@ -192,7 +190,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
     def _variance_of(self, axis: Array) -> Array:
         weights = self.state.weights
         away = axis - float(weights @ axis)
-        mass, first, second = (self.rule.chances.total(weights * away**power) for power in range(3))
+        mass, first, second = (self.rule.likelihoods.total(weights * away**power) for power in range(3))
         left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
         return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
 
@@ -212,6 +210,6 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return None
 
 
-def _sum_p_log_p(chances: Array) -> Array:
+def _sum_p_log_p(probabilities: Array) -> Array:
     """Over outcomes, the first axis."""
-    return np.asarray(p_log_p(chances).sum(axis=0), dtype=np.float64)
+    return np.asarray(p_log_p(probabilities).sum(axis=0), dtype=np.float64)

@@ -6,18 +6,16 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from tactometry.arguments.require import of_kind
 from tactometry.errors import InvalidParameter, nearest
 
 from ..procedures.procedure import Ending, Procedure, RuleThreshold
-from .outcome_model import size
+from ..procedures.shared_learning import Sharing
+from .outcome_model import Array, size
 from .posterior import Posterior, log_prior
 from .quest_plus import QuestPlus, QuestPlusRun
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +123,13 @@ class SharedQuestPlus:
         pool = replace(self, runs={**self.runs, track: run})
         if run.contradicted:
             return pool
-        log_chances = self.rule.grid.log_chance(run.delivered[-1], run.responses[-1]).reshape(self._size)
-        table = self.log_likelihoods.get(track, 0.0) + log_chances
+        log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1]).reshape(self._size)
+        table = self.log_likelihoods.get(track, 0.0) + log_likelihood
         return replace(pool, log_likelihoods={**self.log_likelihoods, track: table})
 
 
 @dataclass(frozen=True, eq=False)
-class SharedTrack:
+class SharedTrack(Sharing):
     """One track of a `SharedQuestPlus` as a procedure.
 
     >>> from tactometry.protocols import ParameterGrid
@@ -165,16 +163,8 @@ class SharedTrack:
         return self.pool.rule.n_trials_at_most
 
     @property
-    def finished(self) -> bool:
-        return self.view.finished
-
-    @property
     def ended(self) -> Ending | None:
         return self.view.ended
-
-    @property
-    def threshold(self) -> float | None:
-        return self.view.threshold
 
     @property
     def estimate(self) -> RuleThreshold:

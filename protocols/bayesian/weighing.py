@@ -5,15 +5,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tactometry.arguments.require import given, positive, whole
 
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
+from .outcome_model import Array
 from .posterior import Posterior, edge, mean_sd
-
-Array = NDArray[np.float64]
 
 
 class WeighingRule(Rule[Any]):
@@ -43,7 +39,7 @@ class WeighingRule(Rule[Any]):
         """Of its functions, at which the threshold lies, in words."""
 
     @abstractmethod
-    def log_chance(self, level: float, outcome: int) -> Array:
+    def log_likelihood(self, level: float, outcome: int) -> Array:
         """log P(outcome) at a level in each cell, (n_cells,)."""
 
     def _check_stop(self) -> None:
@@ -95,5 +91,5 @@ class WeighingRun(Run[RuleT]):
         return RuleThreshold(*self.mean_sd, len(self.responses), f"posterior mean {self.rule.point}")
 
     def _updated(self) -> Self:
-        state = self.state.after(self.rule.log_chance(self.delivered[-1], self.responses[-1]))
+        state = self.state.after(self.rule.log_likelihood(self.delivered[-1], self.responses[-1]))
         return replace(self, state=state or self.state, contradicted=state is None)

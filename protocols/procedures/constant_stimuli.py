@@ -5,14 +5,14 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, repeated, whole
+from tactometry.arguments.require import numbers, repeated, some, whole
 from tactometry.errors import InvalidParameter, counted
 
-from .procedure import MOST_TRIALS, Ending, Rule, RuleThreshold, Run, checked_outcome
+from .procedure import MOST_TRIALS, Ending, FixedOrder, Rule, RuleThreshold, Run, checked_outcome
 
 
 @dataclass(frozen=True)
-class ConstantStimuli(Rule["ConstantStimuliRun"]):
+class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
     `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
@@ -40,8 +40,7 @@ class ConstantStimuli(Rule["ConstantStimuliRun"]):
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)
         whole("ConstantStimuli", lowest=1, repeats=self.repeats)
-        if not self.levels:
-            raise InvalidParameter("ConstantStimuli.levels: found no level, expected at least one")
+        some("ConstantStimuli.levels", self.levels)
         n = repeated(self.levels)
         if n is not None:
             raise InvalidParameter(
@@ -76,7 +75,7 @@ class ConstantStimuli(Rule["ConstantStimuliRun"]):
 
 
 @dataclass(frozen=True)
-class ConstantStimuliRun(Run[ConstantStimuli]):
+class ConstantStimuliRun(Run[ConstantStimuli], FixedOrder):
     """The levels in their `order`, of which the first `n_done` were presented or left out."""
 
     order: tuple[float, ...] = ()
@@ -96,11 +95,9 @@ class ConstantStimuliRun(Run[ConstantStimuli]):
         return "censored_above" if n_yes == 0 < len(self.responses) else "trials"
 
     def told(self, response: int | bool) -> Self:
-        """The answer counts, the presentation stays."""
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))
 
     def skipped(self) -> Self:
-        """The next presentation; the present one is left to the block, which comes back to it."""
         return replace(self, n_done=self.n_done + 1)
 
     def _updated(self) -> Self:

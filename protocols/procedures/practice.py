@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, whole
+from tactometry.arguments.require import numbers, some, whole
 from tactometry.errors import InvalidParameter
 
 from .procedure import Ending, Rule, RuleThreshold, Run
@@ -37,8 +37,7 @@ class Practice(Rule["PracticeRun"]):
     def __post_init__(self) -> None:
         numbers("Practice.levels", self.levels)
         whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
-        if not self.levels:
-            raise InvalidParameter("Practice.levels: found no level, expected at least one")
+        some("Practice.levels", self.levels)
         for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
             high = getattr(self, most)
             if getattr(self, name) > high:

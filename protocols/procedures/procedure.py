@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 
@@ -26,56 +26,17 @@ class RuleThreshold:
     note: str = ""
 
 
-class Procedure(Protocol):
+class Procedure(ABC):
     """A frozen, pure rule for the next level, before its first answer or after any.
 
     `after` gives the procedure that follows a response (1 or True: correct, or "felt") to the level that was
-    *delivered*, which counts whether or not it is the one that was asked for. A finished procedure says by `ended` how
-    it came to its end. It asks for levels within `bounds` (lowest, highest), and takes `n_trials_at_most` answers.
-    `threshold` is what the rule itself makes of the answers so far, in the unit of the levels; None before the first
-    one, of a rule that makes no estimate, and where the answers only bound it. `estimate` says how it came about.
+    *delivered*, which counts whether or not it is the one that was asked for.
     """
 
     @property
-    def name(self) -> str: ...
-
-    @property
-    def bounds(self) -> tuple[float, float]: ...
-
-    @property
-    def n_trials_at_most(self) -> int: ...
-
-    @property
-    def level(self) -> float: ...
-
-    @property
-    def finished(self) -> bool: ...
-
-    @property
-    def ended(self) -> Ending | None: ...
-
-    @property
-    def threshold(self) -> float | None: ...
-
-    @property
-    def estimate(self) -> RuleThreshold: ...
-
-    def after(self, response: int | bool, delivered: float | None = None) -> "Procedure": ...
-
-
-RunT = TypeVar("RunT", bound="Run[Any]")
-RuleT = TypeVar("RuleT", bound="Rule[Any]")
-
-
-class Rule(ABC, Generic[RunT]):
-    """The numbers of a procedure, frozen and checked: what a study file holds.
-
-    It is a procedure too, that which stands before its first answer.
-    """
-
-    name: ClassVar[str]
-    unreplayed: ClassVar[str] = ""
-    """Why answers and levels alone do not bring a run back; empty where they do."""
+    @abstractmethod
+    def name(self) -> str:
+        """As the column `procedure` of a trials table has it."""
 
     @property
     @abstractmethod
@@ -86,6 +47,67 @@ class Rule(ABC, Generic[RunT]):
     @abstractmethod
     def n_trials_at_most(self) -> int:
         """How many answers it takes at most."""
+
+    @property
+    @abstractmethod
+    def level(self) -> float:
+        """The next level."""
+
+    @property
+    @abstractmethod
+    def ended(self) -> Ending | None:
+        """How it came to its end; None if it goes on."""
+
+    @property
+    @abstractmethod
+    def estimate(self) -> RuleThreshold:
+        """What it makes of its answers, and how that came about."""
+
+    @abstractmethod
+    def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
+        """The procedure after a response to the level that was delivered (default: the one asked for).
+
+        Raises
+        ------
+        InvalidParameter
+            If the response is no outcome of the rule, the level not a finite number, or the procedure has finished.
+        """
+
+    @property
+    def finished(self) -> bool:
+        return self.ended is not None
+
+    @property
+    def threshold(self) -> float | None:
+        """What the rule itself makes of the answers so far, in the unit of the levels; None before the first one, of a
+        rule that makes no estimate, and where the answers only bound it."""
+        return self.estimate.level
+
+
+class FixedOrder(Procedure):
+    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
+
+    @abstractmethod
+    def skipped(self) -> "FixedOrder":
+        """The next presentation; the present one is left to the block, which comes back to it."""
+
+    @abstractmethod
+    def told(self, response: int | bool) -> "FixedOrder":
+        """The answer counts, the presentation stays."""
+
+
+RunT = TypeVar("RunT", bound="Run[Any]")
+RuleT = TypeVar("RuleT", bound="Rule[Any]")
+
+
+class Rule(Procedure, Generic[RunT]):
+    """The numbers of a procedure, frozen and checked: what a study file holds.
+
+    It is a procedure too, that which stands before its first answer.
+    """
+
+    unreplayed: ClassVar[str] = ""
+    """Why answers and levels alone do not bring a run back; empty where they do."""
 
     @abstractmethod
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
@@ -105,28 +127,19 @@ class Rule(ABC, Generic[RunT]):
         return self._begun.level
 
     @property
-    def finished(self) -> bool:
-        return self._begun.finished
-
-    @property
     def ended(self) -> Ending | None:
         return self._begun.ended
-
-    @property
-    def threshold(self) -> float | None:
-        return self._begun.threshold
 
     @property
     def estimate(self) -> RuleThreshold:
         return self._begun.estimate
 
     def after(self, response: int | bool, delivered: float | None = None) -> RunT:
-        """The run after its first response."""
         return self._begun.after(response, delivered)
 
 
 @dataclass(frozen=True)
-class Run(ABC, Generic[RuleT]):
+class Run(Procedure, Generic[RuleT]):
     """How far a rule has come: the rule, the history (`responses`, and the levels that were `delivered`), and in each
     kind of run what the rule has made of them."""
 
@@ -146,24 +159,6 @@ class Run(ABC, Generic[RuleT]):
     def n_trials_at_most(self) -> int:
         return self.rule.n_trials_at_most
 
-    @property
-    @abstractmethod
-    def level(self) -> float:
-        """The next level."""
-
-    @property
-    @abstractmethod
-    def ended(self) -> Ending | None:
-        """How it came to its end; None if it goes on."""
-
-    @property
-    def finished(self) -> bool:
-        return self.ended is not None
-
-    @property
-    def threshold(self) -> float | None:
-        return self.estimate.level
-
     @cached_property
     def estimate(self) -> RuleThreshold:
         if self.ended in ("censored_above", "censored_below", "aborted"):
@@ -171,13 +166,6 @@ class Run(ABC, Generic[RuleT]):
         return self._estimate() if self.responses else RuleThreshold(note="no answer")
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The run after a response to the level that was delivered (default: the one asked for).
-
-        Raises
-        ------
-        InvalidParameter
-            If the response is no outcome of the rule, the level not a finite number, or the run has finished.
-        """
         owner = type(self.rule).__name__
         outcome = checked_outcome(response, self.rule.n_outcomes, owner)
         if self.finished:

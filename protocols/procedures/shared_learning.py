@@ -1,18 +1,18 @@
 """Procedures that run interleaved and may learn from each other's answers."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Protocol, Self, runtime_checkable
+from typing import Self
 
 from .procedure import Procedure
 
 
-@runtime_checkable
-class Sharing(Procedure, Protocol):
+class Sharing(Procedure):
     """A procedure to which an answer on another track tells something."""
 
+    @abstractmethod
     def learning_from(self, other: Procedure) -> Self:
         """This procedure, when `other` has just had an answer; unchanged if the two share nothing."""
-        ...
 
 
 def answered(

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import finite, numbers, whole
+from tactometry.arguments.require import finite, numbers, some, whole
 from tactometry.errors import InvalidParameter
 
 from .procedure import Ending, Rule, RuleThreshold, Run
@@ -69,8 +69,7 @@ class UpDown(Rule["StaircaseRun"]):
 
 
 def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
-    if not steps:
-        raise InvalidParameter(f"{where}: found no step, expected at least one")
+    some(where, steps)
     for n, step in enumerate(steps):
         if not 0 < step <= widest:
             raise InvalidParameter(

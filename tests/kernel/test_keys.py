@@ -51,11 +51,11 @@ def test_every_required_key_is_required_and_every_other_is_not(heading):
     required = {key.name for key in keys_of(table) if key.required}
     least = {name: value for name, value in table.example.items() if name in required}
     assert set(least) == required
-    table.made(build(table.reads, table.example, "t", table.hidden, **table.given))
+    table.made(build(table.reads, table.example, "t", **table.given))
     for name in required:
         without = {other: value for other, value in table.example.items() if other != name}
         with pytest.raises(InvalidParameter, match=rf"^t\.{name}: found no such key"):
-            build(table.reads, without, "t", table.hidden, **table.given)
+            build(table.reads, without, "t", **table.given)
 
 
 def test_every_kind_has_its_keys():

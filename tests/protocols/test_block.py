@@ -144,7 +144,7 @@ def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
 @pytest.mark.parametrize(
     ("how", "sentence"),
     [
-        ({"tracks": ()}, "Block.tracks: found no track, expected at least one"),
+        ({"tracks": ()}, "Block.tracks: found none, expected at least one"),
         ({"catch_rate": 0.6}, "BlockOptions.catch_rate: found 0.6, expected a number from 0 to 0.5"),
         ({"interleaving": "rounds"}, "BlockOptions.interleaving: found 'rounds', expected one of random, balanced"),
         ({"n_attempts": 0}, "BlockOptions.n_attempts: found 0, expected a whole number, at least 1"),

@@ -223,7 +223,7 @@ def test_each_repeat_of_constant_stimuli_holds_every_level_once():
     [
         ({"low": 5.0, "high": 5.0}, "Staircase.low: found 5, expected less than high (5)"),
         ({"start": 99.0}, "Staircase.start: found 99, expected a level between low (0) and high (40)"),
-        ({"steps": ()}, "Staircase.steps: found no step, expected at least one"),
+        ({"steps": ()}, "Staircase.steps: found none, expected at least one"),
         ({"steps": (0.0,)}, "Staircase.steps[0]: found 0, expected above 0 and at most the range of levels (40)"),
         ({"steps": (2.0, 41.0)}, "Staircase.steps[1]: found 41, expected above 0 and at most the range of levels (40)"),
         ({"n_down": 0}, "Staircase.n_down: found 0, expected a whole number, at least 1"),

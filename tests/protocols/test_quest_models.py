@@ -63,9 +63,9 @@ def test_any_model_gives_the_losses_of_the_grid_that_it_equals():
 @pytest.mark.parametrize("levels", [LEVELS, (0.0, 3.0, 3.5, 20.0), tuple(np.linspace(-5, 45, 27))])
 def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
     weights = np.random.default_rng().dirichlet(np.ones(math.prod(GRID.size)))
-    chances = np.stack([[np.exp(GRID.log_chance(level, r)) for level in levels] for r in (0, 1)])
+    chances = np.stack([[np.exp(GRID.log_likelihood(level, r)) for level in levels] for r in (0, 1)])
     expected = (chances * np.log(np.maximum(chances, 1e-300))).sum(axis=0) @ weights
-    np.testing.assert_allclose(GRID.chances(levels).certainty(weights), expected, rtol=1e-10)
+    np.testing.assert_allclose(GRID.likelihoods(levels).certainty(weights), expected, rtol=1e-10)
 
 
 @pytest.mark.parametrize("levels", [LEVELS, tuple(np.linspace(0, 40, 21)), (0.0, 3.0, 3.5, 20.0)])
@@ -73,7 +73,7 @@ def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
 def test_an_answer_at_a_candidate_counts_as_the_model_says(levels, outcome):
     rule = QuestPlus(levels, GRID)
     for level in levels:
-        expected = np.exp(GRID.log_chance(level, outcome)).reshape(GRID.size)
+        expected = np.exp(GRID.log_likelihood(level, outcome)).reshape(GRID.size)
         np.testing.assert_allclose(rule.after(outcome, level).posterior, expected / expected.sum(), rtol=1e-11)
 
 
@@ -86,7 +86,7 @@ def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_f
     for answer, level in answers:
         rule = rule.after(answer, level)
     level = 2.5
-    chances = [float(np.exp(THREE.log_chance(level, r)) @ rule.posterior.ravel()) for r in range(3)]
+    chances = [float(np.exp(THREE.log_likelihood(level, r)) @ rule.posterior.ravel()) for r in range(3)]
     expected = sum(p * loss(rule.after(r, level)) for r, p in enumerate(chances))
     assert rule.expected_loss()[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
@@ -126,12 +126,12 @@ def test_three_answers_find_what_they_come_from():
 
 
 def test_a_table_is_a_model_and_between_its_levels_chances_lie_on_straight_lines():
-    table = np.stack([[np.exp(GRID.log_chance(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
+    table = np.stack([[np.exp(GRID.log_likelihood(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
     model = TableModel(GRID.parameters, LEVELS, table)
     np.testing.assert_allclose(*(QuestPlus(LEVELS, each).begin().expected_loss() for each in (model, GRID)))
     between = 0.25 * table[1, 3] + 0.75 * table[1, 4]
     level = 0.25 * LEVELS[3] + 0.75 * LEVELS[4]
-    np.testing.assert_allclose(np.exp(model.log_chance(level, 1)), between.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(np.exp(model.log_likelihood(level, 1)), between.ravel(), rtol=1e-12)
 
 
 def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
@@ -170,7 +170,7 @@ def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
     told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
     one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
     taught = QuestPlus(LEVELS, one).after(1, 20.0).after(0, 10.0)
-    prior = tuple(np.exp(one.log_chance(20.0, 1) + one.log_chance(10.0, 0)))
+    prior = tuple(np.exp(one.log_likelihood(20.0, 1) + one.log_likelihood(10.0, 0)))
     np.testing.assert_allclose(QuestPlus(LEVELS, one, prior={"threshold": prior}).begin().posterior, taught.posterior)
     assert told.marginal("width").sum() == pytest.approx(1)
 
@@ -247,8 +247,8 @@ def summing_to(total):
     ("build", "message"),
     [
         (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
-        (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found no parameter"),
-        (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found no number"),
+        (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found none"),
+        (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found none"),
         (
             lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
             "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2",
@@ -264,10 +264,10 @@ def summing_to(total):
         (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.ones((2, 3, 1))), r"TableModel.table: found the shape"),
         (lambda: TableModel({"a": (1.0,)}, (1.0, 0.0), np.full((2, 2, 1), 0.5)), "expected rising levels"),
         (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.4)), "add up to 0.8"),
-        (lambda: half_table().log_chance(2.0, 1), "found the level 2, expected one from 0 to 1"),
+        (lambda: half_table().log_likelihood(2.0, 1), "found the level 2, expected one from 0 to 1"),
         (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
         (
-            lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_chance(-1.0, 1),
+            lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
             "ParameterGrid: found the level -1, expected levels from 0 on",
         ),
         (

@@ -98,7 +98,7 @@ def test_expected_entropy_is_that_of_the_posteriors_it_stands_for(aim, answers):
     _, rule = follow(small(aim, n_trials=100), answers)
     n = len(rule.rule.levels) // 2
     chance = rule.after(1, delivered=rule.rule.levels[n]), rule.after(0, delivered=rule.rule.levels[n])
-    yes = float(np.exp(rule.rule.grid.log_chance(rule.rule.levels[n], 1)) @ rule.posterior.ravel())
+    yes = float(np.exp(rule.rule.grid.log_likelihood(rule.rule.levels[n], 1)) @ rule.posterior.ravel())
     expected = yes * entropy(chance[0], aim) + (1 - yes) * entropy(chance[1], aim)
     found = rule.expected_loss()[n]
     hard_case("expected entropy of any answers (nat)", found, expected, 1e-12, against="the posteriors", floor=1)
@@ -166,7 +166,7 @@ def test_it_stops_at_the_spread_that_is_asked_for():
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: ParameterGrid((), (1.0,)), "ParameterGrid.thresholds: found no value"),
+        (lambda: ParameterGrid((), (1.0,)), "ParameterGrid.thresholds: found none"),
         (
             lambda: ParameterGrid((1.0,), (0.0,)),
             r"ParameterGrid.widths\[0\]: found 0.0, expected a finite number between",

@@ -21,7 +21,7 @@ def brute_force(answers):
     """The joint posterior over three thresholds and the shared parameters, (4, 4, 4, 4)."""
     log = np.zeros((4, 4, 4, 4))
     for track, answer, level in answers:
-        own = GRID.log_chance(level, int(answer)).reshape(4, 4)
+        own = GRID.log_likelihood(level, int(answer)).reshape(4, 4)
         shape = [4 if axis in (track, 3) else 1 for axis in range(4)]
         log = log + own.reshape(shape)
     weights = np.exp(log - log.max())

@@ -20,7 +20,7 @@ def test_a_level_off_the_grid_counts_as_it_is():
 def test_at_its_threshold_the_answer_is_1_as_often_as_the_target_says():
     rule = Quest(**OPTIONS, target=0.7)
     n = int(np.flatnonzero(rule.thresholds == 20.0)[0])
-    assert math.exp(rule.grid.log_chance(20.0, 1)[n]) == pytest.approx(0.7)
+    assert math.exp(rule.grid.log_likelihood(20.0, 1)[n]) == pytest.approx(0.7)
 
 
 @pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])

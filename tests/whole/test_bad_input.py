@@ -84,7 +84,7 @@ STUDIES = {
     ),
     "empty levels": (
         TUTORIAL.replace("[10, 18, 26, 34]", "[]"),
-        "s.toml, procedure.levels: found no level, expected at least one",
+        "s.toml, procedure.levels: found none, expected at least one",
     ),
     "level above the limit": (
         TUTORIAL.replace("[10, 18, 26, 34]", "[10, 60]"),
