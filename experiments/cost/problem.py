@@ -52,7 +52,7 @@ class Problem:
     price: str = "computing time (s)"
 
 
-def part_of_the_amplitude(found_db: Real, reference_db: Real) -> float:
+def error_of_decibels(found_db: Real, reference_db: Real) -> float:
     """An rms error in decibels, as a part of the amplitude."""
     return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Real, Rung, part_of_the_amplitude
+from ..cost.problem import Problem, Real, Rung, error_of_decibels
 
 MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0
 LEVELS_DB, N_TRIALS = np.linspace(2.0, 38.0, 10), 16
@@ -26,7 +26,7 @@ def problem() -> Problem:
         "a fit to answers without scatter",
         reference=lambda: (np.array([MEAN_DB]), 0.0),
         independent=lambda: (_without_scatter_db(), 0.02),
-        error=part_of_the_amplitude,
+        error=error_of_decibels,
         rungs=tuple(Rung(f"{n} participants", partial(_means_db, n), float(n)) for n in N_PARTICIPANTS),
         price="participants, 160 trials each",
     )

@@ -12,7 +12,7 @@ from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Real, Rung, part_of_the_amplitude
+from ..cost.problem import Problem, Real, Rung, error_of_decibels
 
 LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
 WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02
@@ -42,7 +42,7 @@ def problem() -> Problem:
         "target levels by the root of the function, written out",
         reference=lambda: (np.zeros(1), 0.0),
         independent=lambda: (_targets_db() - [FUNCTION.level(method.target) for method in METHODS.values()], 1e-9),
-        error=part_of_the_amplitude,
+        error=error_of_decibels,
         rungs=tuple(
             Rung(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
             for name, method in METHODS.items()
