@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
+    from .anova.group_means import group_table as group_table
     from .anova.nonparametric import (
         aligned_rank_transform as aligned_rank_transform,
         art_contrasts as art_contrasts,
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from .hierarchical.fitting import fit_hierarchical as fit_hierarchical
     from .means import mean_with_interval as mean_with_interval
     from .mixed_models.glmm import fit_glmm as fit_glmm
-    from .outcomes.group_means import group_table as group_table
     from .pipeline import analyse as analyse
     from .plan import AnalysisPlan as AnalysisPlan, read_plan as read_plan
     from .reading.column_map import ColumnMap as ColumnMap, read_column_map as read_column_map

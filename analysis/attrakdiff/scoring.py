@@ -12,9 +12,9 @@ from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
 from tactometry.trials.columns import RESERVED, stated_factors
 
+from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
 from ..means import mean_with_interval
-from ..outcomes.group_means import MEANS, group_table
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")

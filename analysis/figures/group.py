@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ..outcomes.group_means import HIGH, LOW
+from ..anova.group_means import HIGH, LOW
 from ..tasks.kinds import CURVES
 from .axes import FactorAxis, means_with_intervals, panels, place, series, shift
 from .style import Drawing, drawn, house_style, look, new_figure, shades

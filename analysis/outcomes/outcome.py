@@ -16,6 +16,7 @@ from ..anova.censored_pairs import censored_equivalence, censored_group_pairs, c
 from ..anova.complete_design import SubDesign, largest_complete, largest_known
 from ..anova.design import DesignStatus, UndefinedStatistic
 from ..anova.equivalence import equivalence
+from ..anova.group_means import HIGH, LOW, bounds_of, group_table
 from ..anova.group_pairs import group_pairs
 from ..anova.post_hoc import all_together, pairs
 from ..anova.simple_effects import Analysis, interacting, simple_effects
@@ -25,7 +26,6 @@ from ..mixed_models.censored import censored_model
 from ..mixed_models.linear import MixedModel, mixed_model
 from ..wording.cross_table import cross_table
 from .findings import FORCE, Outcome
-from .group_means import HIGH, LOW, bounds_of, group_table
 from .primary import TITLES, Primary, chosen
 
 MEASURED = "log2 of the measured force"

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ..outcomes.group_means import MODEL
+from ..anova.group_means import MODEL
 
 BETWEEN = "95 % interval between participants"
 

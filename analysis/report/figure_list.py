@@ -6,11 +6,11 @@ from enum import StrEnum
 
 import pandas as pd
 
+from ..anova.group_means import HIGH, LOW, bounds_of
 from ..attrakdiff.patterns import THESIS
 from ..figures import attrakdiff, group, growth, loss, participants
 from ..figures.style import Drawing
 from ..outcomes.findings import FORCE, Outcome
-from ..outcomes.group_means import HIGH, LOW, bounds_of
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..outcomes.ratings import REFERENCE, Ratings
 from ..result import Analysis

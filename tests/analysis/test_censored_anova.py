@@ -16,12 +16,12 @@ from scipy.stats import multivariate_normal
 
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.anova.split_plot import mixed_anova
 from tactometry.analysis.anova.strata import BoundedValues, fit_strata
 from tactometry.analysis.anova.truncated_normal import between
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.censored import censored_model
-from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.errors import InvalidParameter
 
 MAUCHLY = ("W_spher", "p_spher", "sphericity")

@@ -10,9 +10,9 @@ from attrakdiff_answers import study as answers_of
 from click.testing import CliRunner
 from scipy.stats import f_oneway
 
+from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import repeated_measures
-from tactometry.analysis.outcomes.group_means import group_table
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from places import SHARED
 
-from tactometry.analysis.outcomes.group_means import group_table
+from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.exclusion import Exclusion

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from ..anova.within_intervals import within_variances
 from ..arrays import size_of
 from ..conditions import parts
 from ..means import mean_with_interval
 from ..wording.numbers import interval_text
+from .within_intervals import within_variances
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
     "threshold": ("interval_low", "interval_high"),
