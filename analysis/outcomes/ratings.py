@@ -45,9 +45,14 @@ class Ratings:
     def name(self) -> str:
         return self.form.name
 
+    @property
+    def stem(self) -> str:
+        """What its files are called."""
+        return self.name.replace("-", "_")
+
     def tables(self) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""
-        stem = self.name.replace("-", "_")
+        stem = self.stem
         found = {
             f"{stem}_scores": self.scores,
             f"{stem}_summary": self.summary,

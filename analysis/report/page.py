@@ -1,32 +1,19 @@
 """The report: one HTML file that needs nothing else, its tables beside it; figures as files."""
 
 import re
-from collections.abc import Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
-import pandas as pd
-
 from tactometry.errors import DeviceFailed, InvalidParameter, counted
 from tactometry.files.safe_text import file_text
 
-from ..outcomes.findings import Outcome
-from ..outcomes.hierarchical_outcome import HierarchicalOutcome
-from ..outcomes.ratings import Ratings
 from ..result import Analysis
-from ..tasks.kinds import RESULTS
-from ..wording.cross_table import cross_table
-from ..wording.decibels import as_amplitudes, is_decibel
 from ..wording.labels import in_words, split_unit
-from ..wording.numbers import p_text
-from . import methods
-from .captions import means_sentence
-from .choice_text import choice_table
-from .figure_list import NAMES, Figure, Place, figures_of
-from .grid import TextGrid, grid
+from .kinds import KINDS
+from .methods import references
 from .pdf import print_pdf
-from .sentences import form_sentences, hierarchical_sentences, outcome_sentences
+from .section import Figure, Section
 from .table_files import write_tables
 
 
@@ -94,77 +81,27 @@ def render(found: Analysis) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"words": lambda text: in_words(text, factors), "unbroken": unbroken}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
-    drawn = figures_of(found)
+    sections = sections_of(found)
+    drawn = [figure for section in sections for figure in section.figures()]
     return template.render(
         analysis=found,
         title=title_of(found),
-        names=NAMES,
-        places=Place,
-        figures=drawn,
         svgs={figure.name: _numbered(figure, n) for n, figure in enumerate(drawn)},
         data=data_line(found),
         warnings=[text for text in found.warnings if f"{text}." != found.origin.line] + _notes(found),
-        outcomes=[_section(outcome, found) for outcome in found.outcomes],
-        forms=[(form, means_sentence(form.summary), _summary_grid(form), form_sentences(form)) for form in found.forms],
-        grids=_grids(found),
-        choices={
-            name: grid(choice_table(found.tables[name], name, found.trials, found.unit), factors)
-            for name in RESULTS
-            if name in found.tables
-        },
-        together=[
-            (each, _cross_grid(each, found), hierarchical_sentences(each, found.unit)) for each in found.together
-        ],
-        shrunken={each.task: grid(each.participants, factors) for each in found.together},
-        references=methods.references(found.methods),
+        sections=sections,
+        references=references(found.methods),
     )
 
 
-def _section(outcome: Outcome, found: Analysis) -> dict[str, object]:
-    """What the page says of one dependent value."""
-    sentences = outcome_sentences(outcome, found.unit)
-    primary = sentences.pop(outcome.heading(), []) if outcome.primary is not None else []
-    return {
-        "outcome": outcome,
-        "unit": outcome.unit(found.unit),
-        "means": means_sentence(outcome.group),
-        "cross": grid(outcome.cross, found.trials.factors),
-        "amplitudes": amplitudes(outcome, found),
-        "effects": _effects_grid(outcome, found.trials.factors),
-        "primary": primary,
-        "sentences": sentences,
-    }
+def sections_of(found: Analysis) -> list[Section]:
+    """All sections between warnings and methods, with their figures drawn."""
+    return [section for kind in KINDS for section in kind.sections(found)]
 
 
-def amplitudes(outcome: Outcome, found: Analysis) -> tuple[str, TextGrid] | None:
-    """The group table in the unit that decibels refer to, with this unit; None without decibels or a mean."""
-    unit = outcome.unit(found.unit)
-    if not is_decibel(unit) or outcome.group["mean"].isna().all():
-        return None
-    cross = cross_table(as_amplitudes(outcome.group), found.trials.factors)
-    peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
-    return f"{unit.partition(' re 1 ')[2]}{peak}", grid(cross, found.trials.factors)
-
-
-def _grids(found: Analysis) -> dict[str, TextGrid | None]:
-    """The tables that stand alone; None where there is none."""
-    tables, factors = dict(found.tables), found.trials.factors
-    tables |= {name: cross_table(tables[name], factors) for name in ("loss", "force") if name in tables}
-    if "thresholds" in tables:
-        tables["thresholds"] = _short_thresholds(found)
-    for name, heads in (("quality", QUALITY), ("goodness", GOODNESS_COLUMNS)):
-        if name in tables:
-            tables[name] = tables[name].rename(columns=heads)
-    names = ("loss", "force", "excluded", "quality", "goodness", "thresholds")
-    return {name: grid(tables[name], factors) if name in tables else None for name in names}
-
-
-QUALITY = {
-    "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
-    "n_unanswered": "unanswered", "n_catch": "catch trials", "n_false_alarms": "false alarms",
-    "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
-}  # fmt: skip
-"""Columns of the table of data quality, in words."""
+def figures_of(found: Analysis) -> list[Figure]:
+    """Every figure of the report, in order."""
+    return [figure for section in sections_of(found) for figure in section.figures()]
 
 
 def data_line(found: Analysis) -> str:
@@ -213,47 +150,3 @@ def title_of(found: Analysis) -> str:
     studies = sorted(set(rows["study"])) if "study" in rows.columns else []
     title = found.study.title or ", ".join(study for study in studies if study) or found.trials.path.stem
     return f"{title} (simulated)" if found.origin.is_simulated else title
-
-
-def _cross_grid(each: HierarchicalOutcome, found: Analysis) -> TextGrid | None:
-    if each.fit is None:
-        return None
-    return grid(cross_table(each.conditions, each.fit.factors), found.trials.factors)
-
-
-def _summary_grid(form: Ratings) -> TextGrid:
-    """Conditions down, dimensions across, each as mean with interval."""
-    cross = form.cross()
-    return TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
-
-
-GOODNESS_COLUMNS = {
-    "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "what a small p says",
-}  # fmt: skip
-EFFECT_COLUMNS = {
-    "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
-    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
-    "np2": "partial eta²", "ng2": "generalised eta²",
-}  # fmt: skip
-"""What the page shows of the primary analysis; the file has the rest."""
-P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
-
-
-def _effects_grid(outcome: Outcome, factors: Sequence[str]) -> TextGrid | None:
-    if outcome.effects is None:
-        return None
-    effects = outcome.effects[outcome.effects["F"].notna()]
-    shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
-    for name in set(P_COLUMNS) & set(shown.columns):
-        shown[name] = [p_text(p).removeprefix("p ").removeprefix("= ") for p in shown[name].astype(float)]
-    for name in {"Source", "term"} & set(shown.columns):
-        shown[name] = [in_words(source, factors) for source in shown[name]]
-    return grid(shown.rename(columns=EFFECT_COLUMNS), ())
-
-
-def _short_thresholds(found: Analysis) -> pd.DataFrame:
-    table = found.tables["thresholds"]
-    wanted = ["participant", *found.trials.factors, "threshold", "interval_low", "interval_high", "jnd", "jnd_low"]
-    wanted += ["jnd_high", "width", "guess_rate", "lapse_rate", "n_trials", "n_catch", "status", "misfit"]
-    wanted += [name for name in ("rule_estimate", "rule_sd", "rule_n") if table[name].notna().any()]
-    return table[[name for name in wanted if name in table.columns]]

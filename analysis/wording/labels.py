@@ -7,6 +7,13 @@ import numpy as np
 import pandas as pd
 
 UNITS = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "m": "m", "mm": "mm", "db": "dB", "m_per_s": "m/s"}
+DEPENDENT_NAMES = {
+    "threshold": "threshold",
+    "pse": "point of subjective equality",
+    "jnd": "just noticeable difference",
+    "setting": "setting by adjustment",
+    "exponent": "exponent of magnitude estimates",
+}
 NAMED = 6
 """So many cells or participants are named one by one."""
 
@@ -31,6 +38,20 @@ def title_of(name: str) -> str:
     """
     words, unit = split_unit(name)
     return f"{words.capitalize()} ({unit})" if unit else words.capitalize()
+
+
+def dependent_title(name: str) -> str:
+    """What a dependent value is called where it stands alone.
+
+    >>> dependent_title("pse"), dependent_title("threshold")
+    ('Point of subjective equality', 'Detection threshold')
+    """
+    return "Detection threshold" if name == "threshold" else DEPENDENT_NAMES[name].capitalize()
+
+
+def with_unit(name: str, unit: str) -> str:
+    """A name with the unit in brackets, if there is one."""
+    return f"{name} ({unit})" if unit else name
 
 
 def level_of(name: str, value: object) -> str:

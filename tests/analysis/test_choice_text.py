@@ -10,8 +10,7 @@ from places import RECORDED
 
 from tactometry.analysis.pipeline import analysed
 from tactometry.analysis.reading.trials import read_trials, used_rows
-from tactometry.analysis.report.figure_list import figures_of
-from tactometry.analysis.report.page import render
+from tactometry.analysis.report.page import figures_of, render
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.same_different import same_different_table
 from tactometry.cli.analyse import summary_text

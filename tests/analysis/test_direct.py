@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.report.figure_list import figures_of
-from tactometry.analysis.report.page import render
+from tactometry.analysis.report.page import figures_of, render
 from tactometry.analysis.report.sentences import outcome_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis

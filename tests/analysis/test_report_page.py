@@ -17,8 +17,7 @@ from tactometry.analysis.pipeline import analysed
 from tactometry.analysis.reading.study_text import procedure_text, study_text
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
-from tactometry.analysis.report.figure_list import figures_of
-from tactometry.analysis.report.page import render, unbroken
+from tactometry.analysis.report.page import figures_of, render, unbroken
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.wording.decibels import as_amplitudes
 from tactometry.cli.analyse import summary_text

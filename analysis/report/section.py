@@ -1,0 +1,131 @@
+"""What a report is made of: kinds of results, which tell themselves in sections of blocks."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pandas as pd
+
+from ..figures.style import Drawing
+from ..result import Analysis
+from .grid import TextGrid
+
+
+@dataclass(frozen=True)
+class Lead:
+    """A paragraph before what it explains."""
+
+    kind: ClassVar = "lead"
+    text: str
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading within a section."""
+
+    kind: ClassVar = "heading"
+    text: str
+
+
+@dataclass(frozen=True)
+class Table:
+    kind: ClassVar = "table"
+    grid: TextGrid
+
+
+@dataclass(frozen=True)
+class Sentences:
+    kind: ClassVar = "sentences"
+    lines: Sequence[str]
+
+
+@dataclass(frozen=True)
+class FoldedSentences:
+    """Sentences by their headings, of which the first `n_open` are unfolded."""
+
+    kind: ClassVar = "folded"
+    by_heading: Mapping[str, Sequence[str]]
+    n_open: int
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing with its file name, caption, and the table of numbers: of them those rows that `of` holds."""
+
+    kind: ClassVar = "figure"
+    name: str
+    drawing: Drawing
+    caption: str
+    table: str
+    of: tuple[str, str] | None = None
+
+    def rows(self, table: pd.DataFrame) -> pd.DataFrame:
+        """The rows of its table that it draws."""
+        return table if self.of is None else table[table[self.of[0]] == self.of[1]]
+
+
+@dataclass(frozen=True)
+class Details:
+    """Blocks that a reader unfolds."""
+
+    kind: ClassVar = "details"
+    title: str
+    blocks: "tuple[Block, ...]"
+    is_open: bool = False
+
+
+Block = Lead | Heading | Table | Sentences | FoldedSentences | Figure | Details
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page; without a title it goes on with the one before."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+    def figures(self) -> list[Figure]:
+        """Those in its blocks and in what these unfold."""
+        folded = [inner for block in self.blocks if isinstance(block, Details) for inner in block.blocks]
+        return [block for block in (*self.blocks, *folded) if isinstance(block, Figure)]
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table of the terminal, with what is said below it."""
+
+    cross: pd.DataFrame
+    title: str
+    sentences: Sequence[str] = ()
+
+
+def _nothing(found: Analysis) -> tuple[()]:
+    del found
+    return ()
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON, where an analysis
+    holds it. Sections alone draw figures."""
+
+    sections: Callable[[Analysis], Iterable[Section]] = _nothing
+    terminal: Callable[[Analysis], Iterable[TextTable]] = _nothing
+    values: Callable[[Analysis], Iterable[tuple[str, object]]] = _nothing
+
+
+def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
+    """The rows of these tables as values in JSON, by the names of the tables; of a table that there is not none."""
+    return lambda found: [(name, plain_rows(found.table(name))) for name in names]
+
+
+def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
+    """Rows as plain values: None for what is missing."""
+    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,145 @@
+"""Dependent values: group table, the primary analysis and its checks, comparisons."""
+
+from collections.abc import Iterator, Sequence
+
+import pandas as pd
+
+from ...anova.group_means import HIGH, LOW, bounds_of
+from ...figures import group, growth
+from ...outcomes.findings import Outcome
+from ...result import Analysis
+from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
+from ...wording.cross_table import cross_table
+from ...wording.decibels import as_amplitudes, is_decibel
+from ...wording.labels import DEPENDENT_NAMES, dependent_title, in_words, with_unit
+from ...wording.numbers import p_text
+from ..captions import figure_text, means_sentence, means_text
+from ..grid import TextGrid, grid
+from ..section import (
+    Block,
+    Figure,
+    FoldedSentences,
+    Heading,
+    Kind,
+    Lead,
+    Section,
+    Sentences,
+    Table,
+    TextTable,
+    plain_rows,
+)
+from ..sentences import outcome_sentences, primary_sentences
+
+EFFECT_COLUMNS = {
+    "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
+    "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
+    "np2": "partial eta²", "ng2": "generalised eta²",
+}  # fmt: skip
+"""What the page shows of the primary analysis; the file has the rest."""
+P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
+
+
+def _sections(found: Analysis) -> Iterator[Section]:
+    for outcome in found.outcomes:
+        unit = outcome.unit(found.unit)
+        title = dependent_title(outcome.dependent)
+        yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, found)))
+
+
+def _blocks(outcome: Outcome, found: Analysis) -> Iterator[Block]:
+    factors = found.trials.factors
+    yield Lead(means_sentence(outcome.group))
+    yield Table(grid(outcome.cross, factors))
+    yield from _amplitudes(outcome, found)
+    yield _figure(outcome, found)
+    if outcome.dependent == EXPONENT and GROWTH in found.tables:
+        yield _growth_figure(found)
+    sentences = outcome_sentences(outcome, found.unit)
+    if outcome.effects is not None:
+        heading = outcome.heading()
+        yield Heading(in_words(heading, factors))
+        yield Table(_effects_grid(outcome.effects, factors))
+        yield Sentences(sentences.pop(heading, []))
+    yield FoldedSentences(sentences, n_open=2)
+
+
+def _amplitudes(outcome: Outcome, found: Analysis) -> Iterator[Block]:
+    """The group table in the unit that decibels refer to, where there are decibels and a mean."""
+    unit = outcome.unit(found.unit)
+    if not is_decibel(unit) or outcome.group["mean"].isna().all():
+        return
+    peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
+    yield Lead(f"The same in {unit.partition(' re 1 ')[2]}{peak}, 10^(level / 20): means are geometric.")
+    yield Table(grid(cross_table(as_amplitudes(outcome.group), found.trials.factors), found.trials.factors))
+
+
+def _figure(outcome: Outcome, found: Analysis) -> Figure:
+    name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
+    drawing = group.threshold_figure(
+        outcome.group,
+        found.trials.factors,
+        label=with_unit(name, outcome.unit(found.unit)),
+        individuals=values,
+        dependent=outcome.dependent,
+    )
+    triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
+    text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
+    stem = found.stem(outcome)
+    return Figure(stem, drawing, text, f"group_{stem}")
+
+
+def _growth_figure(found: Analysis) -> Figure:
+    drawing = growth.growth_figure(found.tables[GROWTH], found.trials.factors, unit=found.unit)
+    text = "Numbers given to each level: geometric means over participants after modulus equalisation."
+    return Figure(GROWTH, drawing, text, GROWTH)
+
+
+def _effects_grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
+    effects = table[table["F"].notna()]
+    shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
+    for name in set(P_COLUMNS) & set(shown.columns):
+        shown[name] = [p_text(p).removeprefix("p ").removeprefix("= ") for p in shown[name].astype(float)]
+    for name in {"Source", "term"} & set(shown.columns):
+        shown[name] = [in_words(source, factors) for source in shown[name]]
+    return grid(shown.rename(columns=EFFECT_COLUMNS), ())
+
+
+def _terminal(found: Analysis) -> Iterator[TextTable]:
+    for outcome in found.outcomes:
+        unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
+        primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
+        title = f"{DEPENDENT_NAMES[outcome.dependent]}{unit} ({means_text(outcome.group)}, n)"
+        yield TextTable(outcome.cross, title, [*outcome.notes, *primary])
+
+
+def _values(found: Analysis) -> Iterator[tuple[str, object]]:
+    yield "outcomes", [_plain(outcome, found.unit) for outcome in found.outcomes]
+
+
+def _plain(outcome: Outcome, unit: str) -> dict[str, object]:
+    return {
+        "task": outcome.task,
+        "dependent": outcome.dependent,
+        "group": plain_rows(outcome.group),
+        "primary": _plain_primary(outcome),
+        "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
+        "anova": None if outcome.anova is None else plain_rows(outcome.anova),
+        "status": None if outcome.status is None else outcome.status.value,
+        "sentences": primary_sentences(outcome),
+        "statistics": outcome_sentences(outcome, unit),
+        "notes": list(outcome.notes),
+    }
+
+
+def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
+    if outcome.primary is None or outcome.effects is None:
+        return None
+    return {
+        "analysis": outcome.primary.value,
+        "title": outcome.title(outcome.primary),
+        "reason": outcome.reason,
+        "effects": plain_rows(outcome.effects),
+    }
+
+
+OUTCOMES = Kind(_sections, _terminal, _values)

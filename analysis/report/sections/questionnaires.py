@@ -1,0 +1,104 @@
+"""Questionnaires: scores by condition, word pairs, comparisons."""
+
+from collections.abc import Iterator, Sequence
+
+import pandas as pd
+
+from ...attrakdiff.patterns import THESIS
+from ...figures import attrakdiff
+from ...figures.style import Drawing
+from ...outcomes.ratings import REFERENCE, Ratings
+from ...result import Analysis
+from ..captions import figure_text, means_of, means_sentence, means_text
+from ..grid import TextGrid
+from ..section import Block, Figure, FoldedSentences, Kind, Lead, Section, Table, TextTable, plain_rows
+from ..sentences import form_sentences
+
+MOST_LINES = 7
+"""A figure of word pairs shows no more conditions than there are colours."""
+
+
+def _sections(found: Analysis) -> Iterator[Section]:
+    for form in found.forms:
+        yield Section(form.form.title, tuple(_blocks(form)))
+
+
+def _blocks(form: Ratings) -> Iterator[Block]:
+    low, high, cross = form.form.score_low, form.form.score_high, form.cross()
+    yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
+    yield Table(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
+    yield from _figures(form)
+    yield FoldedSentences(form_sentences(form), n_open=1)
+
+
+def _figures(form: Ratings) -> Iterator[Figure]:
+    names = list(dict.fromkeys(form.summary["condition"]))
+    order = list(form.form.dimensions)
+    low, high = form.form.score_low, form.form.score_high
+
+    scores = attrakdiff.scores_figure(form.summary, names[:MOST_LINES], order, low, high)
+    yield _figure(form, "scores", scores, f"Scores: {figure_text(form.summary)}.", "summary")
+    if form.portfolio is not None:
+        bars = " with 95 % confidence rectangles" if form.portfolio["PQ_low"].notna().any() else ""
+        text = f"Portfolio: {means_of(form.summary)}{bars}."
+        yield _figure(form, "portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio")
+    if form.crossed is not None:
+        drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
+        shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
+        text = f"Frequency by envelope: {figure_text(form.summary)}; dashed{shaded}: {REFERENCE}."
+        yield _figure(form, "frequency_by_envelope", drawing, text, "summary")
+    for part, chosen in _profiles(form, names):
+        drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
+        of = f" of {', '.join(chosen)}" if len(names) > 1 else ""
+        yield _figure(form, part, drawing, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
+    if form.grouped is not None:
+        yield from _grouped_figures(form, form.grouped)
+
+
+def _figure(
+    form: Ratings,
+    part: str,
+    drawing: Drawing,
+    caption: str,
+    table: str,
+    of: tuple[str, str] | None = None,
+) -> Figure:
+    return Figure(f"{form.stem}_{part}", drawing, caption, f"{form.stem}_{table}", of)
+
+
+def _items(form: Ratings) -> str:
+    """Whether the items of a questionnaire are pairs of words or sentences."""
+    return "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
+
+
+def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """The thesis's comparisons where its patterns were rated, else all conditions together."""
+    if form.crossed is None:
+        return [("word_pairs", list(names[:MOST_LINES]))]
+    groups = {f: [p for p, (frequency, _) in THESIS.items() if frequency == f] for f, _ in THESIS.values()}
+    start = [REFERENCE] if REFERENCE in names else []
+    return [(f"word_pairs_{f}_frequency", [*start, *codes]) for f, codes in groups.items()]
+
+
+def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
+    """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
+    for of, part in grouped.groupby("of", sort=False):
+        names = list(dict.fromkeys(part["condition"]))
+        drawing = attrakdiff.profile_figure(part, names, form.form.score_low, form.form.score_high)
+        text = f"Word pairs by {of}: {means_of(form.summary)}, over patterns; {REFERENCE} beside them."
+        yield _figure(form, f"word_pairs_by_{of}", drawing, text, "word_pairs_grouped", ("of", str(of)))
+
+
+def _terminal(found: Analysis) -> Iterator[TextTable]:
+    for form in found.forms:
+        heading, lines = next(iter(form_sentences(form).items()))
+        compared = [heading, *lines] if form.tests_effects else []
+        yield TextTable(form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared])
+
+
+def _values(found: Analysis) -> Iterator[tuple[str, object]]:
+    yield "questionnaires", {form.name: plain_rows(form.summary) for form in found.forms}
+    yield "questionnaire_statistics", {form.name: form_sentences(form) for form in found.forms}
+
+
+QUESTIONNAIRES = Kind(_sections, _terminal, _values)

@@ -1,0 +1,60 @@
+"""A kind of result tells itself: what it holds is on the page, in the terminal and in JSON, and nowhere named twice."""
+
+import pandas as pd
+import pytest
+
+from tactometry.analysis.figures.style import drawn, house_style, new_figure
+from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.analysis.report import page, summary as json, terminal
+from tactometry.analysis.report.grid import grid
+from tactometry.analysis.report.kinds import KINDS
+from tactometry.analysis.report.section import Details, Figure, Kind, Lead, Section, Table, TextTable, rows_of
+from tactometry.analysis.result import Analysis
+from tactometry.cli.analyse import summary_text
+
+ROWS = pd.DataFrame({"participant": ["P01"], "reaction_s": [0.25]})
+
+
+@pytest.fixture(scope="module")
+def found(whole) -> Analysis:
+    return analysed(read_trials(whole))
+
+
+def figure() -> Figure:
+    with house_style():
+        return Figure("reactions", drawn(new_figure(2, 1)), "Reactions.", "reactions")
+
+
+@pytest.fixture
+def added(monkeypatch) -> None:
+    """As by a file in `sections` and a line in `kinds`."""
+    kind = Kind(
+        lambda _: [Section("Reactions < all", (Lead("Means."), Details("More", (Table(grid(ROWS, ())), figure()))))],
+        lambda _: [TextTable(ROWS, "reactions", ["no test of reactions"])],
+        lambda _: [("reactions", [{"participant": "P01"}])],
+    )
+    for module in (page, terminal, json):
+        monkeypatch.setattr(module, "KINDS", (*KINDS, kind))
+
+
+def test_a_new_kind_of_result_is_told_on_page_terminal_and_in_json(found, added) -> None:
+    text = page.render(found)
+    assert text.index("<h2>Reactions &lt; all</h2>") > text.index("<h2>Participants</h2>")
+    assert "<summary>More</summary>" in text.split("Reactions &lt; all")[1]
+    assert "<td>0.250</td>" in text
+    assert "Reactions. Numbers: reactions.csv." in text
+    assert [each.name for each in page.figures_of(found)][-1] == "reactions"
+    assert "no test of reactions" in summary_text(found)
+    assert list(json.summary(found))[-4:] == ["reactions", "report", "tables", "figures"]
+
+
+def test_json_holds_the_tables_that_an_analysis_lacks_as_empty(found) -> None:
+    told = json.summary(found)
+    assert told["loss"] == told["preference"] == []
+    assert dict(rows_of("thresholds")(found))["thresholds"] == told["thresholds"]
+
+
+def test_element_names_of_figures_are_unique_in_the_page(found) -> None:
+    names = [part.split('"')[0] for part in page.render(found).split(' id="')[1:]]
+    assert len(names) == len(set(names)) > 10
