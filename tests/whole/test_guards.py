@@ -154,20 +154,39 @@ BAD = (
     ("tactometry/devices/sensors", "import tactometry.devices.outputs.audio"),
     ("tactometry/rigs", "import tactometry.devices.outputs.audio"),
     ("tactometry/rigs", "import tactometry.devices.sensors.lsl"),
+    ("protocols", "from tactometry.safety import limits"),
+    ("protocols", "import time"),
+    ("protocols/procedures", "from tactometry.protocols import block"),
+    ("protocols/tasks", "from tactometry.protocols.tasks import yes_no"),
+    ("experiments/study", "from tactometry.experiments import bench"),
+    ("analysis/tasks", "from tactometry.analysis import report"),
+    ("analysis/wording", "from tactometry.analysis import reading"),
+    ("analysis/report/sections", "from tactometry.analysis.report import page"),
+    ("analysis/outcomes", "from tactometry.records import journal"),
 )
+BACK_UP = (
+    ("analysis/threshold/beta_binomial.py", "from .mode import Mode"),
+    ("analysis/threshold/likelihood.py", "from .prior import Prior"),
+    ("analysis/result.py", "from .report import page"),
+    ("analysis/conditions.py", "from .means import mean_row"),
+)
+"""Lines that run back up the floors, each in a file that stands on one."""
 
 
 @pytest.fixture(scope="module")
 def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
-    """What is said of a tree in which each bad line stands in a file of its own."""
+    """What is said of a tree in which each bad line stands in a file of its own, or at the end of one."""
     files = [copy / folder / f"bad_{n}.py" for n, (folder, _) in enumerate(BAD)]
-    for file, (_, line) in zip(files, BAD, strict=True):
-        file.write_text(line + "\n", encoding="utf-8")
+    sound = {copy / file: (copy / file).read_text(encoding="utf-8") for file, _ in BACK_UP}
+    for file, (_, line) in zip([*files, *sound], [*BAD, *BACK_UP], strict=True):
+        file.write_text(f"{sound.get(file, '')}\n{line}\n", encoding="utf-8")
     try:
         return contracts(copy)
     finally:
         for file in files:
             file.unlink()
+        for file, text in sound.items():
+            file.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.parametrize("n", range(len(BAD)), ids=[": ".join(bad) for bad in BAD])
@@ -176,6 +195,15 @@ def test_a_contract_refuses(refused: "subprocess.CompletedProcess[str]", n: int)
     module = "tactometry." + f"{folder}/bad_{n}".removeprefix("tactometry/").replace("/", ".")
     assert refused.returncode == 1
     assert f"{module} -> {line.split()[1].partition('.')[0]}" in refused.stdout
+
+
+@pytest.mark.parametrize(("file", "line"), BACK_UP)
+def test_a_floor_refuses_a_line_that_runs_back_up(
+    refused: "subprocess.CompletedProcess[str]", file: str, line: str
+) -> None:
+    package = "tactometry." + file.rpartition("/")[0].replace("/", ".")
+    arrow = f"{package}.{Path(file).stem} -> {package}.{line.split()[1].lstrip('.')}"
+    assert arrow in " ".join(refused.stdout.split())  # long lines are broken
 
 
 def test_the_tree_keeps_its_contracts(copy: Path) -> None:
