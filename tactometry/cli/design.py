@@ -73,15 +73,19 @@ def command(
     )
     best = recommended(among, plate.thickness_m)
     if figure is not None:
-        from tactometry.stimuli.time_reversal.figures.design import over_thickness, trade_offs
-        from tactometry.stimuli.time_reversal.figures.style import save
-
-        with writing(figure):
-            save(trade_offs(best.guide), figure)
-            save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
+        _write_figures(best, among, figure)
     told = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}
     say(_text(best, among), _record(best) | told, as_json=as_json)
     ctx.exit(1 if best.unreachable else 0)
+
+
+def _write_figures(best: "Sheet", among: "Sequence[Sheet]", figure: Path) -> None:
+    from tactometry.stimuli.time_reversal.figures.design import over_thickness, trade_offs
+    from tactometry.stimuli.time_reversal.figures.style import save
+
+    with writing(figure):
+        save(trade_offs(best.guide), figure)
+        save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
 
 
 def _text(best: "Sheet", among: "Sequence[Sheet]") -> str:
