@@ -33,13 +33,10 @@ def run(asked: Mapping[str, Any]) -> None:
     _check_hands(asked["hands_off"], connected=bench.output.settings.connected)
     learnt = _learnt(learning, devices.output, reader, asked)
     responses = as_displacement(learnt, *asked["band_hz"])
-    provenance = _provenance(asked, learning, devices.output.name, reader.source.name) | {
-        "recorded_quantity": learnt.quantity
-    }
+    provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
+    provenance["recorded_quantity"] = learnt.quantity
     _write(responses, provenance, asked["out"], asked["figure"])
-    words = (
-        f"{asked['out']}: {responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
-    )
+    kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(asked["out"]), "n_channels": responses.n_channels, **provenance}
     say(f"{asked['out']}: {kept}", record, as_json=asked["as_json"])
 
