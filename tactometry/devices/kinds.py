@@ -21,7 +21,7 @@ SENSORS: Final = {
     "lsl": "tactometry.devices.sensors.lsl:LslSettings",
     "serial": "tactometry.devices.sensors.serial_line:SerialSettings",
     "udp": "tactometry.devices.sensors.udp:UdpSettings",
-    "audio": "tactometry.devices.outputs.audio:AudioInputSettings",
+    "audio": "tactometry.devices.sensors.audio:AudioInputSettings",
     "touch": "tactometry.devices.sensors.touch_screen:TouchSettings",
     "recorded": "tactometry.devices.sensors.recorded:RecordedSettings",
 }

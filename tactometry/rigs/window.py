@@ -7,8 +7,8 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 import ctypes
 import time
 import warnings
-from collections import Counter
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
@@ -20,7 +20,6 @@ import numpy as np
 from ..errors import DeviceFailed
 from .closing import ended_by_signal
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from .keys import FreshPresses
 from .pages.page import PAPER, Box, Click, Closed, Disc, Input, KeyDown, Page, Text
 
 FONT = "Noto Sans"
@@ -334,3 +333,27 @@ def _add_font(psychopy: SimpleNamespace) -> None:
     assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
     with (assets / "NotoSans-Regular.ttf").open("rb") as face:
         psychopy.pyglet.font.add_file(face)
+
+
+N_REMEMBERED = 256
+
+
+class FreshPresses:
+    """Lets through each (name, time) pair once.
+
+    PsychoPy tells of a press that is held when it begins and again, with the old time, when it ends; of a
+    tap it tells only when it has ended. Asked for both, it tells of everything, some of it twice.
+
+    >>> fresh = FreshPresses()
+    >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
+    ([('y', 1.5)], [('n', 2.0)])
+    """
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[str, float]] = deque(maxlen=N_REMEMBERED)
+
+    def of(self, reported: Iterable[tuple[str, float]]) -> list[tuple[str, float]]:
+        """The presses that were not reported before, in the order of their times."""
+        fresh = sorted(set(reported) - set(self._seen), key=lambda press: press[1])
+        self._seen.extend(fresh)
+        return fresh

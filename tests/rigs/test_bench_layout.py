@@ -3,9 +3,9 @@
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.rigs.keys import FreshPresses
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
+from tactometry.rigs.window import FreshPresses
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
 SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)

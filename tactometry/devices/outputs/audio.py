@@ -1,9 +1,7 @@
-"""A sound card as output and as sensor, through PortAudio (extra: audio)."""
+"""A sound card as an output, through PortAudio (extra: audio)."""
 
-import atexit
 import time
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
@@ -13,20 +11,16 @@ from ...arguments.require import not_negative, positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from ..clock_map import ClockMap
-from ..deadline import CLOSE_WITHIN_S, within
-from ..sensors.reader import SampleBlock
+from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
 from .frame_feed import FrameFeed
 from .gain import Gain, SignalChain, required_gain
 from .gaps import LONGEST_WORD_S, DryRuns
 from .volume import system_volume
 
-FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
 LONGEST_START_S = 2.0
 WORD_S = 1e-3
-DEFAULTS: Final = ("default", "sysdefault")
-"""Names of whatever device the system's settings choose."""
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
 SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
 """PortAudio's devices and interfaces that mix in what other programs play."""
@@ -50,7 +44,7 @@ class AudioSettings:
     shared: bool = False
 
     def __post_init__(self) -> None:
-        _named("AudioSettings", self.device)
+        refuse_default("AudioSettings", self.device)
         positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
         not_negative("AudioSettings", latency_s=self.latency_s)
         if not self.channels or min(self.channels) < 0 or len(set(self.channels)) < len(self.channels):
@@ -103,7 +97,7 @@ class AudioOutput:
             If there is no PortAudio or no such device, it does not take the channels or the rate, or other programs
             share it and nobody said that they may.
         """
-        sounddevice, settings = _library(), self._settings
+        sounddevice, settings = library(), self._settings
         if not settings.shared:
             _check_own(sounddevice, settings.device)
         self._n_frames, self._clocks = 0, ClockMap()
@@ -222,103 +216,7 @@ class AudioOutput:
     def close(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
-            _end(stream, self.name)
-
-
-@dataclass(frozen=True)
-class AudioInputSettings:
-    """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
-
-    live: ClassVar[bool] = True
-    rate_hz: float
-    device: str
-    n_channels: int = 1
-    block_s: float = 0.02
-    latency_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        _named("AudioInputSettings", self.device)
-        positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
-        not_negative("AudioInputSettings", latency_s=self.latency_s)
-
-    def source(self) -> "AudioInput":
-        return AudioInput(self)
-
-
-class AudioInput:
-    """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
-
-    def __init__(self, settings: AudioInputSettings) -> None:
-        self.name = f"audio {settings.device}"
-        self.rate_hz: float = settings.rate_hz
-        self.n_channels: int = settings.n_channels
-        self._settings = settings
-        self._stream: Any = None
-        self._n_overruns = self._n_frames = 0
-        self._clocks = ClockMap()
-
-    def facts(self) -> dict[str, str | int | float | None]:
-        return {"n_overruns": self._n_overruns, "clock_offset_s": self._clocks.offset_s}
-
-    def open(self) -> None:
-        sounddevice, settings = _library(), self._settings
-        try:
-            self._stream = sounddevice.InputStream(
-                device=settings.device,
-                channels=settings.n_channels,
-                samplerate=settings.rate_hz,
-                dtype="int32",
-                latency=settings.latency_s,
-                dither_off=True,
-            )
-            self._stream.start()
-        except (sounddevice.PortAudioError, ValueError) as error:
-            raise DeviceFailed(
-                f"{self.name}: cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz "
-                f"({' '.join(str(error).split())}), expected an input that can"
-            ) from None
-        self._clocks, self._n_frames = ClockMap(), 0
-
-    def receive(self) -> SampleBlock | None:
-        try:
-            frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
-        except _library().PortAudioError as error:
-            raise DeviceFailed(f"{self.name}: the card went away ({' '.join(str(error).split())})") from None
-        self._n_overruns += bool(overrun)
-        count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
-        self._n_frames += len(frames)
-        self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
-        self._clocks.check(self.name)
-        offset_s = self._clocks.ours_s(0.0)
-        return SampleBlock(count_s + offset_s, frames.astype(np.float64) / FULL_SCALE["int32"])
-
-    def close(self) -> None:
-        stream, self._stream = self._stream, None
-        if stream is not None:
-            _end(stream, self.name)
-
-
-def _end(stream: Any, name: str) -> None:
-    """Let go of a stream, and of one that hangs with its sound server: that would keep the process from its end."""
-
-    def end() -> None:
-        stream.abort()
-        stream.close()
-
-    try:
-        within(CLOSE_WITHIN_S, name, end)
-    except DeviceFailed:
-        atexit.unregister(_library()._exit_handler)
-        raise
-
-
-def _named(owner: str, device: str) -> None:
-    """Refuse what is another device after a change of the system's settings."""
-    if not device.strip() or device.strip().casefold() in DEFAULTS:
-        raise InvalidParameter(
-            f"{owner}.device: found {device!r}, expected the name of a card (python -m sounddevice lists them): a "
-            "default may be another one tomorrow"
-        )
+            end_stream(stream, self.name)
 
 
 def _check_own(sounddevice: Any, device: str) -> None:
@@ -333,18 +231,6 @@ def _check_own(sounddevice: Any, device: str) -> None:
             f"output audio: found {card['name']!r} ({interface}), where other programs may play too and change the "
             "volume, expected a card of its own, or shared = true in [output]; nothing was played"
         )
-
-
-def _library() -> ModuleType:
-    try:
-        import sounddevice
-    except (ImportError, OSError) as error:
-        raise DeviceFailed(
-            f"audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
-            "install libportaudio2; nothing was played"
-        ) from None
-    module: ModuleType = sounddevice
-    return module
 
 
 def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:

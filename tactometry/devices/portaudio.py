@@ -1,0 +1,50 @@
+"""The one import of PortAudio (extra: audio), and what output and sensor of a sound card share."""
+
+import atexit
+from types import ModuleType
+from typing import Any, Final
+
+from ..errors import DeviceFailed, InvalidParameter
+from .deadline import CLOSE_WITHIN_S, within
+
+FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
+"""The number of each sample format that stands for 1."""
+DEFAULTS: Final = ("default", "sysdefault")
+"""Names of whatever device the system's settings choose."""
+
+
+def end_stream(stream: Any, name: str) -> None:
+    """Let go of a stream, and of one that hangs with its sound server: that would keep the process from its end."""
+
+    def end() -> None:
+        stream.abort()
+        stream.close()
+
+    try:
+        within(CLOSE_WITHIN_S, name, end)
+    except DeviceFailed:
+        # its handler at exit would wait for the same server, for ever
+        atexit.unregister(library()._exit_handler)
+        raise
+
+
+def refuse_default(owner: str, device: str) -> None:
+    """Refuse what is another device after a change of the system's settings."""
+    if not device.strip() or device.strip().casefold() in DEFAULTS:
+        raise InvalidParameter(
+            f"{owner}.device: found {device!r}, expected the name of a card (python -m sounddevice lists them): a "
+            "default may be another one tomorrow"
+        )
+
+
+def library() -> ModuleType:
+    """PortAudio, imported when a card is opened. Raises `DeviceFailed`."""
+    try:
+        import sounddevice
+    except (ImportError, OSError) as error:
+        raise DeviceFailed(
+            f"audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
+            "install libportaudio2; nothing was played"
+        ) from None
+    module: ModuleType = sounddevice
+    return module

@@ -1,0 +1,86 @@
+"""A sound card as a sensor, through PortAudio (extra: audio)."""
+
+import time
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...arguments.require import not_negative, positive
+from ...errors import DeviceFailed
+from ..clock_map import ClockMap
+from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
+from .reader import SampleBlock
+
+
+@dataclass(frozen=True)
+class AudioInputSettings:
+    """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
+
+    live: ClassVar[bool] = True
+    rate_hz: float
+    device: str
+    n_channels: int = 1
+    block_s: float = 0.02
+    latency_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        refuse_default("AudioInputSettings", self.device)
+        positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
+        not_negative("AudioInputSettings", latency_s=self.latency_s)
+
+    def source(self) -> "AudioInput":
+        return AudioInput(self)
+
+
+class AudioInput:
+    """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
+
+    def __init__(self, settings: AudioInputSettings) -> None:
+        self.name = f"audio {settings.device}"
+        self.rate_hz: float = settings.rate_hz
+        self.n_channels: int = settings.n_channels
+        self._settings = settings
+        self._stream: Any = None
+        self._n_overruns = self._n_frames = 0
+        self._clocks = ClockMap()
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {"n_overruns": self._n_overruns, "clock_offset_s": self._clocks.offset_s}
+
+    def open(self) -> None:
+        sounddevice, settings = library(), self._settings
+        try:
+            self._stream = sounddevice.InputStream(
+                device=settings.device,
+                channels=settings.n_channels,
+                samplerate=settings.rate_hz,
+                dtype="int32",
+                latency=settings.latency_s,
+                dither_off=True,
+            )
+            self._stream.start()
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise DeviceFailed(
+                f"{self.name}: cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz "
+                f"({' '.join(str(error).split())}), expected an input that can"
+            ) from None
+        self._clocks, self._n_frames = ClockMap(), 0
+
+    def receive(self) -> SampleBlock | None:
+        try:
+            frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
+        except library().PortAudioError as error:
+            raise DeviceFailed(f"{self.name}: the card went away ({' '.join(str(error).split())})") from None
+        self._n_overruns += bool(overrun)
+        count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
+        self._n_frames += len(frames)
+        self._clocks = self._clocks.after(float(count_s[-1]), time.perf_counter())
+        self._clocks.check(self.name)
+        offset_s = self._clocks.ours_s(0.0)
+        return SampleBlock(count_s + offset_s, frames.astype(np.float64) / FULL_SCALE["int32"])
+
+    def close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            end_stream(stream, self.name)
