@@ -12,7 +12,7 @@ from memory import Memory
 
 from tactometry.analysis.tasks.interval_bias import interval_bias
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.task_table import DECISIONS
+from tactometry.experiments.study.task_table import DECISIONS, TASKS
 from tactometry.protocols import (
     AdjustmentTask,
     Block,
@@ -29,6 +29,7 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.rating import filled_in, pages
 from tactometry.protocols.tasks.task import Alternative, Presentation, TrialOutcome
 from tactometry.questionnaire import load
+from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.answer import Chosen, Filled, Rated
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Press, Record, Slide
 from tactometry.session.run import run
@@ -39,7 +40,8 @@ FULL = load("attrakdiff")
 
 def lived(task, procedure="constant_stimuli_shuffled", seed=1, observer="default", **how):
     memory = Memory()
-    block = replace(catalogue.block(task, procedure), **how)
+    block = catalogue.block(task, procedure)
+    block = replace(block, options=replace(block.options, **how))
     run(run_block(block, 1, 1, np.random.default_rng(seed)), catalogue.simulated(seed, observer), memory)
     return memory
 
@@ -288,6 +290,13 @@ def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
         if isinstance(request, Choose)
     }
     assert asked == set(DECISIONS)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_task_and_every_question_has_its_words_in_every_language(language):
+    asked = {question for kind in TASKS.values() for question in kind.questions}
+    instructions = {f"instructions_{name}" for name in TASKS}
+    assert asked | instructions <= set(texts_in(language, {}).messages)
 
 
 def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():

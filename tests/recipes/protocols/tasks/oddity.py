@@ -1,0 +1,51 @@
+"""Which of three is the odd one?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.observers.decisions import Decision, Felt
+from tactometry.observers.observer import Observer
+from tactometry.session.answer import Chosen
+from tactometry.session.request import Choose
+from tactometry.session.run import Course
+
+from .intervals import felt_in_turn, nth
+from .task import Presentation, TaskKind, TrialOutcome, reply
+
+
+@dataclass(frozen=True)
+class Oddity:
+    """A level in one of three intervals, drawn at random, the standard in the others, then: which one differed?"""
+
+    standard_level: float
+
+    name = "oddity"
+    takes_catch_trials = False
+
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+        target = int(rng.integers(1, 4))
+        levels = [shown.level if interval == target else self.standard_level for interval in (1, 2, 3)]
+        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 3, levels)
+        stimulus = nth(touches, target)
+        if not touches[-1].valid:
+            return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
+        choice: Chosen = yield Choose("which_odd", (1, 2, 3), ("1", "2", "3"))
+        correct = choice.option == target
+        answered = (reply(choice, choice.option, correct=correct),)
+        return TrialOutcome(touches, stimulus, answered, correct, target, self.standard_level)
+
+
+def farthest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
+    """The interval whose sensation lies farthest from the middle one of the three."""
+    levels_db = np.array([each.level_db for each in felt])
+    return request.options[observer.compare(list(np.abs(levels_db - np.median(levels_db))), rng)]
+
+
+TASK = TaskKind(
+    Oddity,
+    example={"standard_level": 20.0},
+    questions={"which_odd": Decision(farthest, 3)},
+    own_levels=("standard_level",),
+)

@@ -1,0 +1,45 @@
+"""A spring that holds a weight: 1 count, a thousand times a second."""
+
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...arguments.require import positive
+from .reader import SampleBlock, now_s
+
+
+@dataclass(frozen=True)
+class SpringSettings:
+    live: ClassVar[bool] = True
+    rate_hz: float = 1000.0
+
+    def __post_init__(self) -> None:
+        positive("SpringSettings", rate_hz=self.rate_hz)
+
+    def source(self) -> "SpringSource":
+        return SpringSource(self.rate_hz)
+
+
+class SpringSource:
+    name = "spring"
+    n_channels = 1
+
+    def __init__(self, rate_hz: float) -> None:
+        self.rate_hz = rate_hz
+
+    def facts(self) -> dict[str, str | int | float | None]:
+        return {}
+
+    def open(self) -> None:
+        self._told_s = now_s()
+
+    def receive(self) -> SampleBlock | None:
+        time.sleep(0.005)
+        first_s, self._told_s = self._told_s, now_s()
+        times_s = np.arange(first_s, self._told_s, 1 / self.rate_hz)
+        return SampleBlock(times_s, np.ones((len(times_s), 1)))
+
+    def close(self) -> None:
+        pass

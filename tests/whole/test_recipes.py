@@ -1,0 +1,188 @@
+"""Each thing is added as CONTRIBUTING says, to a copy of the tree, and is met where a user meets it."""
+
+import csv
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from places import ROOT
+
+FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments")
+NEW_FILES = ROOT / "tests" / "recipes"
+LINES = (
+    (
+        "tactometry/trials/tasks.py",
+        '    "oddity": TaskRows(INTERVAL, ("target", "standard_level"), "curve"),\n',
+        '    "magnitude": TaskRows(',
+    ),
+    (
+        "tactometry/observers/kinds.py",
+        '    "guesser": "tactometry.observers.guesser:Guesser",\n',
+        "    USUAL: ",
+    ),
+    (
+        "tactometry/devices/kinds.py",
+        '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
+        '    "recorded": ',
+    ),
+)
+"""In which file, the line, and what stands behind it."""
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the tree, to which each thing is added: its new files, and its line."""
+    place = tmp_path_factory.mktemp("tree")
+    for folder in FOLDERS:
+        shutil.copytree(ROOT / folder, place / folder, symlinks=True)
+    for file in (file for file in NEW_FILES.rglob("*") if file.is_file() and "__pycache__" not in file.parts):
+        new = place / file.relative_to(NEW_FILES)
+        assert not new.exists()
+        shutil.copy(file, new)
+    for path, line, behind in LINES:
+        text = (place / path).read_text(encoding="utf-8")
+        assert text.count(behind) == 1
+        (place / path).write_text(text.replace(behind, line + behind), encoding="utf-8")
+    return place
+
+
+STUDY = (ROOT / "experiments" / "tutorial.toml").read_text(encoding="utf-8")
+ODD_TASK = STUDY.replace('kind = "yes_no"\ncatch_rate = 0.2', 'kind = "oddity"\nstandard_level = 12.0')
+ODD_LEVELS = ODD_TASK.replace("[60, 240]", "[240]").replace("[10, 18, 26, 34]", "[12.5, 14, 18, 26]")
+ODD_STUDY = f"""{ODD_LEVELS.replace("repeats = 4", "repeats = 10")}
+[observer]
+between_sd_db = 0.0
+
+[inquiries.surface]
+form = "roughness"
+"""
+GUESSED_STUDY = f"""{STUDY}
+[observer]
+kind = "guesser"
+bias = 0.9
+"""
+PRESSED_STUDY = """
+name = "pressed"
+title = "Pressed"
+description = "A press on a spring."
+
+[factors]
+frequency_hz = [240]
+
+[stimulus]
+kind = "amplitude_modulated"
+duration_s = 0.1
+
+[touch]
+kind = "press"
+force_n = 1.0
+hold_s = 0.1
+timeout_s = 20
+
+[task]
+kind = "yes_no"
+
+[procedure]
+kind = "constant_stimuli"
+levels = [26]
+repeats = 2
+
+[limits]
+voltage_peak_v = 100.0
+"""
+BENCH = """
+[output]
+kind = "file"
+folder = "played"
+
+[sensors.hand]
+kind = "spring"
+
+[force]
+sensor = "hand"
+newtons_per_count = 1.0
+release = false
+measured_on = 2026-11-20
+measured_by = "ZG"
+"""
+COMMANDS = (
+    "simulate odd.toml --participants 2 --seed 1 --out odd",
+    "validate odd",
+    "replay odd",
+    "analyse odd --report odd.html",
+    "simulate guessed.toml --participants 1 --seed 1 --out guessed",
+    "run pressed.toml --participant P01 --rig console --bench bench.toml --out pressed",
+    "validate pressed",
+)
+PROGRAM = """
+import sys
+
+sys.path.insert(0, sys.argv[1])
+from tactometry.cli import main
+
+for command in sys.argv[2:]:
+    try:
+        main(command.split())
+    except SystemExit as ended:
+        if ended.code:
+            sys.exit(f"{command}: {ended.code}")
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where a user has gone the whole way with all that was added."""
+    place = tmp_path_factory.mktemp("user")
+    files = {"odd": ODD_STUDY, "guessed": GUESSED_STUDY, "pressed": PRESSED_STUDY, "bench": BENCH}
+    for name, text in files.items():
+        (place / f"{name}.toml").write_text(text, encoding="utf-8")
+    command = [sys.executable, "-W", "error", "-c", PROGRAM, str(tree), *COMMANDS]
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, input="\n1" * 40, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return place
+
+
+def rows_of(data_set: Path) -> list[dict[str, str]]:
+    return [row for file in sorted(data_set.glob("data/*.csv")) for row in table_of(file)]
+
+
+def table_of(file: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
+
+
+def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
+    rows = [row for row in rows_of(folder / "odd") if row["task"] == "oddity" and row["valid"] == "1"]
+    assert len(rows) == 2 * 4 * 10
+    assert {row["target"] for row in rows} <= {"1", "2", "3"}
+    assert {row["standard_level"] for row in rows} == {"12"}
+    page = (folder / "odd.html").read_text(encoding="utf-8")
+    for said in (
+        "told which of three intervals was the odd one",
+        "Detection threshold",
+        "odd ones was 1/3",
+        "Rate correct",
+    ):
+        assert said in page
+    fitted = table_of(folder / "odd_tables" / "thresholds.csv")
+    assert {row["task"] for row in fitted} == {"oddity"}
+    assert {row["guess_rate"][:6] for row in fitted} == {"0.3333"}
+
+
+def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:
+    [journal] = (folder / "guessed").glob("journals/*.jsonl")
+    head = json.loads(journal.read_text(encoding="utf-8").splitlines()[0])
+    assert "'kind': 'Guesser'" in str(head)
+
+
+def test_a_questionnaire_is_a_file(folder: Path) -> None:
+    rows = [row for row in rows_of(folder / "odd") if row["procedure"] == "roughness"]
+    assert [(row["task"], row["item"]) for row in rows] == [("rating", "rough")] * 2
+    page = (folder / "odd.html").read_text(encoding="utf-8")
+    assert "Roughness of the surface" in page
+
+
+def test_a_sensor_is_a_file_and_a_line(folder: Path) -> None:
+    assert {row["force_mean_n"] for row in rows_of(folder / "pressed")} == {"1"}
