@@ -173,17 +173,27 @@ BACK_UP = (
 """Lines that run back up the floors, each in a file that stands on one."""
 
 
+CIRCLES = {
+    "tactometry/config": "from . import one",
+    "tactometry/gates": "def late():\n    from . import one",
+    "tactometry/safety": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from . import one",
+}
+"""How a file `two` that `one` imports imports it back."""
+
+
 @pytest.fixture(scope="module")
 def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
     """What is said of a tree in which each bad line stands in a file of its own, or at the end of one."""
-    files = [copy / folder / f"bad_{n}.py" for n, (folder, _) in enumerate(BAD)]
+    bad = {copy / folder / f"bad_{n}.py": line for n, (folder, line) in enumerate(BAD)}
+    for folder, back in CIRCLES.items():
+        bad |= {copy / folder / "one.py": "from . import two", copy / folder / "two.py": back}
     sound = {copy / file: (copy / file).read_text(encoding="utf-8") for file, _ in BACK_UP}
-    for file, (_, line) in zip([*files, *sound], [*BAD, *BACK_UP], strict=True):
+    for file, line in [*bad.items(), *zip(sound, (line for _, line in BACK_UP), strict=True)]:
         file.write_text(f"{sound.get(file, '')}\n{line}\n", encoding="utf-8")
     try:
         return contracts(copy)
     finally:
-        for file in files:
+        for file in bad:
             file.unlink()
         for file, text in sound.items():
             file.write_text(text, encoding="utf-8")
@@ -204,6 +214,11 @@ def test_a_floor_refuses_a_line_that_runs_back_up(
     package = "tactometry." + file.rpartition("/")[0].replace("/", ".")
     arrow = f"{package}.{Path(file).stem} -> {package}.{line.split()[1].lstrip('.')}"
     assert arrow in " ".join(refused.stdout.split())  # long lines are broken
+
+
+@pytest.mark.parametrize("folder", CIRCLES)
+def test_no_circle_is_taken_wherever_its_line_stands(refused: "subprocess.CompletedProcess[str]", folder: str) -> None:
+    assert f"No cycles are allowed in {folder.replace('/', '.')}." in refused.stdout
 
 
 def test_the_tree_keeps_its_contracts(copy: Path) -> None:
