@@ -2,15 +2,13 @@
 
 import csv
 import json
-import os
 import re
 import shutil
 import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
 import pytest
+from bids import VALIDATOR, issues_of
 from command_line import call
 from patience import LONGEST_PROGRAM_S
 from study_texts import changed
@@ -39,7 +37,6 @@ BEYOND_BEHAVIOUR = (
     "InstitutionalDepartmentName"
 )
 """The keys that bids-validator-deno misses in an events.json: the other validator takes each for a column."""
-PATHS = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 KEYWORD = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
 
@@ -136,30 +133,16 @@ def test_the_schema_of_psych_ds_holds(data_set, exported):
             assert {len(row) for row in rows} == {len(header)}
 
 
-def issues(command: list[str]) -> dict:
-    """What a validator of BIDS says in JSON, among notes of its own."""
-    where = {**os.environ, "NO_COLOR": "1", "DENO_NO_UPDATE_CHECK": "1"}
-    said = subprocess.run(
-        command, capture_output=True, text=True, check=False, env=where, timeout=LONGEST_PROGRAM_S
-    ).stdout
-    return json.JSONDecoder().raw_decode(said[said.index("{") :])[0]["issues"]
-
-
-@pytest.mark.skipif(
-    shutil.which("bids-validator-deno", path=PATHS) is None, reason="no bids-validator-deno (extra dev)"
-)
+@pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno (extra dev)")
 def test_the_validator_of_bids_finds_no_error_and_only_the_warnings_that_the_docs_name(exported):
-    program = shutil.which("bids-validator-deno", path=PATHS)
-    with tempfile.TemporaryDirectory() as folder:  # of the disk: Deno reads no folder below /dev
-        copy = shutil.copytree(exported / "bids", Path(folder) / "bids")
-        found = issues([str(program), str(copy), "--json"])["issues"]
+    found = issues_of(exported / "bids")["issues"]
     said = {(issue["severity"], issue["code"], issue.get("subCode")) for issue in found}
     assert said <= {("warning", "SIDECAR_KEY_RECOMMENDED", key) for key in BEYOND_BEHAVIOUR.split()}
 
 
 @pytest.mark.skipif(shutil.which("bids-validator") is None, reason="no bids-validator 1: npm install -g bids-validator")
 def test_the_former_validator_of_bids_finds_no_error(exported):
-    assert issues([str(shutil.which("bids-validator")), str(exported / "bids"), "--json"])["errors"] == []
+    assert issues_of(exported / "bids", shutil.which("bids-validator"))["errors"] == []
 
 
 @pytest.mark.skipif(shutil.which("Rscript") is None, reason="no Rscript: apt-get install r-base-core")

@@ -21,7 +21,7 @@ def sines(rectangle: Rectangle, wavenumber2_max_per_m2: float) -> Sines:
     """All modes up to a squared wavenumber: k^2 = (m pi / a)^2 + (n pi / b)^2.
 
     >>> sines(Rectangle(2.0, 1.0, "SSSS", 0.3), 5 * np.pi**2).m
-    array([1, 2, 3, 1])
+    array([1, 2, 3, 1, 2, 4])
     """
     sides = (rectangle.length_m, rectangle.width_m)
     along_x, along_y = (np.arange(1, int(side * math.sqrt(wavenumber2_max_per_m2) / math.pi) + 2) for side in sides)
