@@ -35,10 +35,15 @@ def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: floa
     """
     if eta < BINOMIAL_BELOW:
         return np.asarray(k * np.log(p) + (n - k) * np.log(q))
-    nu = 1 / eta**2 - 1
+    nu = np.asarray(1 / eta**2 - 1)
     a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
-    rising = gammaln(k + a) - gammaln(a) + gammaln(n - k + b) - gammaln(b)
-    return np.asarray(rising + gammaln(nu) - gammaln(n + nu))
+    return _log_beta_ratio(k, n, a, b, nu)
+
+
+def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: Array) -> Array:
+    """The logarithm of B(k + a, n - k + b) / B(a, b), where nu = a + b."""
+    yes = gammaln(k + a) - gammaln(a)
+    return np.asarray(yes + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu))
 
 
 def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
@@ -48,11 +53,13 @@ def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Arr
     k, n = counts.n_yes, counts.n_trials
     nu = (1 / np.square(eta) - 1)[:, None]
     a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
-    value = gammaln(k + a) - gammaln(a) + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu)
+    value = _log_beta_ratio(k, n, a, b, nu)
+    # Along psi of each level, where a rises and b falls; then the chain rule from psi to the parameters.
     first = nu * (psi(k + a) - psi(a) - psi(n - k + b) + psi(b))
     second = nu**2 * sum(
         np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0) for count, x in ((k, a), (n - k, b))
     )
     gradient = np.einsum("nl,nli->ni", first, by)
-    hessian = np.einsum("nl,nli,nlj->nij", second, by, by) + np.einsum("nl,nlij->nij", first, by_by)
-    return Expansion(value.sum(axis=1), gradient, hessian)
+    steep = np.einsum("nl,nli,nlj->nij", second, by, by)
+    bent = np.einsum("nl,nlij->nij", first, by_by)
+    return Expansion(value.sum(axis=1), gradient, steep + bent)

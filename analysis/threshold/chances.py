@@ -51,15 +51,16 @@ def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[
     (1.0, -1.0)
     """
     with np.errstate(all="ignore"):
-        found, lowest = _linear(shape, z, guess, lapse, answers)
-        lost = ~(lowest > SMALLEST_LINEAR).all(axis=-1)
+        by, lowest = _linear(shape, z, guess, lapse, answers)
+        lost = ~(lowest > SMALLEST_LINEAR).all(axis=-1)  # negated, as a chance may be NaN
         if not lost.any():
-            return found
+            return by
         rates = (np.broadcast_to(rate, z.shape)[lost] for rate in (guess, lapse))
-        again = _logarithmic(shape, z[lost], *rates, *(np.broadcast_to(n, z.shape)[lost] for n in answers))
-        for whole, part in zip(found, again, strict=True):
-            whole[lost] = part
-    return found
+        counts = (np.broadcast_to(n, z.shape)[lost] for n in answers)
+        by_logarithms = _logarithmic(shape, z[lost], *rates, *counts)
+        for values, values_lost in zip(by, by_logarithms, strict=True):
+            values[lost] = values_lost
+    return by
 
 
 def _normal(z: Array) -> tuple[Array, Array, Array]:
@@ -102,22 +103,25 @@ def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[A
     cdf, sf, pdf = linear(shape, z)
     span = 1 - guess - lapse
     yes, no = guess + span * cdf, lapse + span * sf
-    k_yes, k_no = answers[0] / yes, answers[1] / no
+    n_yes, n_no = answers
+    k_yes, k_no = n_yes / yes, n_no / no
     kk_yes, kk_no = k_yes / yes, k_no / no
-    first, second, steep = k_yes - k_no, kk_yes + kk_no, span * pdf
-    found = ByPoint(
-        answers[0] * np.log(yes) + answers[1] * np.log(no),
-        first * steep,
-        first * bend(steep, shape.score(z)) - second * steep * steep,
-        -first * cdf,
-        pdf * (kk_no * (1 - guess) - kk_yes * guess),
-        -second * cdf * cdf,
-        first * sf,
-        pdf * (kk_no * lapse - kk_yes * (1 - lapse)),
-        -second * sf * sf,
-        second * cdf * sf,
+    first, second = k_yes - k_no, kk_yes + kk_no  # along psi, the second with its sign turned
+    steep = span * pdf
+    by = ByPoint(
+        value=n_yes * np.log(yes) + n_no * np.log(no),
+        z=first * steep,
+        zz=first * bend(steep, shape.score(z)) - second * steep * steep,
+        lapse=-first * cdf,
+        # first and second joined by yes + no = 1: what is left does not cancel, however small a chance is
+        z_lapse=pdf * (kk_no * (1 - guess) - kk_yes * guess),
+        lapse_lapse=-second * cdf * cdf,
+        guess=first * sf,
+        z_guess=pdf * (kk_no * lapse - kk_yes * (1 - lapse)),
+        guess_guess=-second * sf * sf,
+        lapse_guess=second * cdf * sf,
     )
-    return found, np.minimum(yes, no)
+    return by, np.minimum(yes, no)
 
 
 def expected_information(shape: Shape, z: Array, guess: Array, lapse: Array, n_trials: Array) -> Array:
@@ -138,17 +142,17 @@ def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Arra
 def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
     """log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
     log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
-    chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
-    sign = 1.0 if answer else -1.0
-    density, up, down = (_ratio(part, chance) for part in (shape.log_pdf(z), log_cdf, log_sf))
+    log_chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
+    sign = 1.0 if answer else -1.0  # what raises the chance of yes lowers that of no
+    density, up, down = (_ratio(log_part, log_chance) for log_part in (shape.log_pdf(z), log_cdf, log_sf))
     steep = (1 - guess - lapse) * density
     by_z, by_l, by_g = sign * steep, -sign * up, sign * down
     by_zz = sign * bend(steep, shape.score(z)) - steep * steep
-    if answer:
-        by_zl, by_zg = -density * _ratio(np.log(guess), chance), -density * _ratio(np.log1p(-lapse), chance)
-    else:
-        by_zl, by_zg = density * _ratio(np.log1p(-guess), chance), density * _ratio(np.log(lapse), chance)
-    return chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
+    # As in `_linear`: the cross terms keep the asymptote alone, and nothing cancels.
+    log_at_guess, log_at_lapse = (np.log(guess), np.log1p(-lapse)) if answer else (np.log1p(-guess), np.log(lapse))
+    by_zl = -sign * density * _ratio(log_at_guess, log_chance)
+    by_zg = -sign * density * _ratio(log_at_lapse, log_chance)
+    return log_chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
 
 
 def bend(steep: Array, score: Array) -> Array:
@@ -160,5 +164,6 @@ def bend(steep: Array, score: Array) -> Array:
 def _ratio(log_part: Array, log_chance: Array) -> Array:
     """exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
     with np.errstate(invalid="ignore"):
+        # Where both have vanished their difference would be NaN; the part counts nothing.
         difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
     return np.asarray(np.exp(np.minimum(difference, _LARGEST_LOG_RATIO)))

@@ -48,7 +48,7 @@ class Counts:
 
     def by_level(self) -> "Counts":
         """The same in memory level by level: sums over the levels of many data sets then run along the data sets."""
-        u, k, n = (np.asfortranarray(part) for part in (self.u, self.n_yes, self.n_trials))
+        u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return Counts(u, k, n, self.centre, self.spread, self.gap, self.n_levels)
 
     def with_yes(self, n_yes: Array) -> "Counts":
@@ -75,7 +75,8 @@ def checked(
         ) from None
     if x.ndim != 2:
         raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected (data set, level)")
-    used = ~(n == 0)
+    used = n != 0
+    # Each test is the negation of what is expected, so that NaN, which fulfils nothing, is refused too.
     _refuse("n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     _refuse("levels", x, used & (np.abs(x) > LARGEST), f"at most {LARGEST:g} in size")
@@ -87,13 +88,13 @@ def checked(
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:
-    found = np.asarray(values)
-    if found.dtype.kind in "biuf":
-        return found.astype(np.float64)
-    for row, value in enumerate(found.ravel().tolist()):
+    array = np.asarray(values)
+    if array.dtype.kind in "biuf":
+        return array.astype(np.float64)
+    for row, value in enumerate(array.ravel().tolist()):
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InvalidParameter(f"{name}, row {row}: found {value!r}, expected a number")
-    return found.astype(np.float64)
+    return array.astype(np.float64)
 
 
 def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
@@ -111,8 +112,9 @@ def normalised(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> C
     """
     if x.shape[1] == 0:
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
+    # Unused places go last: pooling and spacings look at neighbours.
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
-    x, k, n = np.take_along_axis(x, order, 1), np.take_along_axis(k, order, 1), np.take_along_axis(n, order, 1)
+    x, k, n = (np.take_along_axis(values, order, 1) for values in (x, k, n))
     used = n > 0
     low, high = _fenced(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
     centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
@@ -133,9 +135,10 @@ def _fenced(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
     `x` is sorted where `n` > 0. Tukey, Exploratory Data Analysis (1977), section 2D.
     """
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
-    places = ((share < part).sum(axis=1, keepdims=True) for part in (0.25, 0.75))
+    places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
     reach = 1.5 * (third - first)
+    # Where most trials stand at one level there is no interquartile range, and fences would leave that level alone.
     kept = (reach > 0) & (n.sum(axis=1) > 0)
     return np.where(kept, np.maximum(low, first - reach), low), np.where(kept, np.minimum(high, third + reach), high)
 
@@ -145,7 +148,7 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
     is_new = np.ones_like(used)
     is_new[:, 1:] = np.diff(u, axis=1) > POOLED_BELOW
     if (is_new | ~used).all():
-        return u, k, n
+        return u, k, n  # nothing to pool: the levels keep their bits, which the mean u n / n would not
     place = np.cumsum(is_new & used, axis=1) - 1
     rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
     pooled = [np.zeros_like(u) for _ in range(3)]

@@ -28,13 +28,15 @@ wrong statuses. Guesses weigh more, because by luck they rise with the level mor
 def verdict_shares(counts: Counts, prior: Prior, found: Marginals) -> Array:
     """Posterior probabilities (n_sets, 4): the levels meet the rise; all lie above it; all lie below it; there is none.
     NaN for sets without a posterior."""
-    curves = found.log_evidence[:, None] + _logarithm(np.hstack([1 - found.beyond.sum(1, keepdims=True), found.beyond]))
+    met = 1 - found.beyond.sum(axis=1, keepdims=True)
+    curves = found.log_evidence[:, None] + _logarithm(np.hstack([met, found.beyond]))
     ceiling, guesses, constant = constant_evidence(counts, prior)
     with np.errstate(invalid="ignore"):
+        # A rise below all levels leaves them on the ceiling, one above all levels leaves them to guesses.
         below = np.logaddexp(curves[:, 1], np.log(CEILING_WEIGHT) + ceiling)
         above = np.logaddexp(curves[:, 2], np.log(GUESSES_WEIGHT) + guesses)
-        each = np.stack([curves[:, 0], below, above, np.log(CONSTANT_WEIGHT) + constant], axis=1)
-        return np.asarray(np.exp(each - logsumexp(each, axis=1, keepdims=True)))
+        explanations = np.stack([curves[:, 0], below, above, np.log(CONSTANT_WEIGHT) + constant], axis=1)
+        return np.asarray(np.exp(explanations - logsumexp(explanations, axis=1, keepdims=True)))
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
@@ -45,13 +47,16 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     low, high = prior.guess_rate or 0.0, 1 - (prior.lapse_rate or 0.0)
     share = np.asarray(betainc(k + 1, n - k + 1, high) - betainc(k + 1, n - k + 1, low))
     any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
-    catch = _log_mean_chance(prior, None, alarms, correct) if prior.guess_rate is None else np.zeros(len(counts))
-    of_guesses = (k + alarms, n - k + correct) if prior.guess_rate is None else (k, n - k)
-    return (
-        _log_mean_chance(prior, prior.lapse_rate, n - k, k) + catch,
-        _log_mean_chance(prior, prior.guess_rate, *of_guesses),
-        any_chance - np.log(high - low) + catch,
-    )
+    if prior.guess_rate is None:
+        # Answers to catch trials are guesses: beside a lower asymptote they share its rate, else they have one of
+        # their own.
+        catch = _log_mean_chance(prior, None, alarms, correct)
+        guesses = _log_mean_chance(prior, None, k + alarms, n - k + correct)
+    else:
+        catch = np.zeros(len(counts))
+        guesses = _log_mean_chance(prior, prior.guess_rate, k, n - k)
+    ceiling = _log_mean_chance(prior, prior.lapse_rate, n - k, k)
+    return ceiling + catch, guesses, any_chance - np.log(high - low) + catch
 
 
 def _log_mean_chance(prior: Prior, rate: float | None, k: Array, rest: Array) -> Array:

@@ -15,7 +15,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from .counts import checked, normalised
 from .methods import Fitting
-from .prior import BETA_B, Prior
+from .prior import BETA_B, LARGEST_RATE, Prior
 from .result import ThresholdFit
 from .status import Status
 
@@ -180,11 +180,9 @@ def fit_many(
         )
     x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
     if curve.on_log_levels:
-        x = np.log(np.where(n > 0, x, 1.0))
+        x = np.log(np.where(n > 0, x, 1.0))  # unused places hold level 0
     counts = normalised(x, k, n, robust_range=robust_range)
-    alarms, catch = (_catch(v, len(counts)) for v in (n_false_alarms, n_catch))
-    if (alarms > catch).any():
-        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
+    alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
     if equal_asymptotes and not (guess_rate is None and lapse_rate is None and not catch.any()):
         raise InvalidParameter(
             f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {catch.sum():g} catch "
@@ -211,10 +209,10 @@ def _check_options(
     for name, rate in (("guess_rate", guess_rate), ("lapse_rate", lapse_rate)):
         if rate is not None and not 0 <= rate < 1:
             raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
-    largest = 0.5
-    if (largest if guess_rate is None else guess_rate) + (largest if lapse_rate is None else lapse_rate) > 1 or (
-        (guess_rate or 0) + (lapse_rate or 0) >= 1
-    ):
+    # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
+    highest_guess = LARGEST_RATE if guess_rate is None else guess_rate
+    highest_lapse = LARGEST_RATE if lapse_rate is None else lapse_rate
+    if highest_guess + highest_lapse > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:
         raise InvalidParameter(
             f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
             "(a free rate may reach 0.5)"
@@ -229,11 +227,18 @@ def _check_options(
         raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")
 
 
-def _catch(values: ArrayLike, n_sets: int) -> Array:
-    found = np.broadcast_to(np.asarray(values, dtype=np.float64), (n_sets,))
-    if not ((found >= 0) & (found == np.floor(found))).all():
+def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) -> tuple[Array, Array]:
+    alarms, catch = (_counts_of_catch_trials(values, n_sets) for values in (n_false_alarms, n_catch))
+    if (alarms > catch).any():
+        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
+    return alarms, catch
+
+
+def _counts_of_catch_trials(values: ArrayLike, n_sets: int) -> Array:
+    counts = np.broadcast_to(np.asarray(values, dtype=np.float64), (n_sets,))
+    if not ((counts >= 0) & (counts == np.floor(counts))).all():
         raise InvalidParameter(f"n_false_alarms, n_catch: found {values!r}, expected whole numbers, 0 or more")
-    return found
+    return counts
 
 
 __all__: Sequence[str] = ["METHODS", "Status", "ThresholdFit", "fit", "fit_many"]

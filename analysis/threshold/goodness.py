@@ -80,31 +80,29 @@ def goodness(
 ) -> Goodness:
     """Of the functions `theta` (n_sets, 4), the modes under `prior`, for the answers in their order; `follows`
     (n_sets,) says where levels were chosen by the answers before."""
-    found = statistics(shape, counts, theta, answers)
-    compared = found / np.where(follows[:, None], FEEDBACK, 1.0)
-    tally = _Tally(np.zeros(found.shape, dtype=np.int64), np.zeros(found.shape, dtype=np.int64))
+    observed = statistics(shape, counts, theta, answers)
+    compared = observed / np.where(follows[:, None], FEEDBACK, 1.0)
+    tally = _Tally(np.zeros(observed.shape, dtype=np.int64), np.zeros(observed.shape, dtype=np.int64))
     for n_draws in ROUNDS:
         for chosen in _portions(tally.is_open(), n_draws * answers.n_trials[0].size):
             drawn = _drawn(shape, counts[chosen], prior[chosen], theta[chosen], answers[chosen], n_draws, rng)
             tally.add(chosen, _is_as_extreme(drawn, compared[chosen][:, None]))
-    return Goodness(found, tally.p())
+    return Goodness(observed, tally.p())
 
 
 def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -> Array:
     """The four statistics of each data set, (n_sets, 4)."""
     log_yes, log_no = log_chances(shape, counts.u, theta)
-    psi, variance, k, n = np.exp(log_yes), np.exp(log_yes + log_no), counts.n_yes, counts.n_trials
+    psi, variance = np.exp(log_yes), np.exp(log_yes + log_no)  # psi (1 - psi), also where psi rounds to 1
+    k, n = counts.n_yes, counts.n_trials
     deviance = saturated_log_likelihood(counts) - (weighted(k, log_yes) + weighted(n - k, log_no)).sum(axis=1)
     off = answers.n_yes - answers.n_trials * psi[:, None]
     spread = answers.n_trials * variance[:, None]
     away = psi - _mean(psi, n * variance)
-    parts = (
-        2 * deviance,
-        _bend(counts.u, k - n * psi, n * variance),
-        _trend(off.sum(axis=2), spread.sum(axis=2)),
-        (_dispersion(off, spread, np.ones_like(away)) + _dispersion(off, spread, away)) / 2,
-    )
-    return np.stack(parts, axis=1)
+    bend = _bend(counts.u, k - n * psi, n * variance)
+    trend = _trend(off.sum(axis=2), spread.sum(axis=2))
+    dispersion = (_dispersion(off, spread, np.ones_like(away)) + _dispersion(off, spread, away)) / 2
+    return np.stack((2 * deviance, bend, trend, dispersion), axis=1)
 
 
 def _bend(u: Array, off: Array, variance: Array) -> Array:
@@ -122,21 +120,20 @@ def _trend(off: Array, variance: Array) -> Array:
 
 
 def _mean(x: Array, weight: Array) -> Array:
-    return np.asarray(
-        (weight * x).sum(axis=1, keepdims=True) / np.maximum(weight.sum(axis=1), SMALLEST_VARIANCE)[:, None]
-    )
+    total = np.maximum(weight.sum(axis=1, keepdims=True), SMALLEST_VARIANCE)
+    return np.asarray((weight * x).sum(axis=1, keepdims=True) / total)
 
 
 def _z(weight: Array, off: Array, variance: Array) -> Array:
-    return np.asarray(
-        (off * weight).sum(axis=1) / np.sqrt(np.maximum((variance * weight**2).sum(axis=1), SMALLEST_VARIANCE))
-    )
+    of_sum = np.maximum((variance * weight**2).sum(axis=1), SMALLEST_VARIANCE)
+    return np.asarray((off * weight).sum(axis=1) / np.sqrt(of_sum))
 
 
 def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
     """The squares of the stretches' residuals, with a weight (n_sets, n_levels) each, over their expectation."""
     squares = np.square((off * weight[:, None]).sum(axis=2)).sum(axis=1)
-    return np.asarray(squares / np.maximum((spread * weight[:, None] ** 2).sum(axis=(1, 2)), SMALLEST_VARIANCE))
+    expected = (spread * weight[:, None] ** 2).sum(axis=(1, 2))
+    return np.asarray(squares / np.maximum(expected, SMALLEST_VARIANCE))
 
 
 def _drawn(
@@ -153,18 +150,19 @@ def _drawn(
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
     trials = answers.n_trials.astype(np.int64)
     yes = rng.binomial(trials[:, None], chance[:, None, None], (len(counts), n_draws, *trials.shape[1:]))
-    again = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
+    drawn = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
+    # Catch trials are answers too: what is known of a free guess rate varies with them.
     alarms = rng.binomial(prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
-    resampled = counts[same].with_yes(again.n_yes.sum(axis=1))
-    again_at = replace(prior[same], n_false_alarms=alarms)
-    refitted = climb(shape, resampled, again_at, theta[same], small_decrement=SMALL_DECREMENT)
-    return statistics(shape, resampled, refitted.theta, again).reshape(len(counts), n_draws, N_STATISTICS)
+    resampled = counts[same].with_yes(drawn.n_yes.sum(axis=1))
+    prior_of_draws = replace(prior[same], n_false_alarms=alarms)
+    refitted = climb(shape, resampled, prior_of_draws, theta[same], small_decrement=SMALL_DECREMENT)
+    return statistics(shape, resampled, refitted.theta, drawn).reshape(len(counts), n_draws, N_STATISTICS)
 
 
-def _is_as_extreme(drawn: Array, found: Array) -> Bools:
+def _is_as_extreme(drawn: Array, observed: Array) -> Bools:
     """At least as large, of those with two sides in size; what differs by rounding alone is equal."""
-    drawn, found = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, found))
-    return np.asarray(drawn >= found - EQUAL * np.maximum(1.0, np.abs(found)))
+    drawn, observed = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, observed))
+    return np.asarray(drawn >= observed - EQUAL * np.maximum(1.0, np.abs(observed)))
 
 
 @dataclass(frozen=True)
@@ -183,6 +181,7 @@ class _Tally:
         """Count `extreme` (n_sets, n_draws, 4), of each p up to the draw that closes it."""
         before = self.n_extreme[sets]
         so_far = before[:, None] + np.cumsum(extreme, axis=1)
+        # Draws after the closing one were made in the same round, but a stopping rule may not look at them.
         counted = np.minimum((so_far < ENOUGH).sum(axis=1) + 1, extreme.shape[1])
         is_open = before < ENOUGH
         self.n_drawn[sets] += np.where(is_open, counted, 0)
@@ -191,7 +190,8 @@ class _Tally:
     def p(self) -> Array:
         """Besag and Clifford's: of a closed one the share, else with the answers themselves as one draw more."""
         closed = self.n_extreme >= ENOUGH
-        return np.where(closed, self.n_extreme / np.maximum(self.n_drawn, 1), (self.n_extreme + 1) / (self.n_drawn + 1))
+        share = self.n_extreme / np.maximum(self.n_drawn, 1)
+        return np.where(closed, share, (self.n_extreme + 1) / (self.n_drawn + 1))
 
 
 def _portions(sets: Indices, n_numbers: int) -> Iterator[Indices]:

@@ -42,6 +42,7 @@ def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: 
         inner, outer = np.where(above, outer, inner), np.where(above, outer + side * reach, outer)
         reach = 2 * reach
     endless = above
+    # Every climb begins where the last one ended: neighbouring thresholds have neighbouring summits.
     for _ in range(MAX_BISECTIONS):
         middle = (inner + outer) / 2
         above, start = _is_above(shape, counts, prior, middle, start, floor)
@@ -54,8 +55,8 @@ def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: 
 def _is_above(
     shape: Shape, counts: Counts, prior: Prior, threshold: Array, start: Array, floor: Array
 ) -> tuple[Bools, Array]:
-    held = climb(shape, counts, replace(prior, threshold=threshold), start)
-    return held.log_density > floor, held.theta
+    at_threshold = climb(shape, counts, replace(prior, threshold=threshold), start)
+    return at_threshold.log_density > floor, at_threshold.theta
 
 
 def bootstrap(
@@ -71,12 +72,11 @@ def bootstrap(
 
     Shape (n_sets, 2), on the scale of `Counts.u` (Efron 1981, bias-corrected percentile method).
     """
-    return np.stack(
-        [
-            _bootstrap_one(shape, counts[here], prior[here], mode.theta[i], interval, n_resamples, rng)
-            for i, here in ((i, slice(i, i + 1)) for i in range(len(counts)))
-        ]
-    )
+    ends = []
+    for i, theta in enumerate(mode.theta):
+        here = slice(i, i + 1)
+        ends.append(_bootstrap_one(shape, counts[here], prior[here], theta, interval, n_resamples, rng))
+    return np.stack(ends)
 
 
 def _bootstrap_one(
@@ -91,11 +91,14 @@ def _bootstrap_one(
     same = np.zeros(n_resamples, dtype=np.int64)
     chance = np.exp(log_chances(shape, counts.u[0], theta)[0])
     drawn = rng.binomial(counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
+    # Catch trials are answers too: what is known of a free guess rate varies with them.
     alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
     resampled = counts[same].with_yes(drawn.astype(np.float64))
     start = np.broadcast_to(theta, (n_resamples, len(theta)))
     refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
     away = refits - theta[THRESHOLD]
     n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
+    # Half a draw more on each side keeps the bias finite where all draws lie on one side.
+    bias = ndtri((n_below + 0.5) / (n_resamples + 1))
     tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
-    return np.asarray(np.quantile(refits, ndtr(2 * ndtri((n_below + 0.5) / (n_resamples + 1)) + tails)))
+    return np.asarray(np.quantile(refits, ndtr(2 * bias + tails)))

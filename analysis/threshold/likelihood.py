@@ -27,9 +27,12 @@ def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
     z = _z(shape, u, theta[:, :1])
     guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
     if guess.min() == 0 or lapse.min() == 0:
+        # Without an asymptote to hold it up a chance may underflow, and keeps its digits only as a logarithm.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
-    yes, no = ((1 - guess - lapse) * part for part in linear(shape, z)[:2])
-    yes += guess
+    span = 1 - guess - lapse
+    cdf, sf, _ = linear(shape, z)
+    yes, no = span * cdf, span * sf
+    yes += guess  # in place: a grid of starts is large
     no += lapse
     return np.log(yes, out=yes), np.log(no, out=no)
 
@@ -62,19 +65,21 @@ def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
     """The log-likelihood with its exact gradient and Hessian."""
     z = _z(shape, counts.u, theta)
     guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    answers = (counts.n_yes, counts.n_trials - counts.n_yes)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _chain(shape, z, theta, by_point(shape, z, guess, lapse, (counts.n_yes, counts.n_trials - counts.n_yes)))
+        return _chain(shape, z, theta, by_point(shape, z, guess, lapse, answers))
 
 
 def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
     """From derivatives along z to those along threshold and log width; summed over the levels."""
+    # dz/dm and dz/dv of z = z50 + (u - m) z_width exp(-v); dz/dm is the same at all levels and leaves the sums.
     to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
     zz_v = by.zz * to_v
     z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
     zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
     zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
-    mv = (mv - z1) * to_m
+    mv = (mv - z1) * to_m  # z itself bends along v: d2z/dm dv = -dz/dm, and below d2z/dv2 = -dz/dv
     rows = (
         (zz * to_m * to_m, mv, zl * to_m, zg * to_m),
         (mv, vv - zv, vl, vg),
@@ -88,8 +93,8 @@ def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
     return Expansion(by.value.sum(axis=-1), np.stack([z1 * to_m, zv, lapse, guess], axis=-1), hessian)
 
 
-def _sums(*parts: Array) -> list[Array]:
-    return [part.sum(axis=-1) for part in parts]
+def _sums(*terms: Array) -> list[Array]:
+    return [term.sum(axis=-1) for term in terms]
 
 
 def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
@@ -106,12 +111,15 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
     """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
     z = _z(shape, u, theta)
     guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
-    cdf, sf, pdf = (np.exp(part(z)) for part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
+    cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
     span, nothing = 1 - guess - lapse, np.zeros_like(z)
     to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
     to_v = shape.z50 - z
     steep, bent = span * pdf, span * bend(pdf, shape.score(z))
-    mv, ml, vl = bent * to_m * to_v - steep * to_m, -pdf * to_m, -pdf * to_v
+    mv = bent * to_m * to_v - steep * to_m
+    # Either rate takes as much from the span: the cross terms of lapse and guess are the same. Along the rates psi is
+    # straight.
+    ml, vl = -pdf * to_m, -pdf * to_v
     rows = [
         [bent * to_m * to_m, mv, ml, ml],
         [mv, bent * to_v * to_v - steep * to_v, vl, vl],

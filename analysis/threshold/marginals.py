@@ -41,8 +41,8 @@ class Marginals:
 
     def put(self, places: Indices, other: "Marginals", which: Bools) -> None:
         """Write those of another into some places of this one."""
-        for name in (each.name for each in fields(self)):
-            getattr(self, name)[places] = getattr(other, name)[which]
+        for field in fields(self):
+            getattr(self, field.name)[places] = getattr(other, field.name)[which]
 
 
 def described(
@@ -66,6 +66,7 @@ def quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
     n_nodes = density.shape[1]
     fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
     integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
+    # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
@@ -75,13 +76,17 @@ def log_cell(prior: Prior, low: Array, high: Array, sizes: Sequence[int]) -> flo
     """The logarithm of the volume of a cell of the grid; the weights of a free rate sum to 2."""
     size = high - low
     steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
-    return float(np.log([*steps, *(size[place] / 2 for place in prior.free if place in (LAPSE, GUESS))]).sum())
+    rates = [size[place] / 2 for place in prior.free if place in (LAPSE, GUESS)]
+    return float(np.log([*steps, *rates]).sum())
 
 
 def beyond_levels(shape: Shape, counts: Counts, axes: Sequence[Array]) -> Array:
     """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
     ends below the lowest level, and in which it begins above the highest, of one data set."""
-    used, m, width = counts.u[0, counts.n_trials[0] > 0], axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
+    used = counts.u[0, counts.n_trials[0] > 0]
+    m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
     down, up = shape.rise
     inside = np.stack([m + up * width - used.min(), used.max() - (m - down * width)])
-    return np.asarray(np.clip(0.5 - inside / (axes[THRESHOLD][1] - axes[THRESHOLD][0]), 0, 1))
+    step = axes[THRESHOLD][1] - axes[THRESHOLD][0]
+    # A cell through which the edge runs counts in part, so that the shares do not jump with the grid.
+    return np.asarray(np.clip(0.5 - inside / step, 0, 1))

@@ -33,7 +33,7 @@ from .step import StepFit, best_step
 Statuses = NDArray[np.object_]
 ON_LIKELIHOOD = ("ml", "profile")
 CENSORED = (Status.BELOW, Status.ABOVE)
-TOLD = (Status.OK, Status.SEPARATED)
+WITH_THRESHOLD = (Status.OK, Status.SEPARATED)
 FITTED_ANYWAY = (Status.NON_MONOTONE, Status.TOO_FEW_LEVELS)
 WIDEST_SD = 0.5
 """In ranges of the levels: the 95 % interval of a threshold with a larger standard error exceeds all levels, and a
@@ -55,7 +55,7 @@ class PointEstimate:
     def where(self, chosen: Bools, other: "PointEstimate") -> "PointEstimate":
         """This one, and another in some sets."""
         pairs = ((self.theta, other.theta), (self.threshold, other.threshold), (self.width, other.width))
-        theta, threshold, width = (np.where(chosen[:, None], theirs, own) for own, theirs in pairs)
+        theta, threshold, width = (np.where(chosen[:, None], theirs, ours) for ours, theirs in pairs)
         return PointEstimate(theta, threshold, width, self.eta)
 
 
@@ -79,38 +79,39 @@ class Fitting:
         binomial = self._marginals(mode)
         shares = verdict_shares(self.counts, self.prior, binomial)
         status = np.array(statuses(self.counts, self.prior, shares, step), dtype=object)
-        own, eta = likeliest if self.method in ON_LIKELIHOOD else mode, None
+        basis, eta = likeliest if self.method in ON_LIKELIHOOD else mode, None
         if self.overdispersed:
             free = replace(self.prior, on_curve=self.method not in ON_LIKELIHOOD)
-            own, eta = find_overdispersed_mode(self.curve, self.counts, free)
+            basis, eta = find_overdispersed_mode(self.curve, self.counts, free)
         point = self._of_posterior(mode, binomial, step)
         if self.method == "posterior":
             if eta is not None:
-                point = self._of_posterior(own, self._marginals(own, eta), step, eta)
+                point = self._of_posterior(basis, self._marginals(basis, eta), step, eta)
         else:
-            rests = is_regular(own) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
-            curved = self._of_curvature(own, eta, rests, n_resamples, rng)
+            rests = is_regular(basis) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
+            curved = self._of_curvature(basis, eta, rests, n_resamples, rng)
             # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
             rests &= np.isfinite(curved.threshold).all(axis=1)
             lost = (status == Status.OK) & ~rests
             status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
             point = curved.where(~rests, point)
         if self.method in ON_LIKELIHOOD:
+            # Any place between the two levels is as likely: the climb's end among them would be chance.
             stepped = (status == Status.SEPARATED) & _within(step.place, point.threshold)
             point.theta[stepped, THRESHOLD] = step.place[stepped]
         after_a_track = np.zeros(len(self.counts), dtype=bool)
         if self.method in TOO_NARROW:
             after_a_track = stand_as_after_a_track(self.counts)
-        told = _Told(self, status, shares, point, mode, binomial, self._deviance(own), after_a_track)
-        return tuple(told.result(i) for i in range(len(self.counts)))
+        findings = _Findings(self, status, shares, point, mode, binomial, self._deviance(basis), after_a_track)
+        return tuple(findings.result(i) for i in range(len(self.counts)))
 
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
         """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
-        found, chosen = Marginals.empty(len(self.counts)), np.flatnonzero(self.counts.n_levels > 1)
+        all_sets, chosen = Marginals.empty(len(self.counts)), np.flatnonzero(self.counts.n_levels > 1)
         prior = replace(self.prior[chosen], overdispersion=None if eta is None else eta[chosen])
-        each = batched_marginals(self.curve, self.counts[chosen], prior, mode[chosen], self.interval)
-        found.put(chosen, each, np.ones(len(chosen), dtype=bool))
-        return found
+        of_chosen = batched_marginals(self.curve, self.counts[chosen], prior, mode[chosen], self.interval)
+        all_sets.put(chosen, of_chosen, np.ones(len(chosen), dtype=bool))
+        return all_sets
 
     def _of_posterior(self, mode: Mode, found: Marginals, step: StepFit, eta: Array | None = None) -> PointEstimate:
         """The mode, median or mean. Of a step the mode is a whole stretch, whose middle is taken; where the mode lies
@@ -118,9 +119,8 @@ class Fitting:
         median, theta = found.mean.copy(), _with_width(mode.theta)
         median[:, [THRESHOLD, LOG_WIDTH]] = found.median
         if self.estimate == "mean":
-            return PointEstimate(
-                found.mean, found.threshold, found.width, None if eta is None else found.overdispersion
-            )
+            mean_eta = None if eta is None else found.overdispersion
+            return PointEstimate(found.mean, found.threshold, found.width, mean_eta)
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
         is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], found.threshold)
         is_wide = _within(theta[:, LOG_WIDTH], found.width)
@@ -129,34 +129,35 @@ class Fitting:
         return PointEstimate(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
 
     def _of_curvature(
-        self, own: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None
+        self, basis: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None
     ) -> PointEstimate:
         """The mode with Wald's intervals; where a set `rests` on it, the threshold's by profile or bootstrap if these
         are asked for."""
         z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
-        threshold = own.theta[:, [THRESHOLD]] + z * own.threshold_sd[:, None]
+        threshold = basis.theta[:, [THRESHOLD]] + z * basis.threshold_sd[:, None]
         with np.errstate(over="ignore"):
-            width = np.exp(own.theta[:, [LOG_WIDTH]] + z * own.log_width_sd[:, None])
+            width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.log_width_sd[:, None])
         chosen = np.flatnonzero(rests)
         if self.method in ("profile", "bootstrap") and len(chosen):
-            threshold[chosen] = self._refined(chosen, own[chosen], n_resamples, rng)
-        return PointEstimate(_with_width(own.theta), threshold, width, eta)
+            threshold[chosen] = self._refined(chosen, basis[chosen], n_resamples, rng)
+        return PointEstimate(_with_width(basis.theta), threshold, width, eta)
 
-    def _refined(self, chosen: Indices, own: Mode, n_resamples: int, rng: np.random.Generator | None) -> Array:
+    def _refined(self, chosen: Indices, basis: Mode, n_resamples: int, rng: np.random.Generator | None) -> Array:
         """The intervals that cost more than a Hessian."""
         sets, prior = self.counts[chosen], self.prior[chosen]
         if rng is not None and self.method == "bootstrap":
-            return intervals.bootstrap(self.curve, sets, prior, own, self.interval, n_resamples, rng)
-        return intervals.profile(self.curve, sets, replace(prior, on_curve=False), own, self.interval)
+            return intervals.bootstrap(self.curve, sets, prior, basis, self.interval, n_resamples, rng)
+        return intervals.profile(self.curve, sets, replace(prior, on_curve=False), basis, self.interval)
 
-    def _deviance(self, own: Mode) -> Array:
+    def _deviance(self, basis: Mode) -> Array:
         best = saturated_log_likelihood(self.counts)
-        return np.maximum(2 * (best - log_likelihood(self.curve, self.counts, own.theta)), 0.0)
+        # A perfect fit may round to below 0.
+        return np.maximum(2 * (best - log_likelihood(self.curve, self.counts, basis.theta)), 0.0)
 
 
-def is_regular(own: Mode) -> Bools:
+def is_regular(mode: Mode) -> Bools:
     """Whether the curvature at a mode is one to rest on."""
-    return np.asarray(own.interior & (own.threshold_sd < WIDEST_SD) & (own.log_width_sd < WIDEST_LOG_SD))
+    return np.asarray(mode.interior & (mode.threshold_sd < WIDEST_SD) & (mode.log_width_sd < WIDEST_LOG_SD))
 
 
 def _with_width(theta: Array) -> Array:
@@ -170,7 +171,7 @@ def _within(x: Array, ends: Array) -> Bools:
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Findings:
     """Everything known of each data set, to be said of one after the other in the unit of its levels."""
 
     of: Fitting
@@ -184,25 +185,26 @@ class _Told:
 
     def result(self, i: int) -> ThresholdFit:
         of, status, point = self.of, Status(self.status[i]), self.point
-        told, spread = self._is_told(i, status), float(of.counts.spread[i])
+        has_threshold, spread = self._has_threshold(i, status), float(of.counts.spread[i])
         low, high = (self._level(i, end) for end in point.threshold[i])
         m, width, lapse, guess = (float(value) for value in point.theta[i])
-        has_ends, has_width = told or status in CENSORED, told and status != Status.SEPARATED
+        has_ends = has_threshold or status in CENSORED
+        has_width = has_threshold and status != Status.SEPARATED  # of a step the width has an upper bound only
         centres = (self.mode.theta[i, THRESHOLD], self.found.median[i, 0], self.found.mean[i, THRESHOLD])
-        mode, median, mean = (self._level(i, float(u)) if told else None for u in centres)
+        mode, median, mean = (self._level(i, float(u)) if has_threshold else None for u in centres)
         below, within, above = self._shares(i)
         return ThresholdFit(
-            threshold=self._level(i, m) if told else None,
+            threshold=self._level(i, m) if has_threshold else None,
             width=width * spread if has_width else None,
-            lapse_rate=lapse if told else None,
-            guess_rate=guess if told else None,
-            overdispersion=float(point.eta[i]) if told and point.eta is not None else None,
+            lapse_rate=lapse if has_threshold else None,
+            guess_rate=guess if has_threshold else None,
+            overdispersion=float(point.eta[i]) if has_threshold and point.eta is not None else None,
             interval_low=low if has_ends and status != Status.BELOW else None,
             interval_high=high if has_ends and status != Status.ABOVE else None,
             width_low=_finite(float(point.width[i, 0]) * spread) if has_width else None,
-            width_high=_finite(float(point.width[i, 1]) * spread) if told else None,
+            width_high=_finite(float(point.width[i, 1]) * spread) if has_threshold else None,
             status=status,
-            deviance=float(self.deviance[i]) if told else None,
+            deviance=float(self.deviance[i]) if has_threshold else None,
             n_trials=int(of.counts.n_trials[i].sum()),
             n_levels=int(of.counts.n_levels[i]),
             shape=of.shape,
@@ -217,8 +219,8 @@ class _Told:
             probability_above=above,
         )
 
-    def _is_told(self, i: int, status: Status) -> bool:
-        if status in TOLD:
+    def _has_threshold(self, i: int, status: Status) -> bool:
+        if status in WITH_THRESHOLD:
             return True
         inside = abs(float(self.point.theta[i, THRESHOLD])) <= 0.5
         return inside and status in FITTED_ANYWAY and bool(self.of.counts.n_levels[i] > 1)

@@ -85,32 +85,35 @@ def find_mode(shape: Shape, counts: Counts, prior: Prior, near: Array | None = N
     """Climb from every summit of a coarse grid, or from `near` (n_sets, 4) alone; then again from the steps that may be
     as dense, and in sets that fit poorly from the best narrow and the best wide node of the grid."""
     if near is None:
-        found = _highest(shape, counts, prior, grid_starts(shape, counts, prior)[0])
+        summits, _ = grid_starts(shape, counts, prior)
+        mode = _highest(shape, counts, prior, summits)
     else:
-        found = climb(shape, counts, prior, near)
-    again = _second_starts(shape, counts, prior, found)
-    return _highest(shape, counts, prior, again, found) if len(again.sets) else found
+        mode = climb(shape, counts, prior, near)
+    again = _second_starts(shape, counts, prior, mode)
+    return _highest(shape, counts, prior, again, mode) if len(again.sets) else mode
 
 
-def _second_starts(shape: Shape, counts: Counts, prior: Prior, found: Mode) -> Starts:
+def _second_starts(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Starts:
     if prior.overdispersion is not None:
         return Starts.none()
-    deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, found.theta))
+    deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, mode.theta))
     poor = np.flatnonzero(deviance > POOR_FIT * np.maximum(counts.n_levels - len(prior.free), 1))
-    halves = grid_starts(shape, counts[poor], prior[poor])[1]
-    return Starts(poor[halves.sets], halves.theta) + step_starts(shape, counts, prior, found.log_density - STEP_MARGIN)
+    _, halves = grid_starts(shape, counts[poor], prior[poor])
+    return Starts(poor[halves.sets], halves.theta) + step_starts(shape, counts, prior, mode.log_density - STEP_MARGIN)
 
 
 def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: Mode | None = None) -> Mode:
     """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
     does not choose."""
-    found, sets = climb(shape, counts[starts.sets], prior[starts.sets], starts.theta), starts.sets
+    sets = starts.sets
+    modes = climb(shape, counts[sets], prior[sets], starts.theta)
     if known is not None:
-        found, sets = known.joined(found), np.concatenate([np.arange(len(counts)), sets])
+        modes, sets = known.joined(modes), np.concatenate([np.arange(len(counts)), sets])
     highest = np.full(len(counts), -np.inf)
-    np.maximum.at(highest, sets, found.log_density)
-    equal = np.flatnonzero(found.log_density >= highest[sets] - EQUAL)
-    return found[equal[np.unique(sets[equal], return_index=True)[1]]]
+    np.maximum.at(highest, sets, modes.log_density)
+    equal = np.flatnonzero(modes.log_density >= highest[sets] - EQUAL)
+    _, first = np.unique(sets[equal], return_index=True)
+    return modes[equal[first]]
 
 
 def climb(
@@ -120,30 +123,31 @@ def climb(
     theta = start.copy()
     low, high = prior.bounds()
     theta = prior.tied(np.clip(theta, low, high))
-    part = _Open(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
-    here, at = _expand(shape, part.counts, prior, theta), theta.copy()
+    climbing = _Climbing(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
+    here, at = _expand(shape, climbing.counts, prior, theta), theta.copy()
     for _ in range(MAX_STEPS):
-        held = _held(at, here.gradient, part.low, part.high)
-        step, decrement = _step(here, held, part.damping)
-        trial = prior.tied(np.clip(at + step, part.low, part.high))
-        there = _expand(shape, part.counts, part.prior, trial)
+        held = _held(at, here.gradient, climbing.low, climbing.high)
+        step, decrement = _step(here, held, climbing.damping)
+        trial = prior.tied(np.clip(at + step, climbing.low, climbing.high))
+        there = _expand(shape, climbing.counts, climbing.prior, trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
         at = np.where(better[:, None], trial, at)
-        part.damping[:] = np.where(better, np.maximum(part.damping / 10, 1e-12), part.damping * 8)
+        damping = climbing.damping
+        damping[:] = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
         here = there.where(better, here)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
-        going = (decrement > small) & ~is_endless & (part.damping < 1e15)
-        theta[part.sets] = at
+        going = (decrement > small) & ~is_endless & (damping < 1e15)  # damped beyond, a step is below rounding
+        theta[climbing.sets] = at
         if not going.any():
             break
         if going.mean() < WORTH_LEAVING:
-            part, here, at = part[going], here[going], at[going]
+            climbing, here, at = climbing[going], here[going], at[going]
     return _described(shape, counts, prior, theta)
 
 
 @dataclass(frozen=True)
-class _Open:
+class _Climbing:
     """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
 
     sets: Indices
@@ -153,9 +157,9 @@ class _Open:
     high: Array
     damping: Array
 
-    def __getitem__(self, which: Bools) -> "_Open":
-        counts = self.counts[which].by_level()
-        return _Open(
+    def __getitem__(self, which: Bools) -> "_Climbing":
+        counts = self.counts[which].by_level()  # choosing rows may have laid them out anew
+        return _Climbing(
             self.sets[which], counts, self.prior[which], self.low[which], self.high[which], self.damping[which]
         )
 
@@ -183,7 +187,7 @@ def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expans
     """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
     if prior.overdispersion is None or not (prior.overdispersion > 0).any():
         return expansion(shape, counts, theta)
-    eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)
+    eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)  # 1 / eta^2 is finite, also where it is not taken
     spread = overdispersed_expansion(shape, counts, theta, eta)
     return spread.where(prior.overdispersion >= BINOMIAL_BELOW, expansion(shape, counts, theta))
 
@@ -245,6 +249,7 @@ def _convex_inverse(matrix: Array, damping: Array) -> Array:
 def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
     here = _expand(shape, counts, prior, theta)
     low, high = prior.bounds()
+    # On a bound there is no curvature to rest on, whichever way the density rises there.
     held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
@@ -254,26 +259,28 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
 def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
     """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
     covariance is at that eta."""
-    places, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
+    nodes, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
 
     def at(eta: Array) -> Mode:
         return _at(shape, counts, replace(prior, overdispersion=eta), near)
 
-    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in places], axis=1)
+    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in nodes], axis=1)
     best = densities.argmax(axis=1)
-    low, high = places[np.maximum(best - 1, 0)], np.append(places, LARGEST)[best + 1]
+    low, high = nodes[np.maximum(best - 1, 0)], np.append(nodes, LARGEST)[best + 1]
     for _ in range(N_GOLDEN):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         to_left = at(left).log_density >= at(right).log_density
         low, high = np.where(to_left, low, left), np.where(to_left, right, high)
     eta = (low + high) / 2
-    eta = np.where(at(np.zeros(len(counts))).log_density >= at(eta).log_density, 0.0, eta)
+    # Sections close in on an end but never reach it, and eta = 0 is the binomial itself.
+    is_binomial = at(np.zeros(len(counts))).log_density >= at(eta).log_density
+    eta = np.where(is_binomial, 0.0, eta)
     return at(eta), eta
 
 
 def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
     """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
-    found, other = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
-    places = np.arange(len(counts)) + np.where(other.log_density > found.log_density, len(counts), 0)
-    highest = found.joined(other)[places]
+    by_grid, by_binomial = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
+    places = np.arange(len(counts)) + np.where(by_binomial.log_density > by_grid.log_density, len(counts), 0)
+    highest = by_grid.joined(by_binomial)[places]
     return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))

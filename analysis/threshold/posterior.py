@@ -56,13 +56,11 @@ def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: 
     if not len(counts):
         return Marginals.empty(0)
     boxes = _found_box(shape, counts, prior, mode)
-    each = [
-        _marginal_densities(
-            shape, counts[here], prior[here], boxes[here], _eta_nodes(shape, counts[here], prior[here], mode[here])
-        )
-        for here in (slice(i, i + 1) for i in range(len(counts)))
-    ]
-    mean, threshold, log_width, eta, log_total, beyond = (np.array(part) for part in zip(*each, strict=True))
+    by_set = []
+    for here in (slice(i, i + 1) for i in range(len(counts))):
+        etas = _eta_nodes(shape, counts[here], prior[here], mode[here])
+        by_set.append(_marginal_densities(shape, counts[here], prior[here], boxes[here], etas))
+    mean, threshold, log_width, eta, log_total, beyond = (np.array(column) for column in zip(*by_set, strict=True))
     ends = [(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD])]
     ends += [(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH])]
     return described(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
@@ -77,6 +75,7 @@ def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[
     tried = np.linspace(0.005, LARGEST, 100)
     along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
+    # The other parameters stand still at their mode here; free, they let eta reach somewhat farther.
     end = min(LARGEST, 1.3 * float(tried[kept].max(initial=0.005)))
     unit, weights = rate_rule(ETA_NODES)
     nodes = end * unit
@@ -91,14 +90,10 @@ def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
     box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
     open_sets = np.arange(len(counts))
     for _ in range(MAX_SEARCHES):
-        part = box[open_sets]
-        new = _adapted(
-            part,
-            ends[open_sets],
-            _profiles(shape, counts[open_sets], prior[open_sets], part),
-            mode.log_density[open_sets],
-        )
-        moved = (np.abs(new.low - part.low) + np.abs(new.high - part.high)) > 0.2 * (part.high - part.low)
+        old = box[open_sets]
+        profiles = _profiles(shape, counts[open_sets], prior[open_sets], old)
+        new = _adapted(old, ends[open_sets], profiles, mode.log_density[open_sets])
+        moved = (np.abs(new.low - old.low) + np.abs(new.high - old.high)) > 0.2 * (old.high - old.low)
         box.low[open_sets], box.high[open_sets] = new.low, new.high
         open_sets = open_sets[moved.any(axis=1)]
         if not len(open_sets):
@@ -119,10 +114,11 @@ def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Arr
         ]
         here = slice(i, i + 1)
         etas = (0.0,) if prior.overdispersion is None else (float(prior.overdispersion[i]), *ETA_SEARCH)
-        each = [_log_density_grid(shape, counts[here], prior[here], axes, eta) + log_prior_of(eta) for eta in etas]
-        density = np.maximum.reduce(each)
+        by_eta = [_log_density_grid(shape, counts[here], prior[here], axes, eta) + log_prior_of(eta) for eta in etas]
+        density = np.maximum.reduce(by_eta)
         for place in range(N_PARAMETERS):
-            profiles[place].append(density.max(axis=tuple(j for j in range(N_PARAMETERS) if j != place)))
+            others = tuple(j for j in range(N_PARAMETERS) if j != place)
+            profiles[place].append(density.max(axis=others))
     return [np.array(profile) for profile in profiles]
 
 
@@ -131,18 +127,15 @@ def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
     for place, profile in enumerate(profiles):
         if profile.shape[1] == 1:
             continue
-        size = box.high[:, place] - box.low[:, place]
-        step = size / (profile.shape[1] - 1)
+        size, end = box.high[:, place] - box.low[:, place], profile.shape[1] - 1
+        step = size / end
         inside = profile > np.maximum(best, profile.max(axis=1))[:, None] - NEGLIGIBLE
-        first, last = inside.argmax(axis=1), profile.shape[1] - 1 - inside[:, ::-1].argmax(axis=1)
-        grown = np.where(first == 0, box.low[:, place] - 0.6 * size, box.low[:, place] + (first - 1) * step)
-        low[:, place] = np.maximum(grown, ends.low[:, place])
-        grown = np.where(
-            last == profile.shape[1] - 1,
-            box.high[:, place] + 0.6 * size,
-            box.low[:, place] + (last + 1) * step,
-        )
-        high[:, place] = np.minimum(grown, ends.high[:, place])
+        first, last = inside.argmax(axis=1), end - inside[:, ::-1].argmax(axis=1)
+        # A face that still holds density moves out; another one in to the first negligible node, which bounds the rest.
+        moved = np.where(first == 0, box.low[:, place] - 0.6 * size, box.low[:, place] + (first - 1) * step)
+        low[:, place] = np.maximum(moved, ends.low[:, place])
+        moved = np.where(last == end, box.high[:, place] + 0.6 * size, box.low[:, place] + (last + 1) * step)
+        high[:, place] = np.minimum(moved, ends.high[:, place])
     return _Box(low, high)
 
 
@@ -180,13 +173,14 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
     used = counts.n_trials[0] > 0
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
     m, v, lapse, guess = *axes[:GUESS], prior.guess_nodes(axes[LAPSE], axes[GUESS])
+    # (n_levels, n_thresholds, n_widths); the rates follow as two more axes
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
     if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
-        log_cdf, log_sf = (part(z)[..., None, None] for part in (shape.log_cdf, shape.log_sf))
+        log_cdf, log_sf = (log_part(z)[..., None, None] for log_part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))
         return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0) + _log_prior_grid(prior, axes))
-    cdf, sf, _ = (part[..., None, None] for part in linear(shape, z))
+    cdf, sf, _ = (share[..., None, None] for share in linear(shape, z))
     if eta < BINOMIAL_BELOW:
         total = _linear_log_likelihood(cdf, sf, guess, lapse[:, None], k, n)
     else:
@@ -196,10 +190,10 @@ def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Arr
 
 def _overdispersed(cdf: Array, sf: Array, guess: Array, lapse: Array, answers: tuple[Array, Array, float]) -> Array:
     span, (k, n, eta) = 1 - guess - lapse, answers
-    parts = (
+    by_level = (
         log_weight(guess + span * cdf[i], lapse + span * sf[i], float(k[i]), float(n[i]), eta) for i in range(len(k))
     )
-    return np.asarray(sum(parts))
+    return np.asarray(sum(by_level))
 
 
 def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k: Array, n: Array) -> Array:
@@ -218,10 +212,10 @@ def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
     many = ~few & (count > 0)
     low, size = floor.astype(precision), span.astype(precision)
-    each = np.zeros(total.shape, dtype=precision)
-    for n, part in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
-        each += n * np.log(low + size * part)
-    return np.asarray(total + each)
+    rest = np.zeros(total.shape, dtype=precision)
+    for n, share in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
+        rest += n * np.log(low + size * share)
+    return np.asarray(total + rest)
 
 
 def _log_products(parts: Array, floor: Array, span: Array) -> Array:
@@ -254,9 +248,9 @@ def _marginal_densities(
     of the integral over all, and the shares beyond the levels."""
     axes, weights = _nodes(prior, box.low[0], box.high[0])
     densities = np.stack([_log_density_grid(shape, counts, prior, axes, float(eta)) for eta in etas[0]])
-    densities += axes[LOG_WIDTH][:, None, None]
+    densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
     highest = densities.max()
-    densities -= highest
+    densities -= highest  # likelihoods themselves are too small for floats
     masses = np.exp(densities, out=densities)
     masses *= weights[LAPSE][:, None] * weights[GUESS]
     along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))

@@ -121,7 +121,7 @@ def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> 
             THRESHOLD: log_threshold(theta[..., THRESHOLD]),
             LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap),
         }
-    value = sum((part[0] for part in parts.values()), np.zeros(theta.shape[:-1]))
+    value = sum((log_density for log_density, _, _ in parts.values()), np.zeros(theta.shape[:-1]))
     if not derivatives:
         return Expansion(value, value, value)
     gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
@@ -146,7 +146,7 @@ def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, A
     b = beta - 1 + n_no
     safe = np.maximum(x, 1e-300)
     value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
-    inside = np.maximum(x, 1e-100)
+    inside = np.maximum(x, 1e-100)  # larger, as its square has to be a float too
     first = -b / (1 - x) + n_yes / inside
     return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
 
@@ -155,7 +155,7 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
     """2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
-        cos = np.maximum(np.cos(angle), 1e-8)
+        cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
     return (
         np.where(angle < np.pi / 2, value, -np.inf),
         -2 * rate * np.sin(angle) / cos,
@@ -167,7 +167,7 @@ def log_threshold(m: Array) -> tuple[Array, Array, Array]:
     """Flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1, and its derivatives."""
     outside = np.maximum(np.abs(m) - 0.5, 0.0)
     value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
-    return value, first, np.where(outside > 0, second, 0.0)
+    return value, first, np.where(outside > 0, second, 0.0)  # a cosine bends at its top, the flat part does not
 
 
 def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
@@ -178,7 +178,7 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
     at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
     at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
     value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
-    slope = 1.0 if scale_free else 0.0
+    slope = 1.0 if scale_free else 0.0  # flat in v is 1 / w, or -v in logarithms, as a density of w
     return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
 
 
@@ -187,9 +187,11 @@ def log_mass(prior: Prior) -> Array:
     trials; shape (n_sets,)."""
     low = np.log(prior.narrowest)[:, None]
     v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
-    density = np.exp(log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)[0] + v)
+    log_density_of_w, _, _ = log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)
+    density = np.exp(log_density_of_w + v)  # dw = w dv
     along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
-    return np.asarray(along + sum(place in (LAPSE, GUESS) for place in prior.free) * prior.log_rate_mass)
+    n_free_rates = sum(place in (LAPSE, GUESS) for place in prior.free)
+    return np.asarray(along + n_free_rates * prior.log_rate_mass)
 
 
 def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:

@@ -61,34 +61,33 @@ class Grid:
 
 def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
     """As `posterior.marginals`: data sets on the same levels share a grid, the others have their own."""
-    found = Marginals.empty(len(counts))
-    lone = np.ones(len(counts), dtype=bool)
+    all_sets = Marginals.empty(len(counts))
+    is_alone = np.ones(len(counts), dtype=bool)
     if prior.overdispersion is None and len(prior.free) <= MOST_FREE:
-        keys = np.hstack([counts.u, counts.n_trials > 0, np.stack([prior.n_false_alarms, prior.n_catch], axis=1)])
-        for members in same_rows(keys):
+        catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
+        for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
             if len(members) >= WORTH_SHARING:
                 shared, resolved = _shared(shape, counts[members], prior[members], mode[members], interval)
-                found.put(members[resolved], shared, resolved)
-                lone[members[resolved]] = False
-    alone = np.flatnonzero(lone)
-    found.put(
-        alone, marginals(shape, counts[alone], prior[alone], mode[alone], interval), np.ones(len(alone), dtype=bool)
-    )
-    return found
+                all_sets.put(members[resolved], shared, resolved)
+                is_alone[members[resolved]] = False
+    alone = np.flatnonzero(is_alone)
+    by_themselves = marginals(shape, counts[alone], prior[alone], mode[alone], interval)
+    all_sets.put(alone, by_themselves, np.ones(len(alone), dtype=bool))
+    return all_sets
 
 
 def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
     grid = found_grid(shape, counts, prior, mode)
     along, log_total, beyond = marginal_masses(shape, counts, prior, grid)
-    found = _described(grid, along, log_total - log_mass(prior), beyond, interval)
-    return replace(found, mean=prior.tied(found.mean)), _resolved(prior, grid, along)
+    shared = _described(grid, along, log_total - log_mass(prior), beyond, interval)
+    return replace(shared, mean=prior.tied(shared.mean)), _resolved(prior, grid, along)
 
 
 def found_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
     """The grid of data sets on the same levels."""
     low, high = (end[0] for end in prior.bounds())
-    for _ in range(2):
+    for _ in range(2):  # the first coarse search spans all that the priors allow, the second what that one has left
         low, high = _shrunk(shape, counts, prior, mode, _search_grid(prior, low, high))
     return _final_grid(prior, low, high, _sizes(mode, high - low))
 
@@ -97,9 +96,9 @@ def _sizes(mode: Mode, reach: Array) -> list[int]:
     """Numbers of nodes along threshold and log width."""
     sizes, sd = [], np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
-        told = sd[sd[:, place] > 0, place]
-        step = STEP_SD * (float(np.quantile(told, TYPICAL)) if len(told) else 1.0)
-        sizes.append(int(np.clip(reach[place] / step, FEWEST_NODES, most)))
+        known = sd[sd[:, place] > 0, place]  # a mode on a bound has none
+        typical = float(np.quantile(known, TYPICAL)) if len(known) else 1.0
+        sizes.append(int(np.clip(reach[place] / (STEP_SD * typical), FEWEST_NODES, most)))
     return sizes
 
 
@@ -134,11 +133,11 @@ def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Arr
     with np.errstate(divide="ignore"):
         yes = np.log(guess + span * cdf[..., None, None])
         no = np.log(lapse[:, None] + span * sf[..., None, None])
-        m, v, lapse, guess = (
-            a + b for a, b in zip(log_prior_axes(prior[:1], grid.nodes), grid.log_weights, strict=True)
-        )
+        along = zip(log_prior_axes(prior[:1], grid.nodes), grid.log_weights, strict=True)
+        m, v, lapse, guess = (log_density + log_weight for log_density, log_weight in along)
     outside = (m[:, None] + v)[..., None, None] + (lapse[:, None] + guess)
     table = np.concatenate([yes.reshape(used.sum(), -1), no.reshape(used.sum(), -1)])
+    # Minus infinity would make NaN of the answers that a level does not have.
     return np.maximum(table, -1e6), np.maximum(outside, -1e9).ravel()
 
 
@@ -151,14 +150,17 @@ def _shrunk(shape: Shape, counts: Counts, prior: Prior, mode: Mode, grid: Grid) 
     """The ends of the nodes between which any data set holds density, one node more on each side."""
     table, outside = _tables(shape, counts, prior, grid)
     answers, kept = _answers(counts), np.zeros(len(outside), dtype=bool)
-    for part in _chunks(len(counts), len(outside)):
-        density = answers[part] @ table + outside
-        best = np.maximum(density.max(axis=1), mode.log_density[part])
+    for chunk in _chunks(len(counts), len(outside)):
+        density = answers[chunk] @ table + outside
+        best = np.maximum(density.max(axis=1), mode.log_density[chunk])
         kept |= (density > best[:, None] - NEGLIGIBLE).any(axis=0)
-    inside, around = kept.reshape(grid.sizes), MODE_SD * np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
+    inside = kept.reshape(grid.sizes)
+    # Coarse nodes may miss a narrow posterior between them; its mode and curvature know where it lies.
+    around = MODE_SD * np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
     low, high = (mode.theta - around).min(axis=0), (mode.theta + around).max(axis=0)
     for place, nodes in enumerate(grid.nodes):
-        along = np.flatnonzero(inside.any(axis=tuple(j for j in range(N_PARAMETERS) if j != place)))
+        others = tuple(j for j in range(N_PARAMETERS) if j != place)
+        along = np.flatnonzero(inside.any(axis=others))
         first, last = (max(along[0] - 1, 0), min(along[-1] + 1, len(nodes) - 1)) if len(along) else (0, -1)
         low[place] = max(min(low[place], nodes[first]), nodes[0])
         high[place] = min(max(high[place], nodes[last]), nodes[-1])
@@ -176,9 +178,9 @@ def marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> t
     table, outside = _tables(shape, counts, prior, grid)
     answers, (n_m, n_v, n_lapse, n_guess) = _answers(counts), grid.sizes
     beyond = beyond_levels(shape, counts, grid.nodes).reshape(2, -1).T
-    parts = []
-    for part in _chunks(len(counts), len(outside)):
-        density = answers[part] @ table + outside
+    chunks = []
+    for chunk in _chunks(len(counts), len(outside)):
+        density = answers[chunk] @ table + outside
         highest = density.max(axis=1, keepdims=True)
         density -= highest
         mass = np.exp(density.astype(np.float32)).reshape(len(density), n_m * n_v, n_lapse * n_guess)
@@ -186,9 +188,10 @@ def marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> t
         flat, rates = mass @ ones, mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
         curve, total = flat.reshape(-1, n_m, n_v), flat.sum(axis=1, dtype=np.float64)
         along = (curve.sum(axis=2), curve.sum(axis=1), rates.sum(axis=2), rates.sum(axis=1))
-        parts.append((*along, highest[:, 0] + np.log(total) + grid.log_cell, flat @ beyond / total[:, None]))
-    whole = [np.concatenate(each).astype(np.float64) for each in zip(*parts, strict=True)]
-    return whole[:N_PARAMETERS], whole[-2], whole[-1]
+        log_total = highest[:, 0] + np.log(total) + grid.log_cell
+        chunks.append((*along, log_total, flat @ beyond / total[:, None]))
+    columns = [np.concatenate(column).astype(np.float64) for column in zip(*chunks, strict=True)]
+    return columns[:N_PARAMETERS], columns[-2], columns[-1]
 
 
 def _described(grid: Grid, along: list[Array], log_evidence: Array, beyond: Array, interval: float) -> Marginals:

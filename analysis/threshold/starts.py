@@ -59,23 +59,24 @@ def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Sta
     """The summits of the grid, and the best node of its narrow and of its wide half for each data set.
 
     Sets with the same levels and catch trials share the chances: one product of matrices."""
-    found = []
+    summits, halves = [Starts.none()], [Starts.none()]
     catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
     for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
         sizes, nodes = _nodes(prior, counts[members[:1]])
         by_curve = log_chances_by_curve(shape, counts.u[members[0]], nodes.reshape(-1, sizes[2], N_PARAMETERS))
-        chances = [np.maximum(part, FLOOR).reshape(len(nodes), -1) for part in by_curve]
+        # Minus infinity would make NaN of the answers that a level does not have.
+        chances = [np.maximum(log_chance, FLOOR).reshape(len(nodes), -1) for log_chance in by_curve]
         size = max(1, CHUNK // len(nodes))
-        for part in (members[start : start + size] for start in range(0, len(members), size)):
-            density = _density(chances, counts[part]) + log_prior(prior[part[:1]], nodes[None])
-            found.append(_tops(part, density.reshape(len(part), *sizes), nodes.reshape(*sizes, N_PARAMETERS)))
-    if not found:
-        return Starts.none(), Starts.none()
-    summits, halves = (
-        Starts(np.concatenate([each.sets for each in kind]), np.concatenate([each.theta for each in kind]))
-        for kind in zip(*found, strict=True)
-    )
-    return summits, halves
+        for sets in (members[start : start + size] for start in range(0, len(members), size)):
+            density = _density(chances, counts[sets]) + log_prior(prior[sets[:1]], nodes[None])
+            tops, bests = _tops(sets, density.reshape(len(sets), *sizes), nodes.reshape(*sizes, N_PARAMETERS))
+            summits.append(tops)
+            halves.append(bests)
+    return _joined(summits), _joined(halves)
+
+
+def _joined(starts: list[Starts]) -> Starts:
+    return Starts(np.concatenate([one.sets for one in starts]), np.concatenate([one.theta for one in starts]))
 
 
 def same_rows(rows: Array) -> list[Indices]:
@@ -91,7 +92,7 @@ def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     """Nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     free = RATES[2 if LAPSE in prior.free and GUESS in prior.free else 1]
-    axes = (
+    axes = (  # widths first: `_tops` looks along them before the thresholds
         np.linspace(np.log(narrow), np.log(WIDEST_NODE), N_WIDTHS).tolist(),
         _places(one.u[0, one.n_trials[0] > 0]).tolist(),
         free if prior.lapse_rate is None else [prior.lapse_rate],
@@ -114,7 +115,7 @@ def _places(levels: Array) -> Array:
 def _density(chances: list[Array], counts: Counts) -> Array:
     """Log-likelihoods (n_sets, n_nodes) on the same levels, of log chances of yes and of no (n_nodes, n_levels)."""
     answers = (counts.n_yes, counts.n_trials - counts.n_yes)
-    return np.asarray(sum(n @ part.T for n, part in zip(answers, chances, strict=True)))
+    return np.asarray(sum(n @ log_chance.T for n, log_chance in zip(answers, chances, strict=True)))
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
@@ -137,7 +138,7 @@ def _is_top(ridge: Array) -> Bools:
     _, a, b = ridge.shape
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
-    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):
+    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each with its opposite, of which one has to be exceeded
         top &= ridge >= padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
         top &= ridge > padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
     return top
@@ -147,44 +148,55 @@ def _is_top(ridge: Array) -> Bools:
 def step_starts(shape: Shape, counts: Counts, prior: Prior, at_least: Array) -> Starts:
     """The `N_STEPS` densest steps, between two levels or at one level with any rate there, of each data set, if their
     log density (without the prior of threshold and width) reaches `at_least` (n_sets,)."""
-    density, theta = (np.concatenate(pair, axis=1) for pair in zip(*_steps(shape, counts, prior), strict=True))
+    steps = (_steps_between(counts, prior), _steps_at(shape, counts, prior))
+    density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
     sets, place = np.nonzero(np.take_along_axis(density, best, axis=1) >= at_least[:, None])
     return Starts(sets, theta[sets, best[sets, place]])
 
 
-def _steps(shape: Shape, counts: Counts, prior: Prior) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Log densities (n_sets, n_steps) and parameters (n_sets, n_steps, 4) of the steps between and at the levels."""
-    u, k, n = counts.u, counts.n_yes, counts.n_trials
-    n_levels, used = u.shape[1], n > 0
-    between = used[:, 1:] & used[:, :-1]
-    spacing = np.where(between, np.diff(u, axis=1), np.inf)
-    narrow = 1.5 * counts.gap[:, None]
-    outer = np.full((len(counts), 1), np.inf)
-    nearest = np.minimum(np.hstack([outer, spacing]), np.hstack([spacing, outer]))
-    cut, at = np.arange(1, n_levels), np.arange(n_levels)
+def _spacings(counts: Counts) -> Array:
+    """Between neighbouring levels (n_sets, n_levels - 1); infinite where one of them is unused."""
+    used = counts.n_trials > 0
+    return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
+
+
+def _steep_width(counts: Counts, spacing: Array) -> Array:
+    """That of a steep start in a spacing, off the smallest spacing, where the width's prior ends."""
+    return np.maximum(1.5 * counts.gap[:, None], STEEP * np.where(np.isfinite(spacing), spacing, 1.0))
+
+
+def _steps_between(counts: Counts, prior: Prior) -> tuple[Array, Array]:
+    """Log densities (n_sets, n_levels - 1) and parameters (n_sets, n_levels - 1, 4) of steps between two levels."""
+    u, spacing = counts.u, _spacings(counts)
+    cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(counts, prior, cut, cut)
-    width = np.maximum(narrow, STEEP * np.where(between, spacing, 1.0))
-    first = (
-        np.where(between, density, -np.inf),
-        np.stack([(u[:, 1:] + u[:, :-1]) / 2, np.log(width), lapse, guess], axis=-1),
-    )
+    middle, width = (u[:, 1:] + u[:, :-1]) / 2, _steep_width(counts, spacing)
+    theta = np.stack([middle, np.log(width), lapse, guess], axis=-1)
+    return np.where(np.isfinite(spacing), density, -np.inf), theta
+
+
+def _steps_at(shape: Shape, counts: Counts, prior: Prior) -> tuple[Array, Array]:
+    """Log densities (n_sets, n_levels) and parameters (n_sets, n_levels, 4) of steps at a level that has any rate."""
+    u, k, n = counts.u, counts.n_yes, counts.n_trials
+    spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
+    nearest = np.minimum(np.hstack([outer, spacing]), np.hstack([spacing, outer]))
+    at = np.arange(u.shape[1])
     density, lapse, guess = _asymptotes(counts, prior, at, at + 1)
-    rate = np.divide(k, n, out=np.full_like(k, 0.5), where=used)
+    rate = np.divide(k, n, out=np.full_like(k, 0.5), where=n > 0)
+    # A rate on an asymptote would put the threshold infinitely far away.
     share = np.clip((rate - guess) / np.maximum(1 - guess - lapse, 1e-9), 0.03, 0.97)
-    width = np.maximum(narrow, STEEP * np.where(np.isfinite(nearest), nearest, 1.0))
     shift = (shape.at(np.log(share), np.log1p(-share)) - shape.z50) / shape.z_width
-    second = (
-        np.where(used, density + constant_log_likelihood(k, n), -np.inf),
-        np.stack([u - shift * width, np.log(width), lapse, guess], axis=-1),
-    )
-    return first, second
+    width = _steep_width(counts, nearest)
+    theta = np.stack([u - shift * width, np.log(width), lapse, guess], axis=-1)
+    return np.where(n > 0, density + constant_log_likelihood(k, n), -np.inf), theta
 
 
 def _asymptotes(counts: Counts, prior: Prior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
     """Of the levels before `below` and from `above` on: log density (n_sets, n_steps), lapse and guess rates."""
     none = np.zeros((len(counts), 1))
-    k, n = (np.hstack([none, np.cumsum(part, axis=1)]) for part in (counts.n_yes, counts.n_trials))
+    # At i: answers and trials of all levels before level i.
+    k, n = (np.hstack([none, np.cumsum(count, axis=1)]) for count in (counts.n_yes, counts.n_trials))
     alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
     n_up = n[:, -1:] - n[:, above]
     misses = n_up - (k[:, -1:] - k[:, above])

@@ -80,7 +80,7 @@ def statuses(counts: Counts, prior: Prior, shares: Array, step: StepFit) -> list
             (step.is_between[i], Status.SEPARATED),
             (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
         )
-        status.append(next((each for applies, each in tests if applies), Status.OK))
+        status.append(next((verdict for applies, verdict in tests if applies), Status.OK))
     return status
 
 
@@ -116,12 +116,15 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
 def _falls(counts: Counts) -> Bools:
     """A falling trend (score test), or drops that no rising function explains (isotonic against
     saturated)."""
+    n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        rate = counts.n_yes.sum(axis=1) / counts.n_trials.sum(axis=1)
-        mean = (counts.u * counts.n_trials).sum(axis=1) / counts.n_trials.sum(axis=1)
+        # Equal answers or one level make z 0 / 0, and NaN is below no criterion.
+        rate = counts.n_yes.sum(axis=1) / n
+        mean = (counts.u * counts.n_trials).sum(axis=1) / n
         away = counts.u - mean[:, None]
-        score = (away * (counts.n_yes - rate[:, None] * counts.n_trials)).sum(axis=1)
-        z = score / np.sqrt(rate * (1 - rate) * (away**2 * counts.n_trials).sum(axis=1))
+        excess = counts.n_yes - rate[:, None] * counts.n_trials
+        variance = rate * (1 - rate) * (away**2 * counts.n_trials).sum(axis=1)
+        z = (away * excess).sum(axis=1) / np.sqrt(variance)
     drop = 2 * (saturated_log_likelihood(counts) - _isotonic_log_likelihood(counts))
     critical = chi2.ppf(1 - DROP_SIGNIFICANCE, np.maximum(counts.n_levels - 1, 1))
     return np.asarray((z < TREND_CRITERION) | (drop > critical))
@@ -136,5 +139,6 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
         if np.any(np.diff(k / n) < 0):
             p = isotonic_regression(k / n, weights=n).x
             with np.errstate(divide="ignore"):
+                # A weighted mean of ones may round to above 1, where log1p has no value.
                 fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, np.log1p(-np.minimum(p, 1)))).sum()
     return fitted

@@ -37,8 +37,9 @@ def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> StepFit:
     two levels lies at their middle. One before or after all levels would be a constant rate, and no step.
     """
     at_level, between = _step_likelihoods(counts, likeliest)
-    cut = np.arange(between.shape[1])
-    between = np.where((cut > 0) & (cut < counts.n_levels[:, None]), between, -np.inf)
+    cut = np.arange(between.shape[1])  # cut i lies between the levels i - 1 and i
+    has_both_sides = (cut > 0) & (cut < counts.n_levels[:, None])
+    between = np.where(has_both_sides, between, -np.inf)
     best = np.maximum(at_level.max(axis=1), between.max(axis=1))
     is_best = best >= log_likelihood(shape, counts, likeliest.theta) - 1e-6
     is_between = between.max(axis=1) >= best - TOLERATED
@@ -58,8 +59,8 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
         below = _floored(weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess)))
         above = _floored(weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse)))
     none = np.zeros((len(counts), 1))
-    left = np.hstack([none, np.cumsum(below, axis=1)])
-    right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])
+    left = np.hstack([none, np.cumsum(below, axis=1)])  # at i: the levels before i, on the lower asymptote
+    right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # those from i on, on the upper one
     return left[:, :-1] + constant_log_likelihood(k, n) + right[:, 1:], left + right
 
 
