@@ -115,9 +115,9 @@ def fit_hierarchical(
     curve = shape_named(shape)
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     names = np.asarray([str(name) for name in participants])
-    x, k, n = (part[0] for part in checked(levels, n_correct, n_trials, positive=curve.on_log_levels))
+    x, k, n = (rows[0] for rows in checked(levels, n_correct, n_trials, positive=curve.on_log_levels))
     if curve.on_log_levels:
-        x = np.log(np.where(n > 0, x, 1.0))
+        x = np.log(np.where(n > 0, x, 1.0))  # unused places hold level 0
     used = n > 0
     factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
     if not used.any():
@@ -126,9 +126,10 @@ def fit_hierarchical(
     alarms, catch = (np.broadcast_to(np.asarray(v, dtype=np.float64), n.shape)[used] for v in (n_false_alarms, n_catch))
     by_cell = (alarms, catch) if np.ndim(n_catch) else None
     layout = Layout.of(names[used], factors, width_by, answers, on_log_levels=curve.on_log_levels, catch=by_cell)
-    whole = layout.catch.sum(axis=(1, 2)) if by_cell else np.array([alarms.max(), catch.max()])
-    study = layout.study(curve, (guess_rate, lapse_rate), (int(whole[0]), int(whole[1])))
+    all_catch = layout.catch.sum(axis=(1, 2)) if by_cell else np.array([alarms.max(), catch.max()])
+    study = layout.study(curve, (guess_rate, lapse_rate), (int(all_catch[0]), int(all_catch[1])))
     study = replace(study, rate_beta=rate_beta, scale_free_width=scale_free_width)
+    # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
     alone = fitted_alone(study, "gumbel" if shape == "weibull" else shape)
     return _fitted(layout, replace(study, width_varies=not alone.separated), alone, interval)
 
@@ -153,56 +154,59 @@ def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
     empty = pd.DataFrame({name: [] for name in columns})
     status, nothing = GroupStatus.NO_DATA, np.zeros(0)
     return HierarchicalFit(
-        empty,
-        empty,
-        {},
-        None,
-        None,
-        None,
-        None,
-        status,
-        NOTES[status],
-        factors,
-        0,
-        interval,
-        nothing,
-        np.zeros((0, 0)),
-        (),
+        conditions=empty,
+        participants=empty,
+        components={},
+        correlation=None,
+        lapse_rate=None,
+        guess_rate=None,
+        log_likelihood=None,
+        status=status,
+        note=NOTES[status],
+        factors=factors,
+        n_participants=0,
+        interval=interval,
+        means=nothing,
+        covariance=np.zeros((0, 0)),
+        width_group=(),
     )
 
 
 def _fitted(layout: Layout, study: StudyCounts, alone: Alone, interval: float) -> HierarchicalFit:
-    told = study.only(alone.told)
-    if not told.n_conditions:
+    kept = study.only(alone.told)
+    if not kept.n_conditions:
         return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
-    model = mixed_model(told)
-    found = _maximised(model, start(told, model, *alone.start(told)))
-    if study.width_varies and not _converged(found):
+    model = mixed_model(kept)
+    mixed_fit = _maximised(model, start(kept, model, *alone.start(kept)))
+    if study.width_varies and not _converged(mixed_fit):
         return _fitted(layout, replace(study, width_varies=False), alone, interval)
-    status = _status(told, model, found)
+    status = _status(kept, model, mixed_fit)
     if status == GroupStatus.NOT_CONVERGED:
         return _untold(layout, study, alone, status, interval)
     n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
     inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
-    estimates = means(told, found, inflation), cells(model, found)
-    place, own = (ParameterPlace.of(parts, alone.told, study.n_conditions) for parts in estimates)
-    angles = zip(study.shared, model.parts(found.parameters)[1], strict=True)
+    estimates = means(kept, mixed_fit, inflation), cells(model, mixed_fit)
+    of_group, of_cells = (ParameterPlace.of(columns, alone.told, study.n_conditions) for columns in estimates)
+    angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
     rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
-    components, correlation = _components(told, model, found, layout.spread)
+    components, correlation = _components(kept, model, mixed_fit, layout.spread)
+    all_means, covariance, width_group = _means_of_all(layout, study, kept, alone, mixed_fit, inflation)
     return HierarchicalFit(
-        condition_table(layout, study, place, alone, group_reach),
-        participant_table(layout, study, own, alone, own_reach),
-        components,
-        correlation,
-        rates.get(LAPSE, study.lapse_rate),
-        rates.get(GUESS, study.guess_rate),
-        found.log_marginal,
-        status,
-        "; ".join(filter(None, (NOTES[status], "" if study.width_varies else ONE_WIDTH))),
-        tuple(layout.conditions.columns),
-        n,
-        interval,
-        *_means_of_all(layout, study, told, alone, found, inflation),
+        conditions=condition_table(layout, study, of_group, alone, group_reach),
+        participants=participant_table(layout, study, of_cells, alone, own_reach),
+        components=components,
+        correlation=correlation,
+        lapse_rate=rates.get(LAPSE, study.lapse_rate),
+        guess_rate=rates.get(GUESS, study.guess_rate),
+        log_likelihood=mixed_fit.log_marginal,
+        status=status,
+        note="; ".join(filter(None, (NOTES[status], "" if study.width_varies else ONE_WIDTH))),
+        factors=tuple(layout.conditions.columns),
+        n_participants=n,
+        interval=interval,
+        means=all_means,
+        covariance=covariance,
+        width_group=width_group,
     )
 
 
@@ -210,14 +214,14 @@ def _maximised(model: ClusteredModel, at: Array) -> MixedFit:
     """From scales as they are, then smaller and larger ones, until one start converges."""
     n = len(model.basis)
     for factor in START_FACTORS:
-        found = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
-        if _converged(found):
+        mixed_fit = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
+        if _converged(mixed_fit):
             break
-    return found
+    return mixed_fit
 
 
-def _converged(found: MixedFit) -> bool:
-    return bool(np.isfinite(found.log_marginal) and found.gradient <= LARGEST_GRADIENT)
+def _converged(mixed_fit: MixedFit) -> bool:
+    return bool(np.isfinite(mixed_fit.log_marginal) and mixed_fit.gradient <= LARGEST_GRADIENT)
 
 
 def _means_of_all(
@@ -228,6 +232,7 @@ def _means_of_all(
     group[alone.told] = told.width_group
     places = np.concatenate([alone.told, study.n_conditions + np.arange(told.n_groups)])
     n, free = study.n_conditions + told.n_groups, len(places)
+    # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
     scale = np.where(np.arange(n) < study.n_conditions, layout.spread, 1.0)
     offset = np.where(np.arange(n) < study.n_conditions, layout.centre, np.log(layout.spread))
     means, covariance = np.zeros(n), np.zeros((n, n))
@@ -273,8 +278,9 @@ def _components(
     sd = np.sqrt(np.diagonal(covariance))
     kinds = [0, 1, *range(2, len(sd), study.n_conditions)]
     units = (spread, 1.0, spread, 1.0)
-    told = np.where(sd > ZERO_SD, sd, 0.0)
-    named = {name: float(unit * told[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
+    sd_or_0 = np.where(sd > ZERO_SD, sd, 0.0)
+    # Not strict: one condition has no deviations of cells, and one group of widths none of their widths.
+    named = {name: float(unit * sd_or_0[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
     if not study.width_varies:
         named.pop("log_width")
     correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD

@@ -12,6 +12,7 @@ from scipy.stats import t as t_distribution
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Indices
+from ..mixed_models.glmm import clustered
 from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
 from ..threshold.counts import normalised
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
@@ -76,9 +77,9 @@ class Layout:
         own_catch = np.zeros((2, len(who) * len(conditions)))
         if catch is not None:
             own_catch[:, cell] = catch
-        u, k, n = (part.reshape(layout) for part in (u, k, n))
-        each = own_catch.reshape(2, *layout[:2])
-        return cls(codes, conditions, kinds, u, k, n, each, centre, spread, on_log_levels)
+        u, k, n = (rows.reshape(layout) for rows in (u, k, n))
+        own_catch = own_catch.reshape(2, *layout[:2])
+        return cls(codes, conditions, kinds, u, k, n, own_catch, centre, spread, on_log_levels)
 
     def study(self, shape: Shape, asymptotes: tuple[float | None, float | None], catch: tuple[int, int]) -> StudyCounts:
         return StudyCounts(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch, self.catch)
@@ -97,15 +98,8 @@ def _scale(x: Array) -> tuple[float, float]:
 
 def _stacked(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
-    order = np.argsort(cell, kind="stable")
-    sizes = np.bincount(cell, minlength=n_cells)
-    slot = np.arange(len(cell)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    stacked = []
-    for column in columns:
-        whole = np.zeros((n_cells, sizes.max()))
-        whole[cell[order], slot] = column[order]
-        stacked.append(whole)
-    counts = normalised(*stacked)
+    counts = normalised(*clustered(cell, *columns, n_clusters=n_cells))
+    # Back from each cell's own scale to that of the study, which the means of conditions need.
     u = np.where(counts.n_trials > 0, counts.centre[:, None] + counts.spread[:, None] * counts.u, 0.0)
     return u, counts.n_yes, counts.n_trials
 
@@ -121,11 +115,11 @@ class ParameterPlace:
     log_width_se: Array
 
     @classmethod
-    def of(cls, parts: Sequence[Array], told: Indices, n_conditions: int) -> "ParameterPlace":
-        whole = [np.full((n_conditions, *part.shape[1:]), np.nan) for part in parts]
-        for each, part in zip(whole, parts, strict=True):
-            each[told] = part
-        return cls(*whole)
+    def of(cls, estimates: Sequence[Array], told: Indices, n_conditions: int) -> "ParameterPlace":
+        columns = [np.full((n_conditions, *values.shape[1:]), np.nan) for values in estimates]
+        for column, values in zip(columns, estimates, strict=True):
+            column[told] = values
+        return cls(*columns)
 
     def by_participant(self) -> "ParameterPlace":
         """Of cells (n_conditions, n_participants), in one row after the other of each participant."""
@@ -154,6 +148,7 @@ def cells(model: ClusteredModel, found: MixedFit) -> tuple[Array, ...]:
     precision = precision_of(inner.loads, model.curvature(inner.points))
     spread = np.linalg.solve(precision[:, None], np.swapaxes(inner.loads, 2, 3))
     inside = np.einsum("csaq,csqa->csa", inner.loads, spread)
+    # A parameter moves a cell's predictors directly, and by the mode of the effects, which follows it.
     direct = np.concatenate([model.fixed, np.zeros((*model.fixed.shape[:3], model.n_shared))], axis=3)
     pushed = np.einsum("csab,csbp->csap", hessian[..., :d, :d], direct)
     pushed[..., model.n_fixed :] += hessian[..., :d, d:]
@@ -202,9 +197,9 @@ def participant_table(
         Status.OK if one.status == Status.SEPARATED and not none else one.status
         for one, none in zip(single, np.isnan(rows.threshold), strict=True)
     ]
-    own = alone.own_bounds().swapaxes(0, 1).reshape(-1, 2)
-    censored = np.array([each in CENSORED for each in status])
-    table = _table(layout, rows, status, np.where(censored[:, None], own, rows.ends(reach)), reach)
+    own_bounds = alone.own_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
+    is_censored = np.isin(status, CENSORED)
+    table = _table(layout, rows, status, np.where(is_censored[:, None], own_bounds, rows.ends(reach)), reach)
     keys = layout.conditions.loc[np.tile(np.arange(study.n_conditions), study.n_participants)].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(layout.participants, study.n_conditions))
     return pd.concat([keys, table.assign(n_trials=study.n_trials.sum(axis=2).ravel().astype(int))], axis=1)
@@ -217,21 +212,22 @@ def _placed(status: Status, threshold: float, low: float, high: float) -> Status
 
 
 def _table(layout: Layout, place: ParameterPlace, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
-    told = np.array([each not in WITHOUT_NUMBER for each in status]) & ~np.isnan(place.threshold)
-    has = [told | np.array([each == side for each in status]) for side in (Status.ABOVE, Status.BELOW)]
+    has_number = np.array([one not in WITHOUT_NUMBER for one in status]) & ~np.isnan(place.threshold)
+    # Of a threshold above the levels the lower end is a bound, of one below them the upper end.
+    has_low = has_number | np.array([one == Status.ABOVE for one in status])
+    has_high = has_number | np.array([one == Status.BELOW for one in status])
+    steps = reach * place.log_width_se[:, None] * np.array([-1.0, 0.0, 1.0])
     with np.errstate(over="ignore"):
-        widths = layout.spread * np.exp(
-            place.log_width[:, None] + reach * place.log_width_se[:, None] * np.array([-1.0, 0.0, 1.0])
-        )
+        widths = layout.spread * np.exp(place.log_width[:, None] + steps)
     columns = {
-        "threshold": np.where(told, layout.level(place.threshold), np.nan),
-        "standard_error": np.where(told, layout.spread * place.threshold_se, np.nan),
-        "interval_low": np.where(has[0], layout.level(ends[:, 0]), np.nan),
-        "interval_high": np.where(has[1], layout.level(ends[:, 1]), np.nan),
-        "width": np.where(told, widths[:, 1], np.nan),
-        "width_low": np.where(told, widths[:, 0], np.nan),
-        "width_high": np.where(told & np.isfinite(widths[:, 2]), widths[:, 2], np.nan),
-        "status": [each.value for each in status],
+        "threshold": np.where(has_number, layout.level(place.threshold), np.nan),
+        "standard_error": np.where(has_number, layout.spread * place.threshold_se, np.nan),
+        "interval_low": np.where(has_low, layout.level(ends[:, 0]), np.nan),
+        "interval_high": np.where(has_high, layout.level(ends[:, 1]), np.nan),
+        "width": np.where(has_number, widths[:, 1], np.nan),
+        "width_low": np.where(has_number, widths[:, 0], np.nan),
+        "width_high": np.where(has_number & np.isfinite(widths[:, 2]), widths[:, 2], np.nan),
+        "status": [one.value for one in status],
     }
     return pd.DataFrame(columns)
 

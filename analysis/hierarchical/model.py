@@ -66,15 +66,17 @@ class StudyCounts:
 
     def only(self, conditions: Indices) -> "StudyCounts":
         """Of some conditions."""
-        u, k, n = (part[:, conditions] for part in (self.u, self.n_yes, self.n_trials))
+        u, k, n = (counts[:, conditions] for counts in (self.u, self.n_yes, self.n_trials))
         group = np.unique(self.width_group[conditions], return_inverse=True)[1]
         return replace(self, u=u, n_yes=k, n_trials=n, width_group=group.astype(np.int64))
 
     def ranges(self) -> tuple[Array, Array, Array]:
         """Lowest and highest level and smallest spacing of each condition (n_conditions,)."""
         used = self.n_trials > 0
-        low, high = np.where(used, self.u, np.inf).min(axis=(0, 2)), np.where(used, self.u, -np.inf).max(axis=(0, 2))
-        return low, high, np.array([_gap(self.u[:, c][used[:, c]], high[c] - low[c]) for c in range(self.n_conditions)])
+        low = np.where(used, self.u, np.inf).min(axis=(0, 2))
+        high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
+        gaps = [_gap(self.u[:, c][used[:, c]], high[c] - low[c]) for c in range(self.n_conditions)]
+        return low, high, np.array(gaps)
 
 
 def _gap(levels: Array, reach: float) -> float:
@@ -99,7 +101,7 @@ def mixed_model(study: StudyCounts) -> ClusteredModel:
     several = study.n_participants > 1 and study.n_conditions > 1
     varied = study.n_groups > 1 and study.width_varies
     n, c = study.n_participants, study.n_conditions
-    present = (study.n_trials.sum(axis=2) > 0)[:, :, None]
+    present = (study.n_trials.sum(axis=2) > 0)[:, :, None]  # a missing cell is an unused slot, with X = Z = 0
     fixed = np.zeros((n, c, 2, c + study.n_groups))
     fixed[:, np.arange(c), 0, np.arange(c)] = 1.0
     fixed[:, np.arange(c), 1, c + study.width_group] = 1.0
@@ -130,18 +132,16 @@ def _basis(study: StudyCounts, size: int) -> Array:
     basis = np.zeros((len(places), size, size))
     for matrix, place in zip(basis, places, strict=True):
         matrix[place] = 1.0
-    kinds = range(2, size, study.n_conditions)
-    parts = [
-        np.diag(((np.arange(size) >= k) & (np.arange(size) < k + study.n_conditions)).astype(float)) for k in kinds
-    ]
-    return np.concatenate([basis, np.reshape(parts, (-1, size, size))])
+    kinds = (np.arange(size) - 2) // study.n_conditions  # after threshold and width a block for each kind of deviation
+    blocks = [np.diag((kinds == kind).astype(float)) for kind in range(kinds[-1] + 1)]
+    return np.concatenate([basis, np.reshape(blocks, (-1, size, size))])
 
 
 def start_scales(model: ClusteredModel) -> Array:
     """theta at the start."""
     diagonals = np.diagonal(model.basis, axis1=1, axis2=2)
     kinds = [0, 1, *[2 + k // max(1, model.fixed.shape[1]) for k in range(model.basis.shape[1] - 2)]]
-    return np.array([START_SD[kinds[each.argmax()]] if each.any() else 0.0 for each in diagonals])
+    return np.array([START_SD[kinds[diagonal.argmax()]] if diagonal.any() else 0.0 for diagonal in diagonals])
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class _Cells:
     @classmethod
     def of(cls, study: StudyCounts) -> "_Cells":
         n_units = study.n_participants * study.n_conditions
-        u, k, n = (part.reshape(n_units, -1) for part in (study.u, study.n_yes, study.n_trials))
+        u, k, n = (counts.reshape(n_units, -1) for counts in (study.u, study.n_yes, study.n_trials))
         nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
         return cls(study, Counts(u, k, n, nothing, nothing, nothing, n_levels).by_level())
 
@@ -175,7 +175,7 @@ class _Cells:
             _, slope, bent = rate_of(angles[:, place])
             hessian[:, place] *= slope[:, None]
             hessian[:, :, place] *= slope[:, None]
-            hessian[:, place, place] += gradient[:, place] * bent
+            hessian[:, place, place] += gradient[:, place] * bent  # still the gradient along the rate itself
             gradient[:, place] *= slope
         layout = points.shape[:2]
         return Expansion(

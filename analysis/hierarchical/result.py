@@ -120,11 +120,8 @@ class HierarchicalFit:
             if key not in keys:
                 raise InvalidParameter(f"weights: found {key!r}, expected conditions, such as {keys[0]!r}")
         row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
-        estimate, error, df = (
-            float(row @ self.means),
-            float(np.sqrt(row @ self.covariance @ row)),
-            self.n_participants - 1,
-        )
+        estimate, df = float(row @ self.means), self.n_participants - 1
+        error = float(np.sqrt(row @ self.covariance @ row))
         reach, t = float(t_distribution.ppf((1 + self.interval) / 2, df)) * error, estimate / error
         p = 2 * float(t_distribution.sf(abs(t), df))
         return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
@@ -162,11 +159,11 @@ class HierarchicalFit:
         three of them."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
-        keys = [key if len(key) > 1 else key[0] for key in self._keys()]
+        keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
         values = wide[keys].dropna().to_numpy(dtype=np.float64)
         if len(values) < 3:
             return 1 / len(weights)
-        contrast = np.linalg.qr(weights.T)[0]
+        contrast = np.linalg.qr(weights.T)[0]  # epsilon is one of orthonormal contrasts
         scores = (np.log(values) if of == "log_width" else values) @ contrast
         covariance = np.asarray(np.cov(scores, rowvar=False), dtype=np.float64).reshape(len(weights), -1)
         return epsilons(covariance, len(values) - 1)[2]
@@ -182,29 +179,30 @@ class HierarchicalFit:
             raise InvalidParameter(f"participants: found {self.n_participants}, expected two or more with a fit")
         lost = self.conditions.loc[(weights != 0).any(axis=0) & self.conditions["threshold"].isna().to_numpy()]
         if len(lost):
-            found = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
-            raise InvalidParameter(f"conditions: found no mean threshold for {found}, expected conditions with one")
+            names = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
+            raise InvalidParameter(f"conditions: found no mean threshold for {names}, expected conditions with one")
         if of == "log_width" and self.conditions["width"].isna().all():
             raise InvalidParameter("of: found 'log_width', expected 'threshold': the widths have an upper bound only")
         n, rows = len(self.conditions), np.zeros((len(weights), len(self.means)))
         if of == "threshold":
             rows[:, :n] = weights
-        else:
+        else:  # conditions that share a width add up at its place
             np.add.at(rows.T, n + np.array(self.width_group), weights.T)
         return rows
 
     def _effect_weights(self, factors: Sequence[str]) -> Array:
-        levels = [sorted(self.conditions[name].unique()) if name in self.factors else [] for name in self.factors]
+        levels = [sorted(self.conditions[name].unique()) for name in self.factors]
         unknown = [name for name in factors if name not in self.factors]
-        if unknown or not factors or len(self.conditions) != int(np.prod([len(each) for each in levels])):
+        if unknown or not factors or len(self.conditions) != int(np.prod([len(values) for values in levels])):
             raise InvalidParameter(
                 f"factors: found {', '.join(factors) or 'none'} over {len(self.conditions)} conditions, expected "
                 f"factors of {', '.join(self.factors)} with every combination of their levels"
             )
-        parts = [
-            np.diff(np.eye(len(each)), axis=0) if name in factors else np.full((1, len(each)), 1 / len(each))
-            for name, each in zip(self.factors, levels, strict=True)
+        # Differences of the levels of a factor that is asked about, the mean over those of any other.
+        by_factor = [
+            np.diff(np.eye(len(values)), axis=0) if name in factors else np.full((1, len(values)), 1 / len(values))
+            for name, values in zip(self.factors, levels, strict=True)
         ]
-        weights = reduce(np.kron, parts)
+        weights = reduce(np.kron, by_factor)
         order = {key: place for place, key in enumerate(product(*levels))}
         return np.asarray(weights[:, [order[key] for key in self._keys()]])

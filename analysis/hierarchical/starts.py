@@ -23,20 +23,20 @@ class Alone:
     @property
     def separated(self) -> bool:
         """Whether each cell that tells a threshold does so by one step."""
-        told = [one for cell in self.cells for one in cell if is_told(one)]
-        return bool(told) and all(one.status == Status.SEPARATED for one in told)
+        statuses = [one.status for cell in self.cells for one in cell if is_told(one)]
+        return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
     def statuses(self) -> list[Status]:
         """`ok` where any cell, or all answers together, tell a threshold; else what the cells agree on, else that of
         the answers together."""
-        found = []
+        statuses = []
         for cell, together in zip(self.cells, self.together, strict=True):
-            own = {one.status for one in cell} - {Status.NO_DATA}
+            of_cells = {one.status for one in cell} - {Status.NO_DATA}
             if any(is_told(one) for one in (*cell, together)):
-                found.append(Status.SEPARATED if self.separated else Status.OK)
+                statuses.append(Status.SEPARATED if self.separated else Status.OK)
             else:
-                found.append(Status(own.pop() if len(own) == 1 else together.status))
-        return found
+                statuses.append(Status(of_cells.pop() if len(of_cells) == 1 else together.status))
+        return statuses
 
     @property
     def told(self) -> Indices:
@@ -59,10 +59,10 @@ class Alone:
         threshold, width = [], []
         for c, place in enumerate(self.told):
             cell, together = self.cells[place], self.together[place]
-            told = [one for one in cell if is_told(one)] or [together] * is_told(together)
+            fits = [one for one in cell if is_told(one)] or [together] * is_told(together)
             at = ends.get(together.status, middle)[c]
-            threshold.append(np.mean([one.threshold for one in told]) if told else at)
-            widths = [np.log(one.width) for one in told if one.width is not None]
+            threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
+            widths = [np.log(one.width) for one in fits if one.width is not None]
             width.append(np.mean(widths) if widths else np.log(max((high - low)[c] / 2, 1e-9)))
         return np.array(threshold), np.array(width)
 
@@ -74,12 +74,14 @@ def is_told(one: ThresholdFit) -> bool:
 def fitted_alone(study: StudyCounts, shape: str) -> Alone:
     """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
     n, c = study.n_participants, study.n_conditions
-    counts = [np.moveaxis(part, 1, 0) for part in (study.u, study.n_yes, study.n_trials)]
+    by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]
     alarms, catch = np.swapaxes(study.own_catch, 1, 2)
-    each = _fits(study, shape, [part.reshape(n * c, -1) for part in counts], alarms.ravel(), catch.ravel())
+    of_cells = [rows.reshape(n * c, -1) for rows in by_condition]
+    of_conditions = [rows.reshape(c, -1) for rows in by_condition]
+    cells = _fits(study, shape, of_cells, alarms.ravel(), catch.ravel())
     return Alone(
-        tuple(each[i * n : (i + 1) * n] for i in range(c)),
-        _fits(study, shape, [part.reshape(c, -1) for part in counts], alarms.sum(axis=1), catch.sum(axis=1)),
+        tuple(cells[i * n : (i + 1) * n] for i in range(c)),
+        _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1)),
     )
 
 

@@ -99,10 +99,10 @@ def censored_model(
     units = (ends / size - centre) / scale
     _refuse_unheld(units, matrix, groups)
     model = _Censored.of(units, matrix.x, groups)
-    found = model.fitted()
-    _refuse_endless(found, matrix)
+    mixed_fit = model.fitted()
+    _refuse_endless(mixed_fit, matrix)
     df = degrees(matrix, groups)
-    return _told(found, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
+    return _model_of(mixed_fit, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
 
 
 def _expect_some(ends: Array, dependent: str) -> Array:
@@ -145,8 +145,8 @@ class _Censored:
         fixed = self.x[:, :, None, :]
         random = np.where(self.used, 1.0, 0.0)[:, :, None, None]
         clusters = Clusters(self.log_likelihood, fixed, random, np.ones((1, 1, 1)), n_shared=1)
-        found = maximise(clusters, self._start())
-        return maximise_by_quadrature(clusters, found, N_NODES) if self.n_censored else found
+        by_laplace = maximise(clusters, self._start())
+        return maximise_by_quadrature(clusters, by_laplace, N_NODES) if self.n_censored else by_laplace
 
     def _start(self) -> Array:
         """Least squares through the middles or bounds; half of the residual variance to each side."""
@@ -158,13 +158,17 @@ class _Censored:
     def log_likelihood(self, points: Array) -> Expansion:
         """At points (..., 2) of mean and log standard deviation."""
         eta, log_sd = points[..., 0], points[..., 1]
-        parts = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
-        known, used = self.low == self.high, self.used
-        value, gradient, hessian = (
-            np.where(_like(known, exact), exact, chance) * _like(used, exact)
-            for chance, exact in zip(*([part.value, part.gradient, part.hessian] for part in parts), strict=True)
+        chance, exact = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
+        known = self.low == self.high
+
+        def chosen(of_value: Array, of_interval: Array) -> Array:
+            return np.where(_like(known, of_value), of_value, of_interval) * _like(self.used, of_value)
+
+        return Expansion(
+            chosen(exact.value, chance.value),
+            chosen(exact.gradient, chance.gradient),
+            chosen(exact.hessian, chance.hessian),
         )
-        return Expansion(value, gradient, hessian)
 
 
 def _like(mask: Bools, values: Array) -> Bools:
@@ -187,14 +191,15 @@ def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
     a, b = (low - eta) * inverse, (high - eta) * inverse
     log_chance = _log_chance(a, b)
     ratio_a, ratio_b = (np.exp(_log_density(end) - log_chance) for end in (a, b))
+    # At an infinite end the density is 0: the end's place must not make NaN of its product with it.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
     by_a, by_b = -ratio_a, ratio_b
     aa, ab, bb = a * ratio_a - ratio_a**2, ratio_a * ratio_b, -b * ratio_b - ratio_b**2
     gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
     curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
     mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
-    own = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
-    return Expansion(log_chance, gradient, _square(curved, mixed, own))
+    by_log_sd_twice = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
+    return Expansion(log_chance, gradient, _square(curved, mixed, by_log_sd_twice))
 
 
 def _square(first: Array, mixed: Array, second: Array) -> Array:
@@ -247,7 +252,7 @@ def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
         )
 
 
-def _told(
+def _model_of(
     found: MixedFit,
     matrix: DesignMatrix,
     n_participants: int,
@@ -259,14 +264,16 @@ def _told(
     n, p, scale = len(matrix.x), len(matrix.names), unit[1]
     inflation = n_participants / (n_participants - 1)
     estimates, covariance = found.parameters[:p], found.covariance[:p, :p] * inflation
-    residual, participant = float(np.exp(found.parameters[p])), abs(float(found.parameters[p + 1]))
+    residual = float(np.exp(found.parameters[p]))
+    participant = abs(float(found.parameters[p + 1]))  # a scale may end on either side of 0: u is as likely as -u
     is_singular = participant < ZERO_SD * residual
+    n_known = n - n_censored  # a density has the unit 1 / y, the chance of an interval has none
     return MixedModel(
         coefficients=coefficient_table(matrix, estimates, covariance, df, interval, unit),
         terms=term_table(matrix, estimates, covariance, df),
         participant_sd=0.0 if is_singular else participant * scale * float(np.sqrt(inflation)),
         residual_sd=residual * scale * float(np.sqrt(inflation)),
-        log_likelihood=found.log_marginal - (n - n_censored) * float(np.log(scale)),
+        log_likelihood=found.log_marginal - n_known * float(np.log(scale)),
         n=n,
         n_participants=n_participants,
         status=ModelStatus.SINGULAR if is_singular else ModelStatus.OK,

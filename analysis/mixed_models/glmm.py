@@ -191,12 +191,13 @@ class _Design:
 
     def fitted(self, shape: Shape, asymptotes: tuple[float, float], n_nodes: int, *, expected: bool) -> MixedEstimate:
         model = self._model(shape, asymptotes, expected=expected)
-        start = np.concatenate([np.zeros(len(self.names)), np.full(len(model.basis), 0.0)])
-        start[len(self.names) :] = START_SD * (model.basis.trace(axis1=1, axis2=2) > 0)
-        found = maximise(model, start)
+        is_on_diagonal = model.basis.trace(axis1=1, axis2=2) > 0
+        # Without correlations, but not at variances of 0, where the gradient along a scale vanishes.
+        start = np.concatenate([np.zeros(len(self.names)), START_SD * is_on_diagonal])
+        mixed_fit = maximise(model, start)
         if n_nodes > 1 and len(model.basis):
-            found = maximise_by_quadrature(model, found, n_nodes)
-        return self._estimate(model, found)
+            mixed_fit = maximise_by_quadrature(model, mixed_fit, n_nodes)
+        return self._estimate(model, mixed_fit)
 
     def _model(self, shape: Shape, asymptotes: tuple[float, float], *, expected: bool) -> ClusteredModel:
         places = [self.names.index(name) for name in self.random]
@@ -211,6 +212,7 @@ class _Design:
             return expected_information(shape, points, guess, lapse, yes + no)[..., None]
 
         fixed = self.fixed[:, :, None, :]
+        # One participant has no variance between participants: no scale is looked for.
         basis = triangular_basis(len(places) if len(self.participants) > 1 else 0, len(places))
         if not self.correlated:
             basis = basis[basis.trace(axis1=1, axis2=2) > 0]
@@ -230,13 +232,13 @@ class _Design:
         sd = np.sqrt(np.diagonal(sigma)) if len(theta) else np.full(n, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             correlation = sigma / np.outer(sd, sd)
-        told = len(theta) > 0
+        has_sd = len(theta) > 0
         return MixedEstimate(
             self._named(beta / self.scale),
             self._named(np.sqrt(np.diagonal(covariance)) / self.scale),
             covariance / np.outer(self.scale, self.scale),
-            dict(zip(self.random, (sd / self._random_scale()).tolist(), strict=True)) if told else None,
-            correlation if told and (sd > ZERO_SD).all() else None,
+            dict(zip(self.random, (sd / self._random_scale()).tolist(), strict=True)) if has_sd else None,
+            correlation if has_sd and (sd > ZERO_SD).all() else None,
             participants,
             found.log_marginal,
             status,
@@ -261,10 +263,11 @@ class _Design:
         return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))
 
 
-def clustered(cluster: Indices, *columns: Array) -> list[Array]:
-    """Rows (n_rows, ...) laid out as (n_clusters, n_slots, ...), with zeros in the slots that are not used."""
-    order = np.argsort(cluster, kind="stable")
-    sizes = np.bincount(cluster)
+def clustered(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:
+    """Rows (n_rows, ...) laid out as (n_clusters, n_slots, ...), with zeros in the slots that are not used; clusters
+    that no row names are empty, up to the largest named or `n_clusters`."""
+    order = np.argsort(cluster, kind="stable")  # stable: the slots of a cluster keep the order of its rows
+    sizes = np.bincount(cluster, minlength=n_clusters)
     slot = np.arange(len(cluster)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
     laid = []
     for column in columns:

@@ -23,10 +23,11 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
         return None
     fixed = x[~upward & ~downward]
     kept, still = np.zeros(len(one_sided)), np.zeros(len(fixed))
-    found = linprog(-one_sided.sum(axis=0), A_ub=-one_sided, b_ub=kept, A_eq=fixed, b_eq=still, bounds=(-1, 1))
-    if found.fun is None or found.fun >= -ZERO:
+    # A direction has any length: the bounds of 1 end the programme.
+    best = linprog(-one_sided.sum(axis=0), A_ub=-one_sided, b_ub=kept, A_eq=fixed, b_eq=still, bounds=(-1, 1))
+    if best.fun is None or best.fun >= -ZERO:
         return None
-    return np.asarray(found.x, dtype=np.float64) + 0.0  # a zero without a sign
+    return np.asarray(best.x, dtype=np.float64) + 0.0  # a zero without a sign
 
 
 def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
@@ -35,8 +36,8 @@ def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
     known = ends[:, 0] == ends[:, 1]
     participants = np.unique(groups[known])
     if known.sum() <= len(participants):
-        return False
-    y, own = ends[known, 0], np.equal.outer(groups[known], participants).astype(np.float64)
-    every = np.concatenate([x[known], own], axis=1)
+        return False  # one value each: the variance between participants alone makes their density finite
+    y, intercepts = ends[known, 0], np.equal.outer(groups[known], participants).astype(np.float64)
+    every = np.concatenate([x[known], intercepts], axis=1)
     left = y - every @ np.linalg.lstsq(every, y, rcond=None)[0]
     return bool(np.abs(left).max() <= ZERO * np.abs(y).max())

@@ -125,9 +125,10 @@ def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = N
     for _ in range(MAX_INNER_STEPS):
         step, decrement = _inner_step(here, damping)
         there = _at(model, offset, loads, here.effects + step, shared)
+        # A negative decrement is that of an indefinite Hessian, whose step leads away from a summit.
         better = (decrement >= 0) & (there.value >= here.value - 1e-12 * (1 + np.abs(here.value)))
         damping = np.where(better, damping / 10, np.maximum(10 * damping, 1e-2 * _diagonal(here.precision)))
-        damping[damping < 1e-8] = 0.0
+        damping[damping < 1e-8] = 0.0  # only Newton's own step squares the error, and may end the search below
         here = _merged(better, there, here)
         near = np.abs(decrement) <= SMALL_INNER_DECREMENT * (1 + np.abs(here.value))
         if (near & (damping == 0)).all() or (damping > 1e14).any():
@@ -192,21 +193,21 @@ def log_marginal(model: ClusteredModel, parameters: Array, inner: Inner) -> tupl
     transposed = np.swapaxes(inner.loads, 2, 3)
     spread = np.linalg.solve(precision[:, None], transposed)  # H^-1 A'
     variance = inner.loads @ spread
+    # How -log det H / 2 changes along each point, first with the effects held still ...
     drift = -0.5 * np.stack([(variance * bend).sum(axis=(2, 3)) for bend in bends], axis=-1)
-    pull = np.linalg.solve(inner.precision, np.einsum("csqa,csa->cq", transposed, drift[..., :d])[..., None])[..., 0]
+    # ... then with the mode, which follows by the observed Hessian also where H is made of expected information.
+    along_effects = np.einsum("csqa,csa->cq", transposed, drift[..., :d])
+    pull = np.linalg.solve(inner.precision, along_effects[..., None])[..., 0]
     moved = np.einsum("csaq,cq->csa", inner.loads, pull)
     total = first + drift[..., :d] + np.einsum("csab,csb->csa", hessian, moved)
+    # Lambda enters thrice: by eta, by the gradient whose zero the mode is, and by H itself.
     by_scale = np.einsum("csaq,csa,cr->qr", model.random, total, inner.effects, optimize=True)
     by_scale += np.einsum("csaq,csa,cr->qr", model.random, first, pull, optimize=True)
     by_scale -= np.einsum("csaq,csab,csrb->qr", model.random, w, spread, optimize=True)
-    gradient = np.concatenate(
-        [
-            np.einsum("csap,csa->p", model.fixed, total),
-            (inner.at.gradient + drift)[..., d:].sum(axis=(0, 1))
-            + np.einsum("csa,csap->p", moved, inner.at.hessian[..., :d, d:]),
-            np.tensordot(model.basis, by_scale, axes=2),
-        ]
-    )
+    by_fixed = np.einsum("csap,csa->p", model.fixed, total)
+    by_shared = (inner.at.gradient + drift)[..., d:].sum(axis=(0, 1))
+    by_shared = by_shared + np.einsum("csa,csap->p", moved, inner.at.hessian[..., :d, d:])
+    gradient = np.concatenate([by_fixed, by_shared, np.tensordot(model.basis, by_scale, axes=2)])
     sign, log_determinant = np.linalg.slogdet(precision)
     value = float((inner.value - 0.5 * log_determinant).sum()) if (sign > 0).all() else ILL
     return with_prior(model, parameters, value, gradient)
@@ -263,6 +264,7 @@ def maximise(model: ClusteredModel, start: Array, marginal: Marginal = log_margi
     with np.errstate(all="ignore"):
         parameters, hessian = start, _hessian(objective, start)
         for _ in range(MAX_RESTARTS):
+            # scipy raises for a matrix that is not definite, and begins at the unit matrix for None.
             first = symmetric_inverse(hessian)[0]
             options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if _is_definite(first) else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x

@@ -200,11 +200,11 @@ def design_matrix(
     averaged = [np.ones(len(data))]
     terms: dict[str, tuple[int, ...]] = {}
     for r in range(1, (len(single) if interactions else 1) + 1):
-        for part in combinations(single, r):
-            added = _products([single[name] for name in part])
-            terms[" * ".join(part)] = tuple(range(len(columns), len(columns) + len(added)))
+        for term in combinations(single, r):
+            added = _products([single[name] for name in term])
+            terms[" * ".join(term)] = tuple(range(len(columns), len(columns) + len(added)))
             columns |= added
-            averaged += _products([centred[name] for name in part]).values()
+            averaged += _products([centred[name] for name in term]).values()
     x = np.stack(list(columns.values()), axis=1)
     _refuse_dependent(x, list(columns), terms)
     return DesignMatrix(x, tuple(columns), terms, np.stack(averaged, axis=1))
@@ -230,17 +230,17 @@ def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     }
 
 
-def _products(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
-    found = dict(parts[0])
-    for part in parts[1:]:
-        found = {f"{one} * {other}": x * y for one, x in found.items() for other, y in part.items()}
-    return found
+def _products(factors: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+    products = dict(factors[0])
+    for factor in factors[1:]:
+        products = {f"{one} * {other}": x * y for one, x in products.items() for other, y in factor.items()}
+    return products
 
 
 def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequence[int]]) -> None:
     norms = np.linalg.norm(x, axis=0)
     scaled = x / np.where(norms > 0, norms, 1.0)
-    for n in range(1, x.shape[1] + 1):
+    for n in range(1, x.shape[1] + 1):  # column by column, to name the first that follows from those before it
         if np.linalg.matrix_rank(scaled[:, :n], tol=TOLERANCE * n) < n:
             term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
             raise InvalidParameter(
@@ -252,13 +252,16 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
 def _has_error(y: Array, x: Array, groups: Any) -> bool:
     """Whether anything is left of the values when each participant has a mean of its own."""
     both = np.column_stack([x, y])
-    left = (
-        both
-        - np.stack([np.bincount(groups, column) for column in both.T], axis=1)[groups]
-        / (np.bincount(groups)[groups, None])
-    )
-    residual = left[:, -1] - left[:, :-1] @ np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=TOLERANCE)[0]
+    within = both - _group_means(both, groups)[groups]
+    x_within, y_within = within[:, :-1], within[:, -1]
+    residual = y_within - x_within @ np.linalg.lstsq(x_within, y_within, rcond=TOLERANCE)[0]
     return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
+
+
+def _group_means(columns: Array, groups: Any) -> Array:
+    """Of each column (n_groups, n_columns)."""
+    sums = np.stack([np.bincount(groups, column) for column in columns.T], axis=1)
+    return np.asarray(sums / np.bincount(groups)[:, None])
 
 
 @dataclass(frozen=True)
@@ -276,17 +279,19 @@ def _fit(y: Array, x: Array, groups: Any) -> _Fit:
 
     statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
     """
+
+    def log_likelihood(log_ratio: float) -> float:
+        return _at(float(np.exp(log_ratio)), y, x, groups).log_likelihood
+
+    # A grid first, as the bounded search ends on any summit.
     grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
-    values = [_at(float(np.exp(x_)), y, x, groups).log_likelihood for x_ in grid]
-    best = int(np.argmax(values))
+    best = int(np.argmax([log_likelihood(log_ratio) for log_ratio in grid]))
     bounds = (grid[max(best - 1, 0)], grid[min(best + 1, N_GRID - 1)])
-    found = minimize_scalar(
-        lambda log_ratio: -_at(float(np.exp(log_ratio)), y, x, groups).log_likelihood,
-        bounds=bounds,
-        method="bounded",
-        options={"xatol": 1e-10},
+    summit = minimize_scalar(
+        lambda log_ratio: -log_likelihood(log_ratio), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    inside, alone = _at(float(np.exp(found.x)), y, x, groups), _at(0.0, y, x, groups)
+    inside = _at(float(np.exp(summit.x)), y, x, groups)
+    alone = _at(0.0, y, x, groups)  # a ratio of 0 has no logarithm
     return inside if best > 0 and inside.log_likelihood > alone.log_likelihood else alone
 
 
@@ -297,8 +302,7 @@ def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
     sizes = np.bincount(groups)
     share = 1 - (1 + sizes * ratio) ** -0.5
     both = np.column_stack([x, y])
-    means = np.stack([np.bincount(groups, column) for column in both.T], axis=1) / sizes[:, None]
-    left = both - (share[:, None] * means)[groups]
+    left = both - (share[:, None] * _group_means(both, groups))[groups]
     x_left, y_left = left[:, :p], left[:, p]
     q, r = np.linalg.qr(x_left)
     estimates = np.linalg.solve(r, q.T @ y_left)
@@ -314,13 +318,13 @@ def degrees(matrix: DesignMatrix, groups: Any) -> Counts:
     """Degrees of freedom of the error of each column: what varies between participants alone is tested against them,
     all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
     x = matrix.averaged
-    means = np.stack([np.bincount(groups, column) for column in x.T], axis=1) / np.bincount(groups)[:, None]
+    means = _group_means(x, groups)
     is_between = np.abs(x - means[groups]).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
     n, n_groups, n_between = len(x), len(means), int(is_between.sum())
     residual = n - n_groups - (x.shape[1] - n_between)
-    found = np.where(is_between, n_groups - n_between, residual)
-    found[0] = residual
-    return found
+    df = np.where(is_between, n_groups - n_between, residual)
+    df[0] = residual
+    return df
 
 
 def coefficient_table(
@@ -334,19 +338,19 @@ def coefficient_table(
     """Of values (y - centre) / scale, in the unit of y; `unit` is (centre, scale)."""
     centre, scale = unit
     se = np.sqrt(np.diagonal(covariance))
-    own = estimates + np.where(np.arange(len(estimates)) == 0, centre / scale, 0.0)
-    t = own / se
+    shifted = estimates + np.where(np.arange(len(estimates)) == 0, centre / scale, 0.0)  # by the intercept alone
+    t = shifted / se
     half = student.ppf((1 + interval) / 2, df) * se
     return pd.DataFrame(
         {
             "term": list(matrix.names),
-            "estimate": own * scale,
+            "estimate": shifted * scale,
             "se": se * scale,
             "df": df,
             "t": t,
             "p": 2 * student.sf(np.abs(t), df),
-            "low": (own - half) * scale,
-            "high": (own + half) * scale,
+            "low": (shifted - half) * scale,
+            "high": (shifted + half) * scale,
         }
     )
 
@@ -358,11 +362,13 @@ def term_table(
     df: Counts,
 ) -> pd.DataFrame:
     """Wald's F of each term, averaged over the others (type III)."""
+    # The same model in the averaged codes: with treatment codes a main effect is one at the base of the others.
     turn = np.linalg.lstsq(matrix.averaged, matrix.x, rcond=None)[0]
     estimates, covariance = turn @ estimates, turn @ covariance @ turn.T
     rows = []
-    for name, places in matrix.terms.items():
-        own, second = list(places), int(df[list(places)].min())
-        f = float(estimates[own] @ np.linalg.solve(covariance[np.ix_(own, own)], estimates[own])) / len(own)
-        rows.append({"term": name, "df1": len(own), "df2": second, "F": f, "p": float(fisher.sf(f, len(own), second))})
+    for name, columns in matrix.terms.items():
+        term = list(columns)
+        df1, df2 = len(term), int(df[term].min())
+        f = float(estimates[term] @ np.linalg.solve(covariance[np.ix_(term, term)], estimates[term])) / df1
+        rows.append({"term": name, "df1": df1, "df2": df2, "F": f, "p": float(fisher.sf(f, df1, df2))})
     return pd.DataFrame(rows)

@@ -26,6 +26,7 @@ def log_marginal_by_quadrature(
         effects = inner.effects + np.sqrt(2) * root @ x
         at = model.log_likelihood(model.points(offset, inner.loads, effects, shared))
         density = at.value.sum(axis=1) - 0.5 * np.square(effects).sum(axis=1)
+        # The weights are those of integrals with a factor exp(-x^2), which is taken out again.
         terms.append(density + x @ x + np.log(weights[list(places)]).sum())
         slopes.append(_slope(model, at, effects))
     total = np.logaddexp.reduce(terms, axis=0)
