@@ -55,7 +55,7 @@ def _normality(residuals: Array) -> dict[str, object]:
     name = "normality of the residuals"
     if residuals.size > MAX_SHAPIRO:
         return _untested(name, "too many values")
-    w, p = shapiro(residuals.ravel() / residuals.std())
+    w, p = shapiro(residuals.ravel() / residuals.std())  # W has no unit, its sums of squares have
     return _tested(name, "Shapiro-Wilk W", float(w), float(p))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -36,8 +37,7 @@ class BoundedDesign:
         """The names of the means: group by group the cells, the last factor fastest."""
         names = [*([self.between] if self.between else []), *self.factors]
         levels = [*([self.groups] if self.between else []), *self.levels]
-        places = np.ndindex(*(len(part) for part in levels))
-        return [{name: part[i] for name, part, i in zip(names, levels, place, strict=True)} for place in places]
+        return [dict(zip(names, cell, strict=True)) for cell in product(*levels)]
 
 
 def bounded_design(
@@ -72,14 +72,15 @@ def bounded_design(
     data = BoundedValues(*ends, of, tuple(len(part) for part in levels[1:]))
     n_missing = int((np.isinf(data.low) & np.isinf(data.high)).sum())
     design = BoundedDesign(
-        data,
-        tuple(within),
-        levels[1:],
-        between,
-        ("",) if groups is None else groups.names,
-        *(0.0, 1.0),
-        int((~data.known).sum()) - n_missing,
-        n_missing,
+        data=data,
+        factors=tuple(within),
+        levels=levels[1:],
+        between=between,
+        groups=("",) if groups is None else groups.names,
+        centre=0.0,
+        scale=1.0,
+        n_censored=int((~data.known).sum()) - n_missing,
+        n_missing=n_missing,
     )
     _refuse_unknown(design)
     return _scaled(design, dependent)
@@ -95,7 +96,8 @@ def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
     """
     y, bottom, top = (numbers(table, name) for name in (dependent, low, high))
     known = ~np.isnan(y)
-    bottom, top = (np.where(known, y, np.where(np.isnan(b), e, b)) for b, e in ((bottom, -np.inf), (top, np.inf)))
+    bottom = np.where(known, y, np.where(np.isnan(bottom), -np.inf, bottom))
+    top = np.where(known, y, np.where(np.isnan(top), np.inf, top))
     bad = ~(bottom <= top) | (known & np.isinf(y))
     if bad.any():
         row = int(np.flatnonzero(bad)[0])
@@ -114,12 +116,12 @@ def numbers(table: pd.DataFrame, name: str) -> Array:
     InvalidParameter
         For what is no number, naming the row.
     """
-    found = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-    bad = np.isnan(found) & table[name].notna().to_numpy()
+    values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    bad = np.isnan(values) & table[name].notna().to_numpy()
     if bad.any():
         row = int(np.flatnonzero(bad)[0])
         raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a number or nothing")
-    return found
+    return values
 
 
 def _laid(
@@ -137,7 +139,7 @@ def _laid(
         row = table.iloc[int(np.flatnonzero(place == order[n.argmax()])[0])]
         cell = ", ".join(f"{name} = {row[name]}" for name in keys[: len(codes)])
         raise InvalidParameter(f"{cell}: found {n.max()} values, expected one in each cell, as bounds have no mean")
-    laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))
+    laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))  # a cell without a row may hold any value
     laid[place] = ends
     low, high = laid.reshape(shape[0], -1, 2).transpose(2, 0, 1)
     return low, high

@@ -53,11 +53,11 @@ class CensoredAnova:
         fit, (centre, scale) = self.fit, (self.design.centre, self.design.scale)
         kept = np.diagonal(fit.of_means) / np.tile(np.diagonal(fit.model), len(fit.means))
         sizes = np.repeat(fit.data.sizes, fit.means.shape[1])
-        own = np.concatenate([np.diagonal(part) for part in fit.moments])
-        inside = np.concatenate([within_variances(part) for part in fit.moments])
+        between = np.concatenate([np.diagonal(covariance) for covariance in fit.moments])
+        inside = np.concatenate([within_variances(covariance) for covariance in fit.moments])
         mean = fit.means.ravel() + centre / scale
-        columns = {"mean": mean, "sd": np.sqrt(own)}
-        for name, variance in (("mean", own), ("within", inside)):
+        columns = {"mean": mean, "sd": np.sqrt(between)}
+        for name, variance in (("mean", between), ("within", inside)):
             half = student.ppf((1 + interval) / 2, sizes - 1) * np.sqrt(variance * kept)
             columns |= {f"{name}_low": mean - half, f"{name}_high": mean + half}
         return pd.concat([pd.DataFrame(self.design.cells()), pd.DataFrame(columns) * scale], axis=1)
@@ -124,11 +124,13 @@ def censored_anova(
     )
     fit = _fitted(design)
     tested = _tests(design, fit)
+    # With groups the first effect is theirs, and each effect within is followed by its interaction, which shares its
+    # error.
     errors = tested[1::2] if between else tested
-    residual = fit.variances[0] * fit.inflation * fit.told(0) + sum(each.ss_error for each in errors)
-    found = effect_table(tested, float(residual), design.scale, interval) if tested else pd.DataFrame()
-    found.attrs |= {"notes": [], "n": len(design.data.low), "status": DesignStatus.OK}
-    return CensoredAnova(found, design, fit)
+    residual = fit.variances[0] * fit.inflation * fit.told(0) + sum(effect.ss_error for effect in errors)
+    effect_rows = effect_table(tested, float(residual), design.scale, interval) if tested else pd.DataFrame()
+    effect_rows.attrs |= {"notes": [], "n": len(design.data.low), "status": DesignStatus.OK}
+    return CensoredAnova(effect_rows, design, fit)
 
 
 def _fitted(design: BoundedDesign) -> StrataFit:
@@ -152,25 +154,26 @@ def _tests(design: BoundedDesign, fit: StrataFit) -> list[Tested]:
     """In the order of `repeated_measures`, or of `mixed_anova`."""
     n_groups, places = len(fit.means), range(len(design.factors))
     together, apart = np.full((1, n_groups), 1 / n_groups), helmert(n_groups)
-    found = [] if design.between is None else [_tested(fit, 0, apart, design.between)]
-    parts = (part for r in range(1, len(places) + 1) for part in combinations(places, r))
-    for stratum, part in enumerate(parts, 1):
-        name = " * ".join(design.factors[place] for place in part)
-        found.append(_tested(fit, stratum, together, name))
+    tests = [] if design.between is None else [_tested(fit, 0, apart, design.between)]
+    effects = (effect for r in range(1, len(places) + 1) for effect in combinations(places, r))
+    for stratum, effect in enumerate(effects, 1):  # stratum 0 is that of the participants
+        name = " * ".join(design.factors[place] for place in effect)
+        tests.append(_tested(fit, stratum, together, name))
         if design.between is not None:
-            found.append(_tested(fit, stratum, apart, f"{design.between} * {name}"))
-    return found
+            tests.append(_tested(fit, stratum, apart, f"{design.between} * {name}"))
+    return tests
 
 
 def _tested(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tested:
     """Wald's F of the contrasts of a stratum, of all groups together or between them."""
-    own = fit.data.strata[stratum]
-    weights = np.kron(of_groups, own)
+    contrasts = fit.data.strata[stratum]
+    weights = np.kron(of_groups, contrasts)
     estimate, covariance = weights @ fit.means.ravel(), weights @ fit.of_means @ weights.T * fit.inflation
-    first, second = len(weights), len(own) * fit.told(stratum)
+    first, second = len(weights), len(contrasts) * fit.told(stratum)
     error = float(fit.variances[stratum]) * fit.inflation
     if fit.variances[stratum] <= LEAST_VARIANCE * fit.variances.max():
         error = 0.0
     f = float(estimate @ np.linalg.solve(covariance, estimate)) / first
-    shape = Sphericity(None, None, *epsilons(own @ fit.pooled @ own.T, fit.told(stratum)), singular=False)
+    shape = Sphericity(None, None, *epsilons(contrasts @ fit.pooled @ contrasts.T, fit.told(stratum)), singular=False)
+    # Back from F to sums of squares, which every other analysis of variance gives to the table.
     return Tested(name, f * first * error, error * second, (first, second), shape)

@@ -60,18 +60,18 @@ def censored_pairs(
     >>> censored_pairs(found, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
     [[0.5, 1.0, 1.5], [0.5, 2.0, 3.5], [1.0, 2.0, 2.0]]
     """
-    rows = [_row(each, by, found.design.scale, interval) for each in _compared(found, factor, by)]
+    rows = [_row(compared, by, found.design.scale, interval) for compared in _compared(found, factor, by)]
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
 def censored_equivalence(found: CensoredAnova, factor: str, *, bound: float, alpha: float = 0.05) -> pd.DataFrame:
     """Two one-sided tests of all pairs of levels against +-`bound`; columns as those of `equivalence`."""
     rows = []
-    for each in _compared(found, factor, None):
-        one, scale = each.difference, found.design.scale
-        tested = two_one_sided(one.estimate, one.error, one.df, bound / scale, alpha)
+    for compared in _compared(found, factor, None):
+        contrast, scale = compared.difference, found.design.scale
+        tested = two_one_sided(contrast.estimate, contrast.error, contrast.df, bound / scale, alpha)
         tested |= {name: tested[name] * scale for name in ("low", "high")}
-        names = {"a": each.names[0], "b": each.names[1], "difference": one.estimate * scale}
+        names = {"a": compared.names[0], "b": compared.names[1], "difference": contrast.estimate * scale}
         rows.append(names | tested | {"bound": bound, "n": len(found.fit.data.low)})
     return told_equivalent(rows, bound, alpha)
 
@@ -82,9 +82,9 @@ def censored_group_pairs(
     """All pairs of groups of participants, averaged over the conditions, or at each level of `by`; columns as those of
     `group_pairs`, without a Bayes factor."""
     rows = []
-    for level, own in _averages(found, by):
+    for level, weights in _averages(found, by):
         for a, b in combinations(range(len(found.design.groups)), 2):
-            rows.append(({by: level} if by else {}) | _group_row(found, own, (a, b), interval))
+            rows.append(({by: level} if by else {}) | _group_row(found, weights, (a, b), interval))
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
@@ -94,19 +94,20 @@ def _compared(found: CensoredAnova, factor: str, by: str | None) -> list[Compare
     return [
         Compared(names, level if group is None else name, _contrast(found, cell, group))
         for name, group in at
-        for level, own in _averages(found, by if group is None else None)
-        for names, cell in _differences(found, factor, own)
+        for level, average in _averages(found, by if group is None else None)
+        for names, cell in _differences(found, factor, average)
     ]
 
 
-def _differences(found: CensoredAnova, factor: str, own: Array) -> list[tuple[tuple[object, object], Array]]:
-    """Of all pairs of levels, the weights (cell,) of their difference in the mean over `own`."""
+def _differences(found: CensoredAnova, factor: str, average: Array) -> list[tuple[tuple[object, object], Array]]:
+    """Of all pairs of levels, the weights (cell,) of their difference in a mean of weights `average`."""
     place = found.design.factors.index(factor)
-    levels, parts = found.design.levels[place], np.moveaxis(own.reshape(found.fit.data.n_levels), place, 0)
+    levels, by_level = found.design.levels[place], np.moveaxis(average.reshape(found.fit.data.n_levels), place, 0)
     pairs = []
     for i, j in combinations(range(len(levels)), 2):
-        weights = np.zeros_like(parts)
-        weights[j], weights[i] = parts[j], -parts[i]
+        weights = np.zeros_like(by_level)
+        weights[j], weights[i] = by_level[j], -by_level[i]
+        # The mean weighs every level 1 / n, a difference weighs two of them 1.
         pairs.append(((levels[i], levels[j]), np.moveaxis(weights, 0, place).ravel() * len(levels)))
     return pairs
 
@@ -131,23 +132,26 @@ def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> CellContr
     fit, n_groups = found.fit, len(found.fit.means)
     of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
     moments, df = (fit.pooled, fit.df) if group is None else (fit.moments[group], fit.data.sizes[group] - 1)
-    weights, own = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
+    weights, own_variance = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
     variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
+    # What is left of the information: the variance that all values known would leave, over the one there is.
     kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
-    error = float(np.sqrt(variance * own / model))
-    return CellContrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own)))
+    # The model shares a variance within a stratum; the contrast has its own.
+    error = float(np.sqrt(variance * own_variance / model))
+    return CellContrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own_variance)))
 
 
-def _row(each: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:
-    one = each.difference
-    row: dict[str, object] = {} if by is None else {by: each.by}
-    row |= {"a": each.names[0], "b": each.names[1], "difference": one.estimate * scale, "df": one.df}
+def _row(compared: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:
+    contrast = compared.difference
+    estimate, error, df = contrast.estimate, contrast.error, contrast.df
+    row: dict[str, object] = {} if by is None else {by: compared.by}
+    row |= {"a": compared.names[0], "b": compared.names[1], "difference": estimate * scale, "df": df}
     names = ("difference_low", "difference_high", "t", "p_unc", "dz", "bf10")
-    if not one.has_error:
+    if not contrast.has_error:
         return row | dict.fromkeys(names) | {"status": "zero_error"}
-    t, half = one.estimate / one.error, float(student.isf((1 - interval) / 2, one.df)) * one.error
-    ends = ((one.estimate - half) * scale, (one.estimate + half) * scale)
-    tested = (*ends, t, 2 * float(student.sf(abs(t), one.df)), one.estimate / one.sd, None)
+    t, half = estimate / error, float(student.isf((1 - interval) / 2, df)) * error
+    ends = ((estimate - half) * scale, (estimate + half) * scale)
+    tested = (*ends, t, 2 * float(student.sf(abs(t), df)), estimate / contrast.sd, None)
     return row | dict(zip(names, tested, strict=True)) | {"status": "ok"}
 
 
@@ -155,13 +159,15 @@ def _group_row(found: CensoredAnova, cell: Array, places: Sequence[int], interva
     fit, scale, k = found.fit, found.design.scale, len(cell)
     n = fit.data.sizes[list(places)]
     blocks = [fit.of_means[g * k : (g + 1) * k, g * k : (g + 1) * k] for g in places]
-    own = np.array([cell @ fit.moments[g] @ cell for g in places])
-    variances = own * np.array([cell @ block @ cell for block in blocks]) / float(cell @ fit.model @ cell)
+    own_variances = np.array([cell @ fit.moments[g] @ cell for g in places])
+    variances = own_variances * np.array([cell @ block @ cell for block in blocks]) / float(cell @ fit.model @ cell)
     first, second = (float(cell @ fit.means[g]) for g in places)
-    error, df = np.sqrt(variances.sum()), variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))
+    error = np.sqrt(variances.sum())
+    df = variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))  # Welch and Satterthwaite's
     difference, t = second - first, (second - first) / error
     half = float(student.isf((1 - interval) / 2, df)) * error
-    size = difference / np.sqrt(np.sum((n - 1) * own) / (n.sum() - 2)) * (1 - 3 / (4 * n.sum() - 9))
+    pooled_sd = np.sqrt(np.sum((n - 1) * own_variances) / (n.sum() - 2))
+    size = difference / pooled_sd * (1 - 3 / (4 * n.sum() - 9))  # Hedges' correction of Cohen's d
     counts = {"a": found.design.groups[places[0]], "b": found.design.groups[places[1]]}
     counts |= {"difference": difference * scale, "n_a": int(n[0]), "n_b": int(n[1])}
     ends = {"difference_low": (difference - half) * scale, "difference_high": (difference + half) * scale}

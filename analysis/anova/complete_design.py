@@ -35,12 +35,13 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
     has = _presence(table, dependent, within, subject, levels, subjects)
     best: tuple[int, int, int, tuple[tuple[int, ...], ...]] | None = None
     for chosen in _subsets(levels):
-        if all(len(part) < 2 for part in chosen):
+        if all(len(places) < 2 for places in chosen):
             continue
         complete = has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)
-        n_cells = int(np.prod([len(part) for part in chosen]))
-        rank = (int(complete.sum()) * n_cells, int(complete.sum()), n_cells, chosen)
-        if complete.sum() >= MIN_PARTICIPANTS and (best is None or rank[:3] > best[:3]):
+        n_complete, n_cells = int(complete.sum()), int(np.prod([len(places) for places in chosen]))
+        rank = (n_complete * n_cells, n_complete, n_cells, chosen)
+        # Without the levels themselves: of equal choices the first stays.
+        if n_complete >= MIN_PARTICIPANTS and (best is None or rank[:3] > best[:3]):
             best = rank
     return None if best is None else _kept(table, within, subject, levels, subjects, has, best[3])
 
@@ -53,11 +54,11 @@ def largest_known(
     levels = [sorted(table[name].unique()) for name in within]
     subjects = sorted(table[subject].unique())
     has = _presence(table, dependent, within, subject, levels, subjects)
-    own = table.drop_duplicates(subject).set_index(subject)
-    group = np.zeros(len(subjects)) if between is None else pd.factorize(own.loc[subjects, between])[0]
+    by_subject = table.drop_duplicates(subject).set_index(subject)
+    group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
     sizes = {
-        chosen: int(np.prod([len(part) for part in chosen]))
+        chosen: int(np.prod([len(places) for places in chosen]))
         for chosen in _subsets(levels)
         if max(map(len, chosen)) > 1 and n_known[np.ix_(*chosen)].min() >= at_least
     }
@@ -75,19 +76,26 @@ def _presence(
     levels: Sequence[Sequence[object]],
     subjects: Sequence[object],
 ) -> Bools:
-    has = np.zeros((len(subjects), *(len(part) for part in levels)), dtype=bool)
+    """Whether there is a value, of shape (participant, level of the first factor, ...)."""
+    axes = [subjects, *levels]
+    has = np.zeros([len(names) for names in axes], dtype=bool)
     present = table[table[dependent].notna()]
-    places = [[subjects.index(code) for code in present[subject]]]
-    places += [[part.index(v) for v in present[name]] for name, part in zip(within, levels, strict=True)]
-    has[tuple(places)] = True
+    columns = zip((subject, *within), axes, strict=True)
+    has[tuple([names.index(value) for value in present[column]] for column, names in columns)] = True
     return has
 
 
 def _subsets(levels: Sequence[Sequence[object]]) -> "list[tuple[tuple[int, ...], ...]]":
-    each = [[c for r in range(len(part), 0, -1) for c in combinations(range(len(part)), r)] for part in levels]
-    if np.prod([len(part) for part in each], dtype=float) > MAX_SUBSETS:
-        return [tuple(tuple(range(len(part))) for part in levels)]
-    return list(product(*each))
+    # Floats: the number of subsets may pass any integer of numpy's.
+    n_subsets = np.prod([2.0 ** len(names) - 1 for names in levels])
+    if n_subsets > MAX_SUBSETS:
+        return [tuple(tuple(range(len(names))) for names in levels)]
+    return list(product(*(_subsets_of(len(names)) for names in levels)))
+
+
+def _subsets_of(n: int) -> list[tuple[int, ...]]:
+    """The largest first."""
+    return [places for size in range(n, 0, -1) for places in combinations(range(n), size)]
 
 
 def _kept(
@@ -102,8 +110,8 @@ def _kept(
     complete = np.asarray(has[np.ix_(range(len(subjects)), *chosen)].reshape(len(subjects), -1).all(axis=1)).tolist()
     kept = table[table[subject].isin([code for code, ok in zip(subjects, complete, strict=True) if ok])]
     left_out = [f"participant {code}" for code, ok in zip(subjects, complete, strict=True) if not ok]
-    for name, part, places in zip(within, levels, chosen, strict=True):
-        kept = kept[kept[name].isin([part[i] for i in places])]
-        left_out += [f"{name} = {part[i]}" for i in range(len(part)) if i not in places]
+    for name, values, places in zip(within, levels, chosen, strict=True):
+        kept = kept[kept[name].isin([values[i] for i in places])]
+        left_out += [f"{name} = {values[i]}" for i in range(len(values)) if i not in places]
     factors = tuple(name for name, places in zip(within, chosen, strict=True) if len(places) > 1)
     return SubDesign(kept, factors, tuple(left_out))

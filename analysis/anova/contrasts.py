@@ -127,7 +127,7 @@ def _effect(design: WithinDesign, part: tuple[int, ...]) -> Effect:
     scores = design.cells @ contrasts(design.values.shape[1:], part).T
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
-        scores = np.broadcast_to(mean, scores.shape)
+        scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
     return Effect(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
 
 
@@ -141,8 +141,8 @@ def contrasts(n_levels: tuple[int, ...], part: tuple[int, ...]) -> Array:
     """Orthonormal rows, shape (contrast, cell): Helmert's along the factors of `part`, the mean along the others."""
     whole = np.ones((1, 1))
     for place, k in enumerate(n_levels):
-        own = helmert(k) if place in part else np.full((1, k), k**-0.5)
-        whole = np.asarray(np.kron(whole, own), dtype=np.float64)
+        along = helmert(k) if place in part else np.full((1, k), k**-0.5)
+        whole = np.asarray(np.kron(whole, along), dtype=np.float64)
     return whole
 
 
@@ -184,7 +184,8 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
 
 def _mauchly_p(log_w: float, p: int, df: int, n_conditions: int) -> float:
     factor = 1 - (2 * p**2 + p + 2) / (6 * p * df)
-    second = (p + 2) * (p - 1) * (p - 2) * (2 * p**3 + 6 * p**2 + 3 * n_conditions + 2) / (288 * (df * p * factor) ** 2)
+    polynomial = (p + 2) * (p - 1) * (p - 2) * (2 * p**3 + 6 * p**2 + 3 * n_conditions + 2)
+    second = polynomial / (288 * (df * p * factor) ** 2)
     statistic, df_chi2 = -df * factor * log_w, p * (p + 1) // 2 - 1
     first, later = float(chi2.sf(statistic, df_chi2)), float(chi2.sf(statistic, df_chi2 + 4))
     return first + second * (later - first)
@@ -206,10 +207,12 @@ def permutation_p(effect: Effect, *, rng: np.random.Generator | None = None, n_r
     if not exact and rng is None:
         raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator to draw signs with")
     if exact or rng is None:
+        # The first sign stays: turning all signs changes no square, and half of the cases need no look.
         signs = np.array(list(product((1.0,), *[(1.0, -1.0)] * (n - 1))))
     else:
         signs = rng.choice([-1.0, 1.0], size=(n_resamples, n))
     sums = np.sum((signs @ effect.scores) ** 2, axis=1)
-    own = float(np.sum(effect.scores.sum(axis=0) ** 2))
-    n_as_large = int(np.sum(sums >= own * (1 - 1e-12)))
+    observed = float(np.sum(effect.scores.sum(axis=0) ** 2))
+    n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))
+    # Drawn signs leave the answers' own out, which are as large as themselves: with them p is never 0.
     return n_as_large / len(signs) if exact else (n_as_large + 1) / (n_resamples + 1)

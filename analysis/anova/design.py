@@ -90,7 +90,7 @@ def within_design(
     coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
-    shape = tuple(len(part) for part in levels)
+    shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index([codes for codes, _ in coded], shape)
     n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
     if not n_values.all():
@@ -173,16 +173,16 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
             f"{subject}: found {n} participant{'s' if n != 1 else ''}, expected at least {MIN_PARTICIPANTS} to compare",
             DesignStatus.TOO_FEW_PARTICIPANTS,
         )
-    for name, part in zip(within, levels[1:], strict=True):
-        if len(part) < 2:
+    for name, values in zip(within, levels[1:], strict=True):
+        if len(values) < 2:
             raise UndefinedStatistic(
-                f"{name}: found {len(part)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
+                f"{name}: found {len(values)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
             )
 
 
 def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
     holes = np.argwhere(n_values == 0)
-    first = ", ".join(f"{name} = {part[i]}" for name, part, i in zip(names, levels, holes[0], strict=True))
+    first = ", ".join(f"{name} = {values[i]}" for name, values, i in zip(names, levels, holes[0], strict=True))
     whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))
     raise UndefinedStatistic(
         f"{dependent}: found no value for {first} ({len(holes)} missing cell{'s' if len(holes) > 1 else ''}, of "

@@ -39,9 +39,8 @@ def eta_squared(
     f = ss / df[0] / (ss_error / df[1])
     low, high = (x / (x + sum(df) + 1) for x in noncentrality(f, df, interval))
     share = ss_error / ss_residual
-    return EtaSquared(
-        ss / (ss + ss_error), low, high, ss / (ss + ss_residual), *(_scaled(x, share) for x in (low, high))
-    )
+    partial, generalised = ss / (ss + ss_error), ss / (ss + ss_residual)
+    return EtaSquared(partial, low, high, generalised, _scaled(low, share), _scaled(high, share))
 
 
 def _scaled(partial: float, share: float) -> float:
@@ -60,7 +59,7 @@ def _under(f: float, df: tuple[float, float], chance: float) -> float:
     def above(x: float) -> float:
         return float(ncfdtr(*df, x, f)) - chance
 
-    if above(0.0) <= 0:
+    if above(0.0) <= 0:  # so small an F is likelier than that without any effect
         return 0.0
     top = 2 * (f * df[0] + sum(df))
     while above(top) > 0 and top < LARGEST:

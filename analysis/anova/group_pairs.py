@@ -46,15 +46,18 @@ def group_pairs(
     keys = [subject, between, *([by] if by else [])]
     rows = finite_rows(table, [dependent, *keys], dependent, "group_pairs")
     means = rows.groupby(keys, sort=True, observed=True)[dependent].mean().reset_index()
-    parts = means.groupby(by, sort=True, observed=True) if by else [(None, means)]
-    found = [
-        ({by: level} if by else {}) | row for level, part in parts for row in _rows(part, dependent, between, interval)
+    by_level = means.groupby(by, sort=True, observed=True) if by else [(None, means)]
+    compared = [
+        ({by: level} if by else {}) | row
+        for level, at_level in by_level
+        for row in _rows(at_level, dependent, between, interval)
     ]
-    return all_together(pd.DataFrame(found), correction, interval)
+    return all_together(pd.DataFrame(compared), correction, interval)
 
 
-def _rows(part: pd.DataFrame, dependent: str, between: str, interval: float) -> list[dict[str, object]]:
-    groups = {name: own[dependent].to_numpy(float) for name, own in part.groupby(between, sort=True, observed=True)}
+def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) -> list[dict[str, object]]:
+    by_group = means.groupby(between, sort=True, observed=True)
+    groups = {name: members[dependent].to_numpy(float) for name, members in by_group}
     if len(groups) < 2:
         raise UndefinedStatistic(
             f"{between}: found {len(groups)} group, expected at least 2 to compare", DesignStatus.ONE_LEVEL

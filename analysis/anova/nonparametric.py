@@ -43,8 +43,7 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
             DesignStatus.NO_VARIANCE_WITHIN,
         )
     wide = pd.DataFrame(values, columns=[str(place) for place in range(values.shape[1])])
-    found = pingouin.friedman(wide)
-    row = found.iloc[0]
+    row = pingouin.friedman(wide).iloc[0]
     w, q, p = (float(row[name]) for name in ("W", "Q", "p_unc"))
     columns = ["Source", "W", "ddof1", "Q", "p_unc", "n"]
     result = pd.DataFrame([[factor, w, values.shape[1] - 1, q, p, design.n]], columns=columns)
@@ -96,8 +95,9 @@ def art_contrasts(
     axes = tuple(1 + place for place, name in enumerate(design.factors) if name not in contrast)
     cell_means = design.values.mean(axis=0, keepdims=True)
     joined = cell_means.mean(axis=axes, keepdims=True) - cell_means.mean()
+    # Without all cell means, then with those of the joined factor alone: what is ranked holds no other effect.
     ranks = _ranks(design.values - cell_means + joined)
-    kept = tuple(part for name, part in zip(design.factors, design.levels, strict=True) if name in contrast)
+    kept = tuple(levels for name, levels in zip(design.factors, design.levels, strict=True) if name in contrast)
     names = pd.MultiIndex.from_product(kept).map(lambda key: key[0] if len(key) == 1 else ", ".join(map(str, key)))
     wide = pd.DataFrame(ranks.mean(axis=axes).reshape(design.n, -1), columns=names)
     long = wide.rename_axis("participant").reset_index().melt("participant", var_name="condition", value_name="rank")
@@ -105,9 +105,10 @@ def art_contrasts(
 
 
 def _ranked_row(design: WithinDesign, effect: Effect) -> dict[str, object]:
-    aligned = _rounded(design.values - design.values.mean(axis=0, keepdims=True) + _estimate(design, effect.factors))
+    cell_means = design.values.mean(axis=0, keepdims=True)
+    aligned = _rounded(design.values - cell_means + _estimate(design, effect.factors))
     ranked = _named(replace(design, values=_ranks(aligned)), effect.name)
-    stripped = [each.f for each in effects(replace(design, values=aligned)) if each.name != effect.name]
+    stripped = [other.f for other in effects(replace(design, values=aligned)) if other.name != effect.name]
     shape = ranked.sphericity
     return {
         "Source": effect.name,
@@ -129,12 +130,13 @@ def _estimate(design: WithinDesign, factors: Sequence[str]) -> Array:
     """The effect's own part of the cell means: sums and differences of marginal means."""
     means = design.values.mean(axis=0, keepdims=True)
     places = [place for place, name in enumerate(design.factors, 1) if name in factors]
-    found: Array = np.zeros_like(means)
+    estimate: Array = np.zeros_like(means)
     for r in range(len(places) + 1):
         for kept in combinations(places, r):
             others = tuple(axis for axis in range(1, means.ndim) if axis not in kept)
-            found += (-1) ** (len(places) - r) * means.mean(axis=others, keepdims=True)
-    return found
+            # Inclusion and exclusion: an interaction is what lower orders leave, with alternating signs.
+            estimate += (-1) ** (len(places) - r) * means.mean(axis=others, keepdims=True)
+    return estimate
 
 
 def _rounded(values: Array) -> Array:

@@ -93,7 +93,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     df = result["df"].astype(float).to_numpy()
     wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
-    half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2
+    half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2  # halved first: a sum of large ends may overflow
     added = {
         "difference_high": {"simultaneous_low": middle - half, "simultaneous_high": middle + half},
         "p_unc": {"p_corr": corrected(result["p_unc"], correction)},
@@ -188,8 +188,9 @@ def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
 
 def _noncentral(t: float, df: int, chance: float) -> float:
     def above(x: float) -> float:
-        found = float(nctdtr(df, x, t))
-        return (found if np.isfinite(found) else float(x < t)) - chance
+        share = float(nctdtr(df, x, t))
+        # Far out the series has no value: all or nothing lies below t there.
+        return (share if np.isfinite(share) else float(x < t)) - chance
 
     step = SPREADS * (1 + abs(t) / np.sqrt(2 * df))
     return float(brentq(above, t - step, t + step, xtol=1e-9))
@@ -207,11 +208,11 @@ def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
     moved = d[d != 0]
     if not len(moved):
         return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
-    exact = len(moved) <= 50 and len(np.unique(np.abs(moved))) == len(moved)
-    found = wilcoxon(moved, method="exact" if exact else "approx")
+    is_tied = len(np.unique(np.abs(moved))) < len(moved)  # the exact distribution is that of ranks without ties
+    test = wilcoxon(moved, method="exact" if len(moved) <= 50 and not is_tied else "approx")
     ranks = pd.Series(np.abs(moved)).rank().to_numpy()
     r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())
-    return row | {"w": float(found.statistic), "p_unc": float(found.pvalue), "r": r, "status": "ok"}
+    return row | {"w": float(test.statistic), "p_unc": float(test.pvalue), "r": r, "status": "ok"}
 
 
 def corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":

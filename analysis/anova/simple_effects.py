@@ -30,18 +30,18 @@ def simple_effects(
     >>> simple_effects(analysis, table, ["force_n", "hz"], "hz", "force_n")[["force_n", "F"]].round(1).values.tolist()
     [[1.0, 5.4], [2.0, 48.6]]
     """
-    rows = [_row(analysis, part, factors, factor, by) | {by: value} for value, part in table.groupby(by, sort=True)]
-    found = pd.DataFrame(rows, columns=[by, "Source", *KEPT, "note"])
-    return found.assign(p_corr=corrected(found["p_CM_corr"], "holm"))
+    rows = [_row(analysis, there, factors, factor, by) | {by: value} for value, there in table.groupby(by, sort=True)]
+    effects = pd.DataFrame(rows, columns=[by, "Source", *KEPT, "note"])
+    return effects.assign(p_corr=corrected(effects["p_CM_corr"], "holm"))
 
 
-def _row(analysis: Analysis, part: pd.DataFrame, factors: Sequence[str], factor: str, by: str) -> dict[str, object]:
+def _row(analysis: Analysis, there: pd.DataFrame, factors: Sequence[str], factor: str, by: str) -> dict[str, object]:
     try:
-        effects = analysis(part, [name for name in factors if name != by])
+        effects = analysis(there, [name for name in factors if name != by])
     except UndefinedStatistic as refusal:
         return {"Source": factor, "note": str(refusal)}
-    own = effects[effects["Source"] == factor].iloc[0]
-    return {"Source": factor, "note": ""} | {name: own[name] for name in KEPT}
+    effect = effects[effects["Source"] == factor].iloc[0]
+    return {"Source": factor, "note": ""} | {name: effect[name] for name in KEPT}
 
 
 def interacting(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
@@ -51,5 +51,6 @@ def interacting(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str
     >>> interacting(effects, ["a", "b"])
     [('a', 'b'), ('b', 'a')]
     """
-    told = set(effects.loc[effects["p_CM_corr"] < ALPHA, "Source"])
-    return [pair for pair in permutations(factors, 2) if {" * ".join(pair), " * ".join(pair[::-1])} & told]
+    significant = set(effects.loc[effects["p_CM_corr"] < ALPHA, "Source"])
+    # An interaction is named once, in the order of the factors; which order the pair has does not matter.
+    return [pair for pair in permutations(factors, 2) if {" * ".join(pair), " * ".join(pair[::-1])} & significant]

@@ -52,11 +52,12 @@ def mixed_anova(
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
     groups = groups_of(rows, design.participants, subject, between)
     scaled, scale = scaled_design(design, dependent)
-    found = [_between(participant_scores(scaled), groups, between)]
+    tested = [_between(participant_scores(scaled), groups, between)]
     for effect in effects(scaled):
-        found += _within_and_interaction(effect.name, effect.scores, effect.n_conditions, groups, between)
-    residual = found[0].ss_error + sum(each.ss_error for each in found[1::2])
-    return told(effect_table(found, residual, scale, interval), design, found)
+        tested += _within_and_interaction(effect.name, effect.scores, effect.n_conditions, groups, between)
+    # Every second one: an effect within and its interaction share their error.
+    residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
+    return told(effect_table(tested, residual, scale, interval), design, tested)
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,7 @@ class Groups:
     def means(self, scores: Array) -> Array:
         """Shape (group, contrast)."""
         members = np.equal.outer(np.arange(len(self.sizes)), self.of)
-        found: Array = members @ scores / self.sizes[:, None]
-        return found
+        return np.asarray(members @ scores / self.sizes[:, None])
 
 
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
@@ -82,8 +82,8 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
             f"{between}: found {n_groups.max()} groups of the participant {n_groups.idxmax()}, expected one; name "
             "it as a factor within"
         )
-    own = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
-    of, names = pd.factorize(np.array([own[code] for code in participants]), sort=True)
+    group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
+    of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
     if len(names) < 2:
         raise UndefinedStatistic(
@@ -119,6 +119,7 @@ def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups:
     p, n_groups = scores.shape[1], len(groups.sizes)
     shape = sphericity(errors.T @ errors / df, df, n_conditions)
     mean = groups.means(scores).mean(axis=0)
+    # Groups weigh alike, however large: n_groups^2 / sum(1 / size) participants stand behind the plain mean.
     ss = float(mean @ mean) * n_groups**2 / float(np.sum(1 / groups.sizes))
     ss_error = float(np.sum(errors**2))
     return [

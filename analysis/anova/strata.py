@@ -51,13 +51,13 @@ class BoundedValues:
     def strata(self) -> tuple[Array, ...]:
         """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
         places = range(len(self.n_levels))
-        parts = (part for r in range(len(places) + 1) for part in combinations(places, r))
-        return tuple(contrasts(self.n_levels, part) for part in parts)
+        effects = (effect for r in range(len(places) + 1) for effect in combinations(places, r))
+        return tuple(contrasts(self.n_levels, effect) for effect in effects)
 
     def matrix(self, variances: Array) -> Array:
         """The covariance (cell, cell) with these variances of the strata; its inverse with their reciprocals."""
-        parts = (variance * own.T @ own for variance, own in zip(variances, self.strata, strict=True))
-        return np.asarray(sum(parts), dtype=np.float64)
+        pairs = zip(variances, self.strata, strict=True)
+        return np.asarray(sum(variance * stratum.T @ stratum for variance, stratum in pairs), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,9 @@ class StrataFit:
         """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
         (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
         n = self.means.size
-        own = 2 / float(self.covariance[n + stratum, n + stratum]) / len(self.data.strata[stratum])
-        return min(own / self.inflation, float(self.df))
+        # The covariance is that of the logarithm of the variance, so that its square is divided out already.
+        df = 2 / float(self.covariance[n + stratum, n + stratum]) / len(self.data.strata[stratum])
+        return min(df / self.inflation, float(self.df))
 
 
 def fit_strata(data: BoundedValues) -> StrataFit:
@@ -158,47 +159,48 @@ def _start(data: BoundedValues) -> tuple[Array, Array]:
 
 def _maximised(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
     """Means and variances of the completed values."""
-    expected = np.stack([each.mean() for each in points])
+    expected = np.stack([of_one.mean() for of_one in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)
     means = members @ expected / data.sizes[:, None]
     second = _second_moments(data, points, means).sum(axis=0) / len(expected)
-    variances = np.array([np.sum((own @ second) * own) / len(own) for own in data.strata])
+    # The mean variance of a stratum's contrasts: the trace of C M C', over their number.
+    variances = np.array([np.sum((stratum @ second) * stratum) / len(stratum) for stratum in data.strata])
     return means, np.maximum(variances, LEAST_VARIANCE * variances.max())
 
 
 def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array) -> Array:
     """Sums over the participants of each group (group, cell, cell) of squares and products about the means."""
-    found = np.zeros((len(means), *[means.shape[1]] * 2))
-    for each, place in zip(points, data.group, strict=True):
-        away = each.values - means[place]
-        found[place] += (away * each.weights[:, None]).T @ away
-    return found
+    sums = np.zeros((len(means), *[means.shape[1]] * 2))
+    for of_one, place in zip(points, data.group, strict=True):
+        away = of_one.values - means[place]
+        sums[place] += (away * of_one.weights[:, None]).T @ away
+    return sums
 
 
 def _points(data: BoundedValues, means: Array, variances: Array) -> tuple[list[Points], float]:
     """Of each participant, given what is known; and the log-likelihood."""
     covariance = data.matrix(variances)
-    found = [
+    by_participant = [
         _of_one(low, high, means[place], covariance)
         for low, high, place in zip(data.low, data.high, data.group, strict=True)
     ]
-    return [points for points, _ in found], float(sum(chance for _, chance in found))
+    return [points for points, _ in by_participant], float(sum(chance for _, chance in by_participant))
 
 
 def _of_one(low: Array, high: Array, mean: Array, covariance: Array) -> tuple[Points, float]:
     """The density of the known values, then the others given them."""
     known = low == high
-    own, both = covariance[np.ix_(known, known)], covariance[np.ix_(known, ~known)]
-    away, onto = low[known] - mean[known], np.linalg.solve(own, both).T
-    square = float(away @ np.linalg.solve(own, away))
-    log_density = -0.5 * (float(np.linalg.slogdet(own)[1]) + square + len(own) * LOG_TWO_PI)
+    of_known, both = covariance[np.ix_(known, known)], covariance[np.ix_(known, ~known)]
+    away, onto = low[known] - mean[known], np.linalg.solve(of_known, both).T
+    square = float(away @ np.linalg.solve(of_known, away))
+    log_density = -0.5 * (float(np.linalg.slogdet(of_known)[1]) + square + len(of_known) * LOG_TWO_PI)
     if known.all():
         return Points(low[None], np.ones(1)), log_density
     spread = np.asarray(covariance[np.ix_(~known, ~known)] - onto @ both, dtype=np.float64)
-    found = between(mean[~known] + onto @ away, spread, low[~known], high[~known])
-    values = np.empty((len(found.weights), len(low)))
-    values[:, known], values[:, ~known] = low[known], found.points
-    return Points(values, found.weights), log_density + found.log_chance
+    others = between(mean[~known] + onto @ away, spread, low[~known], high[~known])
+    values = np.empty((len(others.weights), len(low)))
+    values[:, known], values[:, ~known] = low[known], others.points
+    return Points(values, others.weights), log_density + others.log_chance
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
@@ -206,23 +208,25 @@ def _information(data: BoundedValues, points: Sequence[Points], means: Array, va
     variance of their gradient where they are not known."""
     n_cells = means.shape[1]
     whole = np.zeros((means.size + len(variances),) * 2)
-    for each, place in zip(points, data.group, strict=True):
-        own = np.arange(place * n_cells, (place + 1) * n_cells)
-        at = np.concatenate([own, np.arange(means.size, len(whole))])
-        whole[np.ix_(at, at)] += _information_of_one(data, each.values - means[place], each.weights, variances)
+    for of_one, place in zip(points, data.group, strict=True):
+        of_group = np.arange(place * n_cells, (place + 1) * n_cells)
+        at = np.concatenate([of_group, np.arange(means.size, len(whole))])
+        whole[np.ix_(at, at)] += _information_of_one(data, of_one.values - means[place], of_one.weights, variances)
     return whole
 
 
 def _information_of_one(data: BoundedValues, away: Array, weights: Array, variances: Array) -> Array:
     n, inverse = away.shape[1], data.matrix(1 / variances)
-    inside = [away @ own.T @ own / variance for own, variance in zip(data.strata, variances, strict=True)]
-    halves = np.stack([0.5 * np.sum(part * away, axis=1) for part in inside], axis=1)
+    pairs = zip(data.strata, variances, strict=True)
+    by_stratum = [away @ stratum.T @ stratum / variance for stratum, variance in pairs]
+    halves = np.stack([0.5 * np.sum(pull * away, axis=1) for pull in by_stratum], axis=1)
+    # Louis: the gradient's variance over what the values may be is information that is missing.
     gradient = np.hstack([away @ inverse, halves])
     gradient = gradient - weights @ gradient
-    found = -(gradient * weights[:, None]).T @ gradient
-    found[:n, :n] += inverse
-    for place, part in enumerate(inside, n):
-        found[:n, place] += weights @ part
-        found[place, :n] += weights @ part
-        found[place, place] += weights @ halves[:, place - n]
-    return np.asarray(found)
+    information = -(gradient * weights[:, None]).T @ gradient
+    information[:n, :n] += inverse
+    for place, pull in enumerate(by_stratum, n):
+        information[:n, place] += weights @ pull
+        information[place, :n] += weights @ pull
+        information[place, place] += weights @ halves[:, place - n]
+    return np.asarray(information)

@@ -47,7 +47,7 @@ def between(mean: Array, covariance: Array, low: Array, high: Array) -> Between:
         steps[:, j], log_chance = _one(even[:, j], (low[j] - middle) / sd, (high[j] - middle) / sd)
         log_weights += log_chance
     largest = log_weights.max()
-    weights = np.exp(log_weights - largest)
+    weights = np.exp(log_weights - largest)  # a chance far out in a tail is below the floats
     log_mean = largest + np.log(weights.mean())
     return Between(float(log_mean), mean + steps @ root.T, weights / weights.sum())
 
@@ -69,5 +69,6 @@ def _one(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
     bottom, top = log_ndtr(low), log_ndtr(high)
     with np.errstate(invalid="ignore"):
         log_chance = top + log1mexp(np.maximum(top - bottom, SMALLEST))
-    found = np.clip(ndtri_exp(np.minimum(np.logaddexp(bottom, log_chance + np.log(even)), 0.0)), low, high)
-    return np.where(flipped, -found, found), log_chance
+    log_share = np.minimum(np.logaddexp(bottom, log_chance + np.log(even)), 0.0)
+    values = np.clip(ndtri_exp(log_share), low, high)  # rounding may lead beyond an end
+    return np.where(flipped, -values, values), log_chance

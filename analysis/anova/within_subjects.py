@@ -72,10 +72,10 @@ def repeated_measures(
     """
     design = _design(table, dependent, within, subject)
     scaled, scale = scaled_design(design, dependent)
-    found = [effect.tested for effect in effects(scaled)]
+    tested = [effect.tested for effect in effects(scaled)]
     between = participant_scores(scaled)
-    residual = float(np.sum((between - between.mean()) ** 2)) + sum(each.ss_error for each in found)
-    return told(effect_table(found, residual, scale, interval), design, found)
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in tested)
+    return told(effect_table(tested, residual, scale, interval), design, tested)
 
 
 def permutation_test(
@@ -102,7 +102,7 @@ def permutation_test(
     [0.125]
     """
     design = _design(table, dependent, within, subject)
-    found = effects(scaled_design(design, dependent)[0])
+    scaled, _ = scaled_design(design, dependent)
     return pd.DataFrame(
         [
             {
@@ -111,7 +111,7 @@ def permutation_test(
                 "p_permutation": _permutation_p(effect, rng=rng, n_resamples=n_resamples),
                 "n_permutations": n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1),
             }
-            for effect in found
+            for effect in effects(scaled)
         ]
     )
 
@@ -133,9 +133,9 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
 def effect_table(found: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
     """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
     and all errors, `scale` the unit of the values."""
-    rows = [effect_row(each) | _added(each, residual, interval) for each in found]
+    rows = [effect_row(effect) | _added(effect, residual, interval) for effect in found]
     result = pd.DataFrame(_with_error(rows[0], found[0]) if len(found) == 1 else rows)
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore"):  # squares of values near the largest float: infinite, and F is right
         return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
 
 
@@ -187,11 +187,12 @@ def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]
 
 def told(result: pd.DataFrame, design: WithinDesign, found: Sequence[Tested]) -> pd.DataFrame:
     """The table with notes, number of participants and status in its `attrs`."""
-    singular = [singular_note(each, design.n) for each in found if each.has_error and each.sphericity.singular]
+    with_error = [effect for effect in found if effect.has_error]
+    singular = [singular_note(effect, design.n) for effect in with_error if effect.sphericity.singular]
     exact = [
-        f"{each.name}: found the same differences in all participants: the error is 0 and F is undefined"
-        for each in found
-        if not each.has_error
+        f"{effect.name}: found the same differences in all participants: the error is 0 and F is undefined"
+        for effect in found
+        if not effect.has_error
     ]
     status = DesignStatus.SINGULAR if singular else DesignStatus.OK
     result.attrs |= {"notes": [*design.notes, *singular, *exact], "n": design.n, "status": status}
