@@ -78,8 +78,8 @@ class Layout:
         if catch is not None:
             own_catch[:, cell] = catch
         u, k, n = (rows.reshape(layout) for rows in (u, k, n))
-        own_catch = own_catch.reshape(2, *layout[:2])
-        return cls(codes, conditions, kinds, u, k, n, own_catch, centre, spread, on_log_levels)
+        by_cell = own_catch.reshape(2, *layout[:2])
+        return cls(codes, conditions, kinds, u, k, n, by_cell, centre, spread, on_log_levels)
 
     def study(self, shape: Shape, asymptotes: tuple[float | None, float | None], catch: tuple[int, int]) -> StudyCounts:
         return StudyCounts(shape, self.u, self.n_yes, self.n_trials, self.width_group, *asymptotes, *catch, self.catch)
