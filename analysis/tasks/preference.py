@@ -17,11 +17,13 @@ from scipy.sparse.csgraph import connected_components
 from scipy.stats import norm, t as student
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.trials.columns import stated_factors
 from tactometry.trials.row_rules import rows_text
 
 from ..arrays import Array
 from ..conditions import parts
-from ..reading.trials import parsed
+from ..reading.trials import Trials, parsed
+from ..wording.labels import level_of
 from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]
@@ -213,6 +215,25 @@ def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFra
     return table.assign(note=found.note, **condition)[[*condition, *table.columns, "note"]]
 
 
+def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
+    """Items with the unit of their factor, within each condition in the order of their numbers."""
+    del unit
+    factor = _compared_factor(trials)
+    if not factor:
+        return table
+    ordered = table.sort_values("item", key=lambda item: parsed(item).fillna(float("inf")), kind="stable")
+    conditions = list(table.columns[: table.columns.get_loc("item")])
+    ordered = ordered.sort_values(conditions, kind="stable") if conditions else ordered
+    return ordered.assign(item=[text if text == ORDER else level_of(factor, text) for text in ordered["item"]])
+
+
+def _compared_factor(trials: Trials) -> str:
+    """The factor whose levels each trial compares: its column holds nothing. Empty if not just one is so."""
+    stated = stated_factors(list(trials.rows.columns))
+    bare = [name for name in stated if not trials.rows[name].replace("", None).notna().any()]
+    return bare[0] if len(bare) == 1 else ""
+
+
 ANALYSIS = TaskAnalysis(
     "Participants told which of two they preferred",
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
@@ -225,5 +246,10 @@ ANALYSIS = TaskAnalysis(
             "Bradley, R. A., & Terry, M. E. (1952). Rank analysis of incomplete block designs: I. The method of "
             "paired comparisons. Biometrika, 39, 324-345.",
         ),
+        title="Preferences",
+        lead="Bradley-Terry worths (logarithms of odds, mean 0) with 95 % intervals; below them what the first of a "
+        "pair gains.",
+        in_terminal="preference (Bradley-Terry worths, 95 % interval)",
+        view=_view,
     ),
 )

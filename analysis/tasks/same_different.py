@@ -13,12 +13,14 @@ from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from ..conditions import parts
-from ..reading.trials import parsed
+from ..reading.trials import Trials, parsed
 from .rows import is_catch
 from .signal_detection import LARGEST_D_PRIME, z_score
 from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis
 
 TASK = "same_different"
+SENSITIVITIES = {"d_prime_differencing": "d′ differencing", "d_prime_independent": "d′ independent"}
+COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", "n_same")}
 
 
 def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
@@ -103,6 +105,15 @@ def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) 
     return ""
 
 
+def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
+    """d' under its own sign, a count and its number of trials in one column (``3 of 4``), the level with its unit."""
+    del trials
+    for name, (part, whole) in COUNTS.items():
+        both = [f"{k} of {n}" for k, n in zip(table[part], table[whole], strict=True)]
+        table = table.assign(**{part: both}).rename(columns={part: name}).drop(columns=whole)
+    return table.rename(columns=SENSITIVITIES | ({"level": f"level ({unit})"} if unit else {}))
+
+
 ANALYSIS = TaskAnalysis(
     "Participants told whether a standard and a level differed",
     R_OF_LEVEL,
@@ -111,5 +122,9 @@ ANALYSIS = TaskAnalysis(
         "Sensitivity in same-different trials is given under the differencing and the independent-observation rule "
         "(Macmillan & Creelman 2005), with the log-linear correction.",
         works=("Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",),
+        title="Same or different",
+        lead="d' per participant, condition and level under the differencing and the independent-observation rule.",
+        in_terminal="same or different (d′ by either rule)",
+        view=_view,
     ),
 )

@@ -5,7 +5,13 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from ..reading.trials import Trials
 from .curve import Curve
+
+
+def _as_it_stands(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
+    del trials, unit
+    return table
 
 
 @dataclass(frozen=True)
@@ -23,12 +29,21 @@ class Results:
     dependent : str
         The column of the table named as the task that is compared between conditions, with a row for each participant
         and condition; empty: none is.
+    title, lead, in_terminal : str
+        Of a table that is told as it stands, as that of a dependent value is not: the heading and the sentence of the
+        page, and the title of the terminal.
+    view : callable
+        The table named as the task as a person reads it, from it, the trials and the unit of the levels.
     """
 
     tables: Callable[[pd.DataFrame, Sequence[str]], Mapping[str, pd.DataFrame]]
     methods: str = ""
     works: tuple[str, ...] = ()
     dependent: str = ""
+    title: str = ""
+    lead: str = ""
+    in_terminal: str = ""
+    view: Callable[[pd.DataFrame, Trials, str], pd.DataFrame] = _as_it_stands
 
 
 @dataclass(frozen=True)

@@ -1,43 +1,39 @@
-"""Tables of tasks that are told as they stand: settings and exponents of participants, worths, sensitivities."""
+"""Tables of tasks without a curve: a section of its own, or below those of the dependent values that are its means."""
 
 from collections.abc import Iterator
 
+import pandas as pd
+
 from ...result import Analysis
-from ..choice_text import choice_table
-from ..grid import TextGrid, grid
+from ...tasks.kinds import RESULTS
+from ..grid import grid
 from ..section import Details, Kind, Lead, Section, Table, TextTable, rows_of
 
-OF_PARTICIPANTS = ("adjustment", "magnitude")
-"""Their means stand in the sections of dependent values."""
-PREFERENCES = (
-    "Bradley-Terry worths (logarithms of odds, mean 0) with 95 % intervals; below them what the first of a pair gains."
-)
-SENSITIVITIES = "d' per participant, condition and level under the differencing and the independent-observation rule."
-TOLD = {"preference": ("Preferences", PREFERENCES), "same_different": ("Same or different", SENSITIVITIES)}
-IN_TERMINAL = {
-    "preference": "preference (Bradley-Terry worths, 95 % interval)",
-    "same_different": "same or different (d′ by either rule)",
-}
+TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
 
-def _grid(found: Analysis, name: str) -> TextGrid:
-    return grid(choice_table(found.tables[name], name, found.trials, found.unit), found.trials.factors)
+def _views(found: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Each task with its table as a person reads it; a column of notes only where there are any."""
+    for task in (task for task in TOLD if task in found.tables):
+        table = TOLD[task].view(found.tables[task], found.trials, found.unit)
+        is_noted = "note" in table.columns and (table["note"] != "").any()
+        yield task, table if is_noted else table.drop(columns="note", errors="ignore")
 
 
 def _sections(found: Analysis) -> Iterator[Section]:
-    for name in OF_PARTICIPANTS:
-        if name in found.tables:
-            rows = _grid(found, name)
-            yield Section("", (Details(f"Participants: {name} ({len(rows.rows)} rows)", (Table(rows),)),))
-    for name, (title, lead) in TOLD.items():
-        if name in found.tables:
-            yield Section(title, (Lead(lead), Table(_grid(found, name))))
+    views = {task: grid(view, found.trials.factors) for task, view in _views(found)}
+    for task, view in views.items():
+        if TOLD[task].dependent:
+            yield Section("", (Details(f"Participants: {task} ({len(view.rows)} rows)", (Table(view),)),))
+    for task, view in views.items():
+        if TOLD[task].title:
+            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), Table(view)))
 
 
 def _terminal(found: Analysis) -> Iterator[TextTable]:
-    for name, title in IN_TERMINAL.items():
-        if name in found.tables:
-            yield TextTable(choice_table(found.tables[name], name, found.trials, found.unit), title)
+    for task, view in _views(found):
+        if TOLD[task].in_terminal:
+            yield TextTable(view, TOLD[task].in_terminal)
 
 
-TASK_TABLES = Kind(_sections, _terminal, rows_of("same_different", "preference", *OF_PARTICIPANTS))
+TASK_TABLES = Kind(_sections, _terminal, rows_of(*TOLD))
